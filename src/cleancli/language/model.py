@@ -1,0 +1,217 @@
+"""The checked model: what the text means, once `check` has found no mistake in it.
+
+Guaranteed by the checker: every name is declared, arities and types fit, every variable is bound,
+the probabilities of each rule sum to exactly 1, and the facts of a problem are complete and canonical.
+Records hold plain names; spans stay only where a later pass writes back into the text (`Outcome`) or
+reports a mistake that needs objects to be seen (`Rule`), and equality ignores them.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from cleancli.language.diagnostics import Span
+
+Value = bool | str
+"""A value of a symbol: a truth value of a predicate, or a named value of a function."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Variable:
+    """A typed variable; the name has no `?`."""
+
+    name: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Object:
+    """A typed constant or object of a problem."""
+
+    name: str
+    type: str
+
+
+Term = Variable | Object
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """A declared type; `parent` is None at a root."""
+
+    name: str
+    parent: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A declared predicate (`values` is (False, True)) or function (its values in declared order)."""
+
+    name: str
+    parameters: tuple[Variable, ...]
+    values: tuple[Value, ...] = (False, True)
+    symmetric: bool = False
+
+    @property
+    def is_predicate(self) -> bool:
+        return self.values == (False, True)
+
+    def canonical(self, objects: tuple[str, ...]) -> tuple[str, ...]:
+        """The objects in the order under which a state stores them (sorted when symmetric)."""
+        return tuple(sorted(objects)) if self.symmetric else objects
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """Holds where the symbol's value for these terms is one of `values` (never all, never none)."""
+
+    symbol: str
+    terms: tuple[Term, ...]
+    values: frozenset[Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Equality:
+    """Holds where both terms are the same object (`equal`) or differ (not `equal`)."""
+
+    left: Term
+    right: Term
+    equal: bool
+
+
+Condition = tuple[Literal | Equality, ...]
+"""A conjunction; empty means true."""
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """An effect: the symbol takes `value` for these terms."""
+
+    symbol: str
+    terms: tuple[Term, ...]
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class ForAll:
+    """An effect on every binding of `variables` that satisfies `condition` before the action."""
+
+    variables: tuple[Variable, ...]
+    condition: Condition
+    effects: tuple[Assign, ...]
+
+
+class OutcomeKind(enum.Enum):
+    """`CHANGE` lists effects, `NOTHING` leaves the state as it is, `NOISE` does something unmodelled."""
+
+    CHANGE = "change"
+    NOTHING = "nothing"
+    NOISE = "noise"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One possible result of a rule.
+
+    `probability_span` covers the probability's own token, `weight_span` that token with its
+    `[prior p, seen n]`, if it has one; `is_rest` means that the text says `rest` and no number.
+    """
+
+    probability: Fraction
+    kind: OutcomeKind
+    effects: tuple[Assign | ForAll, ...] = ()
+    prior: Fraction | None = None
+    seen: int | None = None
+    is_rest: bool = False
+    probability_span: Span | None = field(default=None, compare=False)
+    weight_span: Span | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A probabilistic rule for one action (§3.3.2); `variables` are the action's, named as the rule names them."""
+
+    name: str
+    action: str
+    variables: tuple[Variable, ...]
+    condition: Condition
+    outcomes: tuple[Outcome, ...]
+    span: Span | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A declared action; `duration` in seconds of robot time, None where the file does not say."""
+
+    name: str
+    parameters: tuple[Variable, ...]
+    duration: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """A derived number: how many bindings of `variables` satisfy `condition`."""
+
+    name: str
+    variables: tuple[Variable, ...]
+    condition: Condition
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """A whole domain; tuples are in the order of the file. `reward` names the count whose decrease pays (eq. 2)."""
+
+    name: str
+    types: tuple[Type, ...]
+    constants: tuple[Object, ...]
+    symbols: tuple[Symbol, ...]
+    counts: tuple[Count, ...]
+    actions: tuple[Action, ...]
+    rules: tuple[Rule, ...]
+    default: tuple[Outcome, ...]
+    reward: str
+
+    def is_a(self, type_name: str, ancestor: str) -> bool:
+        """Whether `type_name` is `ancestor` or below it."""
+        parents = {t.name: t.parent for t in self.types}
+        current: str | None = type_name
+        while current is not None:
+            if current == ancestor:
+                return True
+            current = parents[current]
+        return False
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Fact:
+    """A symbol's value for some objects; predicates appear in a state only when true."""
+
+    symbol: str
+    objects: tuple[str, ...]
+    value: Value = True
+
+
+State = frozenset[Fact]
+"""Closed world: a predicate that is not listed is false; a function lists its value for every binding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Horizon:
+    """Plan length: `constant`, plus the value of `count` in the initial state where one is named (§4.2.2)."""
+
+    constant: int
+    count: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What to plan for. `objects` are the problem's own, without the domain's constants; `domain` is a name."""
+
+    name: str
+    domain: str
+    objects: tuple[Object, ...]
+    state: State
+    horizon: Horizon | None = None
+    discount: float = 0.95

@@ -1,0 +1,33 @@
+"""Tool paths: where the rag goes for one action, before anything is timed or driven."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+
+class Interpolation(enum.Enum):
+    """How the drive goes from one waypoint to the next (§3.2.1): shortest in joint space, or a straight line."""
+
+    JOINT = "joint"
+    STRAIGHT = "straight"
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint:
+    """A tool pose: x, y, z of the rag's lower middle in metres (z = 0 touches the surface), `yaw` in radians
+    of the direction the rag pushes to (the cloth stands perpendicular to it), `speed` in m/s on the way here."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    speed: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToolPath:
+    """Waypoints in order. The first and the last are above the surface (§3.2)."""
+
+    waypoints: tuple[Waypoint, ...]
+    interpolation: Interpolation

@@ -1,0 +1,31 @@
+"""What a camera delivers: colour, depth and where it was seen from. No heavy imports: worlds use it too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Pinhole camera. `pose` (4, 4) maps camera coordinates (x right, y down, z forward, metres) to the
+    scene's; focal length and principal point in pixels."""
+
+    width: int
+    height: int
+    focal: float
+    centre: tuple[float, float]
+    pose: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One RGB-D image: `colour` (height, width, 3) uint8 RGB, `depth` (height, width) float32 in metres
+    along the optical axis, 0 where unknown; `clock` in seconds of robot time."""
+
+    colour: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    camera: Camera
+    clock: float

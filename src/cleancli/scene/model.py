@@ -1,0 +1,106 @@
+"""The checked scene: a table, what lies on it, and who cleans it. Lengths in metres, angles in radians.
+
+The origin is the middle of the surface; x points east, y north, z up from the surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A level rectangular table top: extent along x and y, friction coefficient, RGB colour 0..255."""
+
+    width: float
+    depth: float
+    friction: float
+    colour: tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """An open bin below one edge; `offset` shifts its middle along that edge (towards east or north)."""
+
+    edge: str  # "north", "east", "south" or "west"
+    offset: float
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rag:
+    """The cleaning cloth: how it is grasped ("wide"), and how wide it is then."""
+
+    grasp: str
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class CameraSetup:
+    """An RGB-D camera straight above the middle of the surface; image size and focal length in pixels."""
+
+    height: float
+    image_width: int
+    image_height: int
+    focal: float
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Lentils dropped within `radius` of `centre`."""
+
+    count: int
+    centre: tuple[float, float]
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Scattered:
+    """Lentils spread evenly over the rectangle between two corners."""
+
+    count: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolThresholds:
+    """Where geometry becomes symbols (docs/symbols.md): all lengths in metres, `density` a share.
+
+    `link`: dirt closer than this belongs to one area. `small`, `medium`: longest diameter up to which an area
+    is small, medium. `density`: an area whose ellipse is covered by dirt to a smaller share is scattered.
+    `near`: gap between two ellipses up to which they are near. `traversal`: half width of the strip
+    between two places in which an area counts as lying between them.
+    """
+
+    link: float
+    small: float
+    medium: float
+    density: float
+    near: float
+    traversal: float
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry")."""
+
+    name: str
+    surface: Surface
+    container: Container
+    robot: str
+    rag: Rag
+    camera: CameraSetup
+    dirt: tuple[Group | Scattered, ...]
+    symbols: SymbolThresholds
+    seed: int
+
+    def mouth(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The two ends of the stretch of table edge below which the container stands, as (x, y) points."""
+        half, offset = self.container.width / 2, self.container.offset
+        if self.container.edge in ("north", "south"):
+            y = self.surface.depth / 2 * (1 if self.container.edge == "north" else -1)
+            return (offset - half, y), (offset + half, y)
+        x = self.surface.width / 2 * (1 if self.container.edge == "east" else -1)
+        return (x, offset - half), (x, offset + half)

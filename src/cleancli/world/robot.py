@@ -1,0 +1,40 @@
+"""What the executor needs of a robot, simulated or real: look, start a motion, poll it, stop."""
+
+from __future__ import annotations
+
+import enum
+from typing import Protocol
+
+from cleancli.motion.path import ToolPath
+from cleancli.perception.frame import Frame
+
+
+class Status(enum.Enum):
+    """Where a started motion stands."""
+
+    RUNNING = "running"
+    DONE = "done"
+    FAILED = "failed"
+
+
+class Robot(Protocol):
+    """A robot with one tool and one fixed camera. Only `observe` tells anything about the dirt."""
+
+    @property
+    def clock(self) -> float:
+        """Seconds of robot time since the start."""
+
+    def observe(self) -> Frame:
+        """Take one RGB-D image from where everything stands now."""
+
+    def start(self, path: ToolPath) -> None:
+        """Begin a motion: a transit from the present pose to its first waypoint, then the path."""
+
+    def withdraw(self) -> None:
+        """Begin a motion to the resting pose outside the camera's view."""
+
+    def poll(self) -> Status:
+        """Let up to one control period pass and say where the motion stands."""
+
+    def stop(self) -> None:
+        """End the motion now, with the tool raised."""
