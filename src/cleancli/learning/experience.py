@@ -1,18 +1,124 @@
-"""Transitions as they happened: one JSON object a line, symbols only (what perception reported)."""
+"""Transitions as they happened, and their file: one JSON object a line, symbols only (what perception reported)."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from cleancli.language.model import Object, State
+from cleancli.compiler.evaluate import canonical_state
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.model import Domain, Fact, Object, State
 
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """An executed action between two observed states; `objects` are those of both states, sorted."""
+    """An executed action between two observed states.
+
+    `objects` are those known before or after it. An object that is gone keeps its place in `after`, without
+    the facts that made it worth naming and with the values it was last seen with.
+    """
 
     action: str
     arguments: tuple[str, ...]
     objects: tuple[Object, ...]
     before: State
     after: State
+
+
+def encode(transition: Transition, extra: Mapping[str, object]) -> str:
+    """One line of an experience file, without its line end; `extra` is kept beside it for readers."""
+    record = {
+        "action": transition.action,
+        "arguments": list(transition.arguments),
+        "objects": {o.name: o.type for o in sorted(transition.objects)},
+        "before": _encode_state(transition.before),
+        "after": _encode_state(transition.after),
+        **extra,
+    }
+    return json.dumps(record, ensure_ascii=False)
+
+
+def decode(source: Source, domain: Domain) -> tuple[Transition, ...]:
+    """All transitions of an experience file.
+
+    A last line without a line end is a record that a crash cut short and is passed over. Any other line that
+    is no transition of this domain is refused, all of them at once.
+    """
+    transitions, mistakes = [], []
+    start = 0
+    for line in source.text.splitlines(keepends=True):
+        span = Span(source.path, start, start + len(line.rstrip("\r\n")))
+        start += len(line)
+        if line.strip() and line.endswith("\n"):
+            try:
+                transitions.append(_decode_line(line, domain))
+            except ValueError as error:
+                mistakes.append(Diagnostic("E701", f"not a transition of {domain.name}: {error}", span))
+    if mistakes:
+        raise Refused(mistakes, (source,))
+    return tuple(transitions)
+
+
+def _encode_state(state: State) -> list[list[object]]:
+    return [[fact.symbol, list(fact.objects), fact.value] for fact in sorted(state, key=_order)]
+
+
+def _order(fact: Fact) -> tuple[str, tuple[str, ...]]:
+    return fact.symbol, fact.objects
+
+
+def _decode_line(line: str, domain: Domain) -> Transition:
+    """Raises ValueError, with the reason, for anything that is not a transition."""
+    record = _typed(json.loads(line), dict, "the line")
+    action = _typed(record.get("action"), str, "action")
+    arity = {a.name: len(a.parameters) for a in domain.actions}
+    arguments = tuple(_names(record.get("arguments"), "arguments"))
+    if action not in arity:
+        raise ValueError(f"the domain has no action {action!r}")
+    if len(arguments) != arity[action]:
+        raise ValueError(f"{action} takes {arity[action]} arguments, not {len(arguments)}")
+    types = {t.name for t in domain.types}
+    objects = []
+    for name, type_name in _typed(record.get("objects"), dict, "objects").items():
+        if type_name not in types:
+            raise ValueError(f"the domain has no type {type_name!r}")
+        objects.append(Object(name, type_name))
+    known = {o.name for o in (*objects, *domain.constants)}
+    if unknown := [name for name in arguments if name not in known]:
+        raise ValueError(f"{unknown[0]!r} is not among its objects")
+    before, after = (_decode_state(record.get(key), key, domain, known) for key in ("before", "after"))
+    return Transition(action, arguments, tuple(objects), before, after)
+
+
+def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str]) -> State:
+    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    known = set(known)
+    facts = []
+    for entry in _typed(value, list, key):
+        if not (isinstance(entry, list) and len(entry) == 3 and isinstance(entry[0], str)):
+            raise ValueError(f"{key} lists {entry!r}, which is no [symbol, objects, value]")
+        name, objects, fact_value = entry[0], tuple(_names(entry[1], key)), entry[2]
+        symbol = symbols.get(name)
+        if symbol is None or len(symbol.parameters) != len(objects):
+            raise ValueError(f"the domain has no symbol {name!r} for {len(objects)} objects")
+        if not isinstance(fact_value, bool | str) or fact_value not in symbol.values:
+            raise ValueError(f"{name} cannot be {fact_value!r}")
+        if not known.issuperset(objects):
+            raise ValueError(f"{key} names an object that is not listed")
+        facts.append(Fact(name, objects, fact_value))
+    return canonical_state(domain, facts)
+
+
+def _names(value: object, key: str) -> list[str]:
+    names = _typed(value, list, key)
+    if not all(isinstance(name, str) for name in names):
+        raise ValueError(f"{key} must list names")
+    return names
+
+
+def _typed(value: Any, kind: type, key: str) -> Any:
+    if not isinstance(value, kind):
+        raise ValueError(f"{key} is no {kind.__name__}")
+    return value

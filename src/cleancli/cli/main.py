@@ -1,0 +1,93 @@
+"""The `cleancli` command: finds the subcommand, runs it, and turns every failure into a message and a code.
+
+Subcommands are modules that are imported only when called; a module may import what it needs at its top.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from cleancli import __version__
+from cleancli.cli.exit_codes import ExitCode
+from cleancli.language.diagnostics import Refused
+
+SUMMARIES = {
+    "check": "Report every mistake in domain, problem and scene files.",
+    "plan": "Plan for a problem, or for what the camera sees of a scene.",
+    "execute": "Clean a simulated table: look, plan, act, until it is clean.",
+    "learn": "Improve a domain's probabilities from recorded experience.",
+}
+"""Subcommands and their line in the help. Each lives in the module of the same name as `command`."""
+
+
+class _Commands(click.Group):
+    """A group that imports a subcommand only to run it, and lists them all without importing any."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(SUMMARIES)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in SUMMARIES:
+            return None
+        command = importlib.import_module(f"cleancli.cli.{cmd_name}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(SUMMARIES.items()))
+
+
+@click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="cleancli")
+def cli() -> None:
+    """Teach a robot to clean: probabilistic rules in, motion out, better rules back.
+
+    DOMAIN, PROBLEM and SCENE are paths of .nid files, or the bare names of those that ship with cleancli:
+    try `cleancli execute cleaning two_groups --seed 1`.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with a documented code; no input ends in a traceback."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """The exit code for a command line; messages go to standard error."""
+    try:
+        result = cli.main(args=list(arguments), prog_name="cleancli", standalone_mode=False)
+        sys.stdout.flush()
+        return result if isinstance(result, int) else ExitCode.DONE
+    except Refused as refused:
+        _print_refused(refused)
+        return ExitCode.REFUSED
+    except click.ClickException as error:
+        error.show()
+        return ExitCode.USAGE
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        return ExitCode.INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; Python would complain again when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ExitCode.FILES
+    except OSError as error:
+        click.echo(f"error: {error}", err=True)
+        return ExitCode.FILES
+
+
+def _print_refused(refused: Refused) -> None:
+    """Imported here because most runs never need the renderer."""
+    from cleancli.language.render import render
+
+    click.echo(render(refused.diagnostics, refused.sources, colour=sys.stderr.isatty()), err=True)
+
+
+if __name__ == "__main__":
+    main()
