@@ -1,6 +1,8 @@
-"""Opens the files that commands name: shipped or by path, read, parsed and checked."""
+"""Opens the files that commands name, shipped or by path: reads, parses and checks them."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
@@ -10,15 +12,20 @@ from cleancli.scene.model import Scene
 from cleancli.shipped import find
 
 
-def domain_source(name_or_path: str) -> Source:
-    """The text of a domain; raises Refused if there is no such file."""
-    return read_source(find("domains", name_or_path))
+def open_domain(name_or_path: str) -> tuple[Path, Source, Domain]:
+    """A domain with the file it came from; raises Refused."""
+    path = find("domains", name_or_path)
+    source = read_source(path)
+    return path, source, load_domain(source)
 
 
-def problem_or_scene(name_or_path: str, domain: Domain) -> Problem | Scene:
+def open_scene(name_or_path: str) -> tuple[Source, Scene]:
+    """A scene with its text; raises Refused with every mistake found."""
+    source = read_source(find("problems", name_or_path))
+    return source, load_scene(source)
+
+
+def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
     """A problem of the domain, or a scene; raises Refused with every mistake found."""
     source = read_source(find("problems", name_or_path))
     return load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
-
-
-__all__ = ["domain_source", "load_domain", "load_scene", "problem_or_scene"]

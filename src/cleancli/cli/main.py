@@ -15,6 +15,7 @@ import click
 from cleancli import __version__
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.language.diagnostics import Refused
+from cleancli.world.physics import MissingPhysics
 
 SUMMARIES = {
     "check": "Report every mistake in domain, problem and scene files.",
@@ -67,6 +68,9 @@ def run(arguments: Sequence[str]) -> int:
     except Refused as refused:
         _print_refused(refused)
         return ExitCode.REFUSED
+    except MissingPhysics as missing:
+        click.echo(f"error: {missing}", err=True)
+        return ExitCode.NO_PHYSICS
     except click.ClickException as error:
         error.show()
         return ExitCode.USAGE

@@ -7,6 +7,7 @@ most one covers a state (§3.3.2); an action is listed only if some rule of it c
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cleancli.language.model import OutcomeKind, Value
@@ -73,3 +74,22 @@ class Task:
     counted_always: int
     horizon: int
     discount: float
+
+
+def holds(condition: GroundCondition, assignment: Assignment) -> bool:
+    """Whether the assignment gives every variable of the condition one of the values it may have."""
+    return all(assignment[variable] in allowed for variable, allowed in condition)
+
+
+def condition_order(condition: GroundCondition) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """A sort key for conditions; sets of values have no order of their own."""
+    return tuple((variable, tuple(sorted(allowed))) for variable, allowed in condition)
+
+
+def literal_text(variable: StateVariable, allowed: Iterable[int]) -> str:
+    """A literal as a rule file would write it, like `not dirt(a1)` or `size(a1) = small | medium`."""
+    values = [variable.values[index] for index in sorted(allowed)]
+    subject = f"{variable.symbol}({', '.join(variable.objects)})"
+    if values == [True] or values == [False]:
+        return subject if values[0] else f"not {subject}"
+    return f"{subject} = {' | '.join(map(str, values))}"

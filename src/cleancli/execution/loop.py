@@ -6,8 +6,7 @@ It knows the robot only through `Robot`, and the table only through what percept
 from __future__ import annotations
 
 import time
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,14 +25,14 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.execution.seeds import Purpose, derived
-from cleancli.language.model import Domain, Fact, Object, Problem, State
+from cleancli.language.model import Domain, Problem
 from cleancli.learning.experience import Transition
-from cleancli.motion.actions import can_execute, stroke, tool_path
+from cleancli.motion.actions import can_execute, tool_path
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
-from cleancli.perception.symbols import DIRT, symbolize
-from cleancli.perception.tracking import track
+from cleancli.perception.symbols import remembered, symbolize
+from cleancli.perception.tracking import Stroke, track
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
@@ -61,21 +60,21 @@ def within_reach(domain: Domain) -> Domain:
     return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
 
 
-def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> Iterator[Event]:
+def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> Generator[Event]:
     """Clean the table: look, plan, carry out the first actions, look again, until no dirt is seen.
 
     Ends, always with `Ended`, when two looks in a row show no dirt, when the planner finds nothing worth doing,
     when the robot cannot follow a path, or after `max_actions`.
     """
-    episode = _Episode(domain, scene, robot, options)
+    episode = Episode(domain, scene, robot, options)
     yield from episode.withdraw()
     situation = yield from episode.look()
     while True:
         if not situation.areas:
             situation = yield from episode.look()
-            if not situation.areas:
-                yield episode.ended("no dirt is seen any more", clean=True)
-                return
+        if not situation.areas:
+            yield episode.ended("no dirt is seen any more", clean=True)
+            return
         if episode.actions >= options.max_actions:
             yield episode.ended(f"the limit of {options.max_actions} actions is reached")
             return
@@ -93,32 +92,34 @@ def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -
             situation = after
 
 
-def first_look(domain: Domain, scene: Scene, robot: Robot, seed: int) -> Situation:
-    """Withdraw the tool, look at the table once and say what is there."""
-    episode = _Episode(domain, scene, robot, EpisodeOptions(seed=seed))
+def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> Problem:
+    """Withdraw the tool, look at the table once, and say what there is to plan for."""
+    episode = Episode(domain, scene, robot, EpisodeOptions(seed=seed))
     for _ in episode.withdraw():
         pass
-    return next(event for event in episode.look() if isinstance(event, Looked)).situation
+    situation = next(event.situation for event in episode.look() if isinstance(event, Looked))
+    return problem_of(scene, domain, situation)
 
 
 def problem_of(scene: Scene, domain: Domain, situation: Situation) -> Problem:
-    """What the planner is asked: the areas seen now, with the default horizon (§4.2.2)."""
+    """The areas seen now as a problem, with the default horizon (§4.2.2)."""
     return Problem(scene.name, domain.name, situation.objects, situation.state)
 
 
-class _Episode:
-    """The mutable part of a running episode: clocks, counters and names of areas given so far."""
+class Episode:
+    """The mutable part of a run: time spent by kind, actions done, and how many areas have been named."""
 
     def __init__(self, domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> None:
         self._domain, self._feasible = domain, within_reach(domain)
         self._scene, self._robot, self._options = scene, robot, options
         self._rng = np.random.default_rng(derived(options.seed, Purpose.PERCEPTION))
-        self._seconds = Counter[str]()
+        self._planning_seed = derived(options.seed, Purpose.PLANNING)
+        self._seconds = {"acting": 0.0, "withdrawing": 0.0, "planning": 0.0, "perceiving": 0.0}
         self._named = 0
         self.actions = 0
 
-    def withdraw(self) -> Iterator[Event]:
-        """Move the tool out of the camera's view; as Moved events."""
+    def withdraw(self) -> Generator[Event]:
+        """Move the tool out of the camera's view."""
         started = self._robot.clock
         self._robot.withdraw()
         while self._robot.poll() is Status.RUNNING:
@@ -126,16 +127,69 @@ class _Episode:
         self._seconds["withdrawing"] += self._robot.clock - started
 
     def look(
-        self, before: tuple[Area, ...] = (), moved: tuple[str, ...] = (), path: ToolPath | None = None
-    ) -> Iterator[Event]:
-        """See the table and name its areas as a continuation of those `before`."""
+        self, before: Sequence[Area] = (), stroke: Stroke | None = None
+    ) -> Generator[Event, None, Situation]:
+        """See the table, and name its areas as what has become of those `before`."""
         started = time.perf_counter()
         frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
         observation = perceive(frames, self._scene, self._rng)
-        areas = track(before, observation.areas, moved, path)
+        areas = track(before, observation.areas, stroke, self._named + 1)
+        self._named = max([self._named, *(int(area.name[1:]) for area in areas)])
         objects, state = symbolize(areas, self._scene, self._domain)
-        situation = Situation(frames[-1], areas, objects, state)
         seconds = time.perf_counter() - started
         self._seconds["perceiving"] += seconds
+        situation = Situation(frames[-1], areas, objects, state)
         yield Looked(situation, seconds)
         return situation
+
+    def plan(self, situation: Situation) -> Generator[Event, None, Plan]:
+        """Ask the planner what to do about the areas seen now."""
+        started = time.perf_counter()
+        problem = problem_of(self._scene, self._domain, situation)
+        # Every plan draws its own sequences: the seed of a run and the number of actions done name them.
+        options = Options(self._options.samples, self._planning_seed + self.actions)
+        plan = PLANNERS[self._options.planner](ground(self._feasible, problem), options)
+        seconds = time.perf_counter() - started
+        self._seconds["planning"] += seconds
+        yield Planned(situation, plan, seconds)
+        return plan
+
+    def act(self, action: GroundAction, before: Situation) -> Generator[Event, None, Situation | None]:
+        """Carry out an action and see what came of it; None if the robot failed to follow its path."""
+        self.actions += 1
+        ellipses = {area.name: area.ellipse for area in before.areas}
+        path = tool_path(action.name, tuple(ellipses[name] for name in action.objects), self._scene)
+        started = self._robot.clock
+        yield Started(self.actions, action.name, action.objects, path)
+        self._robot.start(path)
+        while (status := self._robot.poll()) is Status.RUNNING:
+            yield Moved(self._robot.clock)
+        seconds = self._robot.clock - started
+        self._seconds["acting"] += seconds
+        if status is Status.FAILED:
+            self._robot.stop()
+            return None
+        yield StrokeEnded(self.actions, self._robot.clock)
+        yield from self.withdraw()
+        after = yield from self.look(before.areas, _stroke(action, path, self._scene))
+        yield Acted(self.actions, _transition(action, before, after), seconds, after)
+        return after
+
+    def ended(self, reason: str, clean: bool = False) -> Ended:
+        """The closing event, with the account of time."""
+        return Ended(reason, clean, self.actions, dict(self._seconds))
+
+
+def _stroke(action: GroundAction, path: ToolPath, scene: Scene) -> Stroke:
+    """Where the rag went and what it was meant to push, for naming what is left of it."""
+    on_surface = tuple((w.x, w.y) for w in path.waypoints if w.z <= 0)
+    return Stroke(action.objects, on_surface, scene.rag.width / 2)
+
+
+def _transition(action: GroundAction, before: Situation, after: Situation) -> Transition:
+    """What was seen before and after, over all objects of both; those gone are remembered as clean."""
+    objects = tuple(sorted({*before.objects, *after.objects}))
+    gone = {o.name for o in before.objects} - {o.name for o in after.objects}
+    return Transition(
+        action.name, action.objects, objects, before.state, after.state | remembered(before.state, gone)
+    )

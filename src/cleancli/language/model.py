@@ -131,7 +131,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A probabilistic rule for one action (§3.3.2); `variables` are the action's, named as the rule names them."""
+    """A probabilistic rule for one action (§3.3.2); `variables` are the action's, as the rule names them."""
 
     name: str
     action: str
@@ -161,7 +161,7 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Domain:
-    """A whole domain; tuples are in the order of the file. `reward` names the count whose decrease pays (eq. 2)."""
+    """A whole domain, in the order of the file; `reward` names the count whose decrease pays (eq. 2)."""
 
     name: str
     types: tuple[Type, ...]
@@ -207,7 +207,7 @@ class Horizon:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What to plan for. `objects` are the problem's own, without the domain's constants; `domain` is a name."""
+    """What to plan for; `objects` are the problem's own, without the constants of the domain it names."""
 
     name: str
     domain: str

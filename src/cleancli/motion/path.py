@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Interpolation(enum.Enum):
-    """How the drive goes from one waypoint to the next (§3.2.1): shortest in joint space, or a straight line."""
+    """How the drive goes to the next waypoint (§3.2.1): shortest in joint space, or along a straight line."""
 
     JOINT = "joint"
     STRAIGHT = "straight"
@@ -16,7 +16,8 @@ class Interpolation(enum.Enum):
 @dataclass(frozen=True, slots=True)
 class Waypoint:
     """A tool pose: x, y, z of the rag's lower middle in metres (z = 0 touches the surface), `yaw` in radians
-    of the direction the rag pushes to (the cloth stands perpendicular to it), `speed` in m/s on the way here."""
+    of the direction the rag pushes to (the cloth stands perpendicular to it), `speed` in m/s on the way
+    here."""
 
     x: float
     y: float

@@ -84,7 +84,8 @@ class SymbolThresholds:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry")."""
+    """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
+    that of the domain whose actions clean it."""
 
     name: str
     surface: Surface
@@ -95,6 +96,7 @@ class Scene:
     dirt: tuple[Group | Scattered, ...]
     symbols: SymbolThresholds
     seed: int
+    domain: str = "cleaning"
 
     def mouth(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The two ends of the stretch of table edge below which the container stands, as (x, y) points."""

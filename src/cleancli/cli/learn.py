@@ -1,0 +1,86 @@
+"""`cleancli learn`: what experience says about a domain's probabilities, as a diff or in place."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from cleancli.cli.inputs import open_domain
+from cleancli.language.edit import apply_edits, write_atomically
+from cleancli.language.load import load_domain, read_source
+from cleancli.language.diagnostics import Source
+from cleancli.language.model import Domain
+from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
+from cleancli.learning.experience import decode
+from cleancli.learning.learn import Learned, edits, learn
+from cleancli.learning.match import outcomes_of
+
+
+@click.command("learn", short_help="Improve a domain's probabilities from recorded experience.")
+@click.argument("domain")
+@click.argument("experience", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--estimator", type=click.Choice(list(ESTIMATORS)), default="decreasing-m", show_default=True,
+              help="How counts and prior are combined: eq. 5 or eq. 4.")
+@click.option("--m", type=click.FloatRange(min=0), default=DEFAULT_M, show_default=True,
+              help="Weight of the prior, in examples.")
+@click.option("--write", is_flag=True, help="Change the probabilities in the domain's file.")
+@click.option("--json", "as_data", is_flag=True, help="Print what was learned as JSON.")
+def command(
+    domain: str, experience: tuple[Path, ...], estimator: str, m: float, write: bool, as_data: bool
+) -> None:
+    """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, or run folders.
+
+    Prints the change as a diff; only --write changes the file. The prior stays in the file beside the learned
+    number, so that learning again from the same experience changes nothing: give every file that shall count.
+    """
+    path, source, model = open_domain(domain)
+    transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
+    learned = learn(model, transitions, ESTIMATORS[estimator], m)
+    text = apply_edits(source.text, edits(model, source.text, learned))
+    load_domain(Source(source.path, text))
+    if as_data:
+        click.echo(json.dumps([_as_data(model, entry) for entry in learned], indent=2))
+    else:
+        _print(model, learned, source, text, len(transitions))
+    if write and text != source.text:
+        write_atomically(path, text, source.text)
+        click.echo(f"wrote {path}", err=as_data)
+
+
+def _experience_file(path: Path) -> Path:
+    return path / "experience.jsonl" if path.is_dir() else path
+
+
+def _print(model: Domain, learned: Sequence[Learned], source: Source, text: str, transitions: int) -> None:
+    for line in difflib.unified_diff(
+        source.text.splitlines(), text.splitlines(), source.path, f"{source.path} (learned)", lineterm=""
+    ):
+        click.echo(line)
+    examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
+    click.echo(f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules")
+    for entry in learned:
+        if entry.unexplained:
+            click.echo(f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
+                       " and no noise outcome to count them to")
+
+
+def _as_data(model: Domain, entry: Learned) -> dict[str, object]:
+    return {
+        "rule": _rule_name(model, entry),
+        "examples": sum(entry.seen),
+        "unexplained": entry.unexplained,
+        "outcomes": [
+            {"kind": outcome.kind.value, "prior": float(prior), "probability": float(probability), "seen": seen}
+            for outcome, prior, probability, seen in zip(
+                outcomes_of(model, entry.rule), entry.priors, entry.probabilities, entry.seen, strict=True
+            )
+        ],
+    }
+
+
+def _rule_name(model: Domain, entry: Learned) -> str:
+    return "default" if entry.rule is None else model.rules[entry.rule].name

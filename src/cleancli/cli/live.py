@@ -1,0 +1,80 @@
+"""What a person sees while an episode runs: a line per look, plan and action, and what is going on now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from rich.console import Console
+from rich.status import Status
+
+from cleancli.execution.events import Acted, Ended, Event, Looked, Moved, Planned, Started
+
+
+class View(Protocol):
+    """Something that is told every event."""
+
+    def write(self, event: Event) -> None:
+        """Show one event."""
+
+
+@contextmanager
+def show(quiet: bool) -> Iterator[View]:
+    """A view on standard error: live in a terminal, plain lines elsewhere, silent if `quiet`."""
+    if quiet:
+        yield _Silent()
+        return
+    console = Console(stderr=True, highlight=False)
+    if not console.is_terminal:
+        yield _Lines(console, None)
+        return
+    with console.status("looking") as status:
+        yield _Lines(console, status)
+
+
+class _Silent:
+    def write(self, event: Event) -> None:
+        """Show nothing."""
+
+
+class _Lines:
+    """Prints what has happened; in a terminal, `status` says what is happening."""
+
+    def __init__(self, console: Console, status: Status | None) -> None:
+        self._console, self._status = console, status
+        self._doing = "withdrawing the tool"
+
+    def write(self, event: Event) -> None:
+        """Show one event."""
+        match event:
+            case Looked(situation, seconds):
+                areas = ", ".join(area.name for area in situation.areas) or "no dirt"
+                self._line(f"looked: {areas} ({seconds:.2f} s)")
+                self._now("planning")
+            case Planned(_, plan, seconds):
+                steps = ", ".join(str(action) for action in plan.actions[:3])
+                more = f" and {len(plan.actions) - 3} more" if len(plan.actions) > 3 else ""
+                self._line(f"planned: {steps}{more}; value {plan.value:.2f} ({seconds:.2f} s)")
+            case Started(number, action, arguments):
+                self._now(f"{number}. {action}({', '.join(arguments)})")
+            case Moved(clock):
+                if self._status is not None:
+                    self._status.update(f"{self._doing}, {clock:.1f} s of robot time")
+            case Acted(number, transition, seconds):
+                name = f"{transition.action}({', '.join(transition.arguments)})"
+                self._line(f"{number:3}. {name} done in {seconds:.1f} s of robot time")
+            case Ended(reason):
+                self._line(f"ended: {reason}")
+            case _:
+                pass
+
+    def _line(self, text: str) -> None:
+        self._console.print(text, markup=False, soft_wrap=True)
+
+    def _now(self, doing: str) -> None:
+        self._doing = doing
+        if self._status is not None:
+            self._status.update(doing)
+
+

@@ -1,0 +1,94 @@
+"""`cleancli plan`: the best sequence of actions found for a problem, or for a scene after one look at it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+import click
+
+from cleancli.cli.inputs import open_domain, open_problem
+from cleancli.compiler.ground import ground
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.language.model import Domain, Problem
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.table import PLANNERS
+from cleancli.scene.model import Scene
+
+
+@click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
+@click.argument("domain")
+@click.argument("problem")
+@click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
+@click.option("--samples", type=click.IntRange(min=1), default=10_000, show_default=True,
+              help="Action sequences to draw (n in eq. 3).")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's, or 1]")
+@click.option("--json", "as_data", is_flag=True, help="Print the plan as JSON.")
+def command(
+    domain: str, problem: str, planner: str, samples: int, seed: int | None, as_data: bool
+) -> None:
+    """Plan with the rules of DOMAIN for PROBLEM.
+
+    For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.
+    """
+    _, _, model = open_domain(domain)
+    given = open_problem(problem, model)
+    seconds: dict[str, float] = {}
+    if isinstance(given, Scene):
+        seed = given.seed if seed is None else seed
+        with _timed(seconds, "look"):
+            model, given = _problem_seen(model, given, seed)
+    with _timed(seconds, "ground"):
+        task = ground(model, given)
+    result = PLANNERS[planner](task, Options(samples, 1 if seed is None else seed))
+    seconds |= result.seconds
+    if as_data:
+        click.echo(json.dumps(_as_data(given, result, seconds), indent=2))
+    else:
+        _print(given, result, seconds)
+
+
+def _problem_seen(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
+    """What one look at the scene's table says, and the actions that its robot has skills for.
+
+    The world and its eyes are imported here: planning for a written problem needs neither.
+    """
+    from cleancli.execution.loop import look_once, within_reach
+    from cleancli.world.table import PybulletTable
+
+    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
+        return within_reach(domain), look_once(domain, scene, table, seed)
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
+    started = time.perf_counter()
+    yield
+    seconds[phase] = time.perf_counter() - started
+
+
+def _as_data(problem: Problem, plan: Plan, seconds: dict[str, float]) -> dict[str, object]:
+    return {
+        "problem": problem.name,
+        "planner": plan.planner,
+        "plan": [str(action) for action in plan.actions],
+        "value": plan.value,
+        "samples": plan.samples,
+        "horizon": plan.horizon,
+        "coverage": plan.coverage,
+        "seconds": seconds,
+    }
+
+
+def _print(problem: Problem, plan: Plan, seconds: dict[str, float]) -> None:
+    if not plan.actions:
+        click.echo("nothing worth doing")
+    for number, action in enumerate(plan.actions, start=1):
+        click.echo(f"{number:3}. {action}")
+    click.echo(
+        f"value {plan.value:.4f} by {plan.planner}, {plan.samples} samples, horizon {plan.horizon},"
+        f" {len(problem.objects)} objects, coverage {plan.coverage:.3g}"
+    )
+    click.echo("seconds: " + ", ".join(f"{phase} {spent:.3f}" for phase, spent in seconds.items()))

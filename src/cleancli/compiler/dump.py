@@ -1,0 +1,45 @@
+"""A task as stable text, for people and for golden tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cleancli.compiler.task import GroundCondition, GroundOutcome, Task, literal_text
+
+
+def dump(task: Task) -> str:
+    """All of the task, one item a line, in the task's own order. Numbers of rules count from 0 in the domain."""
+    return "\n".join(_lines(task)) + "\n"
+
+
+def _lines(task: Task) -> Iterator[str]:
+    yield f"horizon {task.horizon}"
+    yield f"discount {task.discount:g}"
+    for variable, value in zip(task.variables, task.initial, strict=True):
+        values = " | ".join(_value(v) for v in variable.values)
+        name = f"{variable.symbol}({', '.join(variable.objects)})"
+        yield f"variable {name}: {values} = {_value(variable.values[value])}"
+    for index, action in enumerate(task.actions):
+        yield f"action {action}" + ("" if action.duration is None else f" [{action.duration:g} s]")
+        for rule in task.rules:
+            if rule.action == index:
+                yield f"  rule {rule.rule} when {_condition(task, rule.condition)}"
+                yield from (f"    {outcome.probability:.6g}: {_effects(task, outcome)}" for outcome in rule.outcomes)
+    yield from (f"counted {_condition(task, condition)}" for condition in task.counted)
+    yield f"counted always {task.counted_always}"
+
+
+def _condition(task: Task, condition: GroundCondition) -> str:
+    return ", ".join(literal_text(task.variables[v], allowed) for v, allowed in condition) or "anything"
+
+
+def _effects(task: Task, outcome: GroundOutcome) -> str:
+    effects = ", ".join(
+        literal_text(task.variables[variable], (value,)).replace(" = ", " := ")
+        for variable, value in outcome.effects
+    )
+    return effects or outcome.kind.value
+
+
+def _value(value: bool | str) -> str:
+    return str(value).lower() if isinstance(value, bool) else value

@@ -1,0 +1,120 @@
+"""The run folder: what happened, whole and readable, whenever the run stops.
+
+`run.json` is replaced atomically at the start and the end, `experience.jsonl` grows by one flushed line an action,
+and each action leaves a picture. The folder is made before anything moves, so a full disk is met early.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.execution.events import Acted, Ended, Event, Looked, Moved, Planned, Situation, Started, StrokeEnded
+from cleancli.execution.pictures import Video, step_picture, write_png
+from cleancli.language.edit import replace_file
+from cleancli.learning.experience import encode
+
+Picture = NDArray[np.uint8]
+
+
+def free_folder(parent: Path, stem: str) -> Path:
+    """Make and return a folder in `parent` named after `stem`, numbered so that nothing is overwritten."""
+    parent.mkdir(parents=True, exist_ok=True)
+    for number in range(1, 1_000_000):
+        folder = parent / f"{stem}-{number:03d}"
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            continue
+        return folder
+    raise FileExistsError(f"{parent} holds a million runs of {stem}")
+
+
+class Recorder:
+    """Writes a run's events into its folder; `snapshot` gives a picture of the room for people to look at."""
+
+    def __init__(
+        self,
+        folder: Path,
+        header: Mapping[str, object],
+        snapshot: Callable[[], Picture],
+        video: bool,
+    ) -> None:
+        self._folder, self._header, self._snapshot = folder, dict(header), snapshot
+        self._totals: dict[str, object] = {}
+        self._situation: Situation | None = None
+        self._started: Started | None = None
+        self._room: Picture | None = None
+        self._write_run()
+        self._experience: IO[str] = (folder / "experience.jsonl").open("a", encoding="utf-8")
+        self._video = Video(folder / "video.webm") if video else None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._experience.close()
+        if self._video is not None:
+            self._video.close()
+
+    def write(self, event: Event) -> None:
+        """Record one event."""
+        match event:
+            case Looked(situation):
+                if self._situation is None:
+                    self._situation = situation
+                    self._picture(0, situation, None, self._snapshot())
+            case Started():
+                self._started = event
+            case Moved(clock):
+                if self._video is not None and self._video.wants(clock):
+                    self._video.add(self._snapshot(), clock, self._caption())
+            case StrokeEnded():
+                self._room = self._snapshot()
+            case Acted():
+                self._acted(event)
+            case Ended():
+                self._totals["episode"] = {
+                    "reason": event.reason,
+                    "clean": event.clean,
+                    "actions": event.actions,
+                    "seconds": {**event.seconds, "total": sum(event.seconds.values())},
+                }
+            case Planned():
+                pass
+
+    def finish(self, truth: Mapping[str, object]) -> None:
+        """Write the totals, with where the lentils truly are, apart from what perception believed."""
+        self._totals["truth"] = dict(truth)
+        self._write_run()
+
+    def _acted(self, event: Acted) -> None:
+        extra = {"number": event.number, "seconds": round(event.seconds, 3)}
+        self._experience.write(encode(event.transition, extra) + "\n")
+        self._experience.flush()
+        os.fsync(self._experience.fileno())
+        assert self._situation is not None and self._started is not None and self._room is not None
+        self._picture(event.number, self._situation, self._started, self._room)
+        self._situation, self._started = event.situation, None
+
+    def _picture(self, number: int, situation: Situation, started: Started | None, room: Picture) -> None:
+        picture = step_picture(situation, started, room)
+        write_png(self._folder / f"step-{number:03d}.png", picture)
+
+    def _caption(self) -> str:
+        if self._started is None:
+            return "looking"
+        return f"{self._started.number}. {self._started.action}({', '.join(self._started.arguments)})"
+
+    def _write_run(self) -> None:
+        text = json.dumps({**self._header, **self._totals}, indent=2, ensure_ascii=False) + "\n"
+        replace_file(self._folder / "run.json", text)

@@ -1,0 +1,181 @@
+"""From syntax to the checked model of a problem, given the domain it is for."""
+
+from __future__ import annotations
+
+from itertools import product
+
+from cleancli.language import syntax
+from cleancli.language.check import scope_of
+from cleancli.language.conditions import (
+    Scope,
+    resolve_application,
+    resolve_value,
+    wants_function,
+    wants_predicate,
+)
+from cleancli.language.declarations import Once, read_objects, sections_of
+from cleancli.language.diagnostics import Span
+from cleancli.language.findings import Findings
+from cleancli.language.model import Domain, Fact, Horizon, Object, Problem, State, Symbol, Value
+from cleancli.language.rules import known_counts
+
+_SECTIONS = {
+    syntax.DomainName: "domain",
+    syntax.Objects: "objects",
+    syntax.Init: "init",
+    syntax.HorizonNode: "horizon",
+    syntax.Discount: "discount",
+}
+_MOST_NAMED = 3
+
+
+def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> Problem:
+    """The model of a problem; it may only be used if `findings` holds no error."""
+    _refuse_repeated(node, findings)
+    _check_domain_name(node, domain, findings)
+    scope = scope_of(domain, findings)
+    objects = _objects(node, domain, scope)
+    everything = {**scope.objects, **{o.name: o for o in objects}}
+    scope = Scope(scope.declared, everything, {}, findings)
+    state = _state(node, domain, scope)
+    discounts = sections_of(node.sections, syntax.Discount)
+    discount = _discount(discounts[0], findings) if discounts else 0.95
+    return Problem(node.name.text, domain.name, objects, state, _horizon(node, domain, scope), discount)
+
+
+def _refuse_repeated(node: syntax.ProblemNode, findings: Findings) -> None:
+    seen: dict[str, Span] = {}
+    for section in node.sections:
+        name = _SECTIONS[type(section)]
+        if name in seen:
+            start = section.span.start
+            findings.error(
+                "E216",
+                f"a second `{name}`",
+                Span(section.span.path, start, start + len(name)),
+                help=f"the first stands in line {findings.line(seen[name])}",
+            )
+        seen.setdefault(name, section.span)
+
+
+def _check_domain_name(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> None:
+    named = sections_of(node.sections, syntax.DomainName)
+    if not named and "domain" not in findings.broken:
+        findings.error(
+            "E407",
+            f"the problem `{node.name.text}` names no domain",
+            node.name.span,
+            help=f"add `domain = {domain.name}`",
+        )
+    for section in named:
+        if section.name.text != domain.name:
+            findings.error(
+                "E401",
+                f"this problem is for the domain `{section.name.text}`, not `{domain.name}`",
+                section.name.span,
+            )
+
+
+def _objects(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> tuple[Object, ...]:
+    once = Once(scope.findings)
+    groups = [g for s in sections_of(node.sections, syntax.Objects) for g in s.groups]
+    objects = read_objects(groups, scope.declared, once, "object", scope.findings)
+    constants = {c.name for c in domain.constants}
+    for name in (name for group in groups for name in group.names):
+        if name.text in constants:
+            scope.findings.error(
+                "E402",
+                f"`{name.text}` is already a constant of the domain",
+                name.span,
+                help="leave it out here: constants are objects of every problem",
+            )
+    return tuple(objects.values())
+
+
+def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
+    inits = sections_of(node.sections, syntax.Init)
+    values: dict[tuple[str, tuple[str, ...]], Value] = {}
+    clean = True
+    for item in (fact for init in inits for fact in init.facts):
+        fact = _fact(item, scope)
+        if fact is None:
+            clean = False
+            continue
+        key = (fact.symbol, fact.objects)
+        if values.setdefault(key, fact.value) != fact.value:
+            scope.findings.error(
+                "E405",
+                f"`{fact.symbol}` has another value for these objects above",
+                item.span,
+                help=f"there it is `{values[key]}`",
+            )
+    if clean and not scope.findings.broken & {"init", "objects"}:
+        start = inits[0].span.start if inits else node.name.span.start
+        where = Span(node.span.path, start, start + len("init")) if inits else node.name.span
+        for symbol in domain.symbols:
+            if not symbol.is_predicate:
+                _refuse_missing(symbol, values.keys(), where, scope)
+    return frozenset(Fact(symbol, objects, value) for (symbol, objects), value in values.items())
+
+
+def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
+    before = scope.findings.sorted
+    for term in node.application.terms:
+        if term.is_variable:
+            scope.findings.error(
+                "E409", f"`?{term.name}` is a variable", term.span, help="a fact names objects"
+            )
+    if scope.findings.sorted != before:
+        return None
+    resolved = resolve_application(node.application, scope)
+    if resolved is None:
+        return None
+    symbol, terms = resolved
+    objects = symbol.canonical(tuple(term.name for term in terms))
+    if node.value is None:
+        return Fact(symbol.name, objects) if wants_predicate(symbol, node, scope) else None
+    if not wants_function(symbol, node, scope):
+        return None
+    value = resolve_value(node.value, symbol, scope)
+    return None if value is None else Fact(symbol.name, objects, value)
+
+
+def _refuse_missing(symbol: Symbol, given: object, where: Span, scope: Scope) -> None:
+    assert hasattr(given, "__contains__")
+    fitting = [
+        sorted(o.name for o in scope.objects.values() if scope.declared.is_a(o.type, parameter.type))
+        for parameter in symbol.parameters
+    ]
+    missing = [objects for objects in product(*fitting) if (symbol.name, objects) not in given]
+    if missing:
+        shown = [f"`{symbol.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED]]
+        more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
+        verb = "has" if len(missing) == 1 else "have"
+        scope.findings.error(
+            "E404",
+            f"{', '.join(shown)}{more} {verb} no value",
+            where,
+            help=f"add a value: {', '.join(map(str, symbol.values))}",
+        )
+
+
+def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | None:
+    for section in sections_of(node.sections, syntax.HorizonNode):
+        constant = section.constant
+        if section.count is not None:
+            known_counts([count.name for count in domain.counts], section.count, scope)
+        if constant is not None and (
+            not constant.is_whole or (constant.value == 0 and section.count is None)
+        ):
+            scope.findings.error(
+                "E406", "the horizon is a whole number of actions, at least 1", constant.span
+            )
+        count = None if section.count is None else section.count.text
+        return Horizon(0 if constant is None else int(constant.value), count)
+    return None
+
+
+def _discount(node: syntax.Discount, findings: Findings) -> float:
+    if node.value.value > 1:
+        findings.error("E406", "the discount lies between 0 and 1", node.value.span)
+    return float(node.value.value)

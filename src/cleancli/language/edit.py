@@ -1,0 +1,100 @@
+"""The one place that changes files of the user: edits at spans, and a write that replaces all or nothing."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from cleancli.language.diagnostics import Diagnostic, Refused, Span
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace what stands at `span` by `replacement`; an empty span inserts."""
+
+    span: Span
+    replacement: str
+
+
+def apply_edits(text: str, edits: Iterable[Edit]) -> str:
+    """The text with all edits made; offsets mean the old text, and nothing outside the spans changes.
+
+    Raises ValueError for spans that overlap, insert at one place twice, or lie outside the text.
+    """
+    ordered = sorted(edits, key=lambda edit: (edit.span.start, edit.span.end))
+    parts = []
+    done = 0
+    previous: Span | None = None
+    for edit in ordered:
+        span = edit.span
+        if not 0 <= span.start <= span.end <= len(text):
+            raise ValueError(f"edit at {span.start}..{span.end} lies outside the text")
+        if span.start < done or span == previous:
+            raise ValueError(f"edits overlap at {span.start}")
+        parts += [text[done : span.start], edit.replacement]
+        done, previous = span.end, span
+    return "".join(parts) + text[done:]
+
+
+def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:
+    """Replace a file in one step, if it still reads as it did; see `replace_file`.
+
+    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist).
+    """
+    old = expected_old_text.encode("utf-8") if expected_old_text is not None else None
+    try:
+        target = Path(path)
+        now = target.read_bytes() if target.exists() else None
+    except OSError as error:
+        raise Refused([Diagnostic("E003", f"cannot read `{path}`: {error.strerror}", None)]) from None
+    if now != old:
+        what = "already exists" if old is None else "has changed on disk since it was read"
+        raise Refused([Diagnostic("E006", f"`{path}` {what}", None, help="nothing was written")])
+    replace_file(path, text)
+
+
+def replace_file(path: Path | str, text: str) -> None:
+    """Write a UTF-8 file so that it holds the old text or the new one, whatever happens.
+
+    Line ends are written as they are and permissions kept; a symlink stays and its target is replaced.
+    Refuses (E003) where the file cannot be written.
+    """
+    try:
+        target = Path(path).resolve()
+        mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
+        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        temporary = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(text.encode("utf-8"))
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.chmod(mode)
+            temporary.replace(target)
+        except BaseException:
+            with suppress(FileNotFoundError):
+                temporary.unlink()
+            raise
+        _sync_folder(target.parent)
+    except OSError as error:
+        raise Refused([Diagnostic("E003", f"cannot write `{path}`: {error.strerror}", None)]) from None
+
+
+def _default_mode() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the rename itself durable where the system lets a folder be opened."""
+    if os.name == "posix":
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

@@ -1,0 +1,116 @@
+"""Files to models, in one call each: read, parse, check, or refuse with every mistake found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cleancli.language.check import check_domain
+from cleancli.language.check_problem import check_problem
+from cleancli.language.declarations import sections_of
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.findings import Findings
+from cleancli.language.model import Domain, Problem
+from cleancli.language.parse import kind_of, parse
+from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode, Root, SceneNode, Setting, Word
+
+__all__ = ["domain_named", "kind_of", "load_domain", "load_problem", "parse_as", "read_source"]
+
+_LARGEST = 8 * 1024 * 1024
+
+
+def read_source(path: Path | str) -> Source:
+    """The text of a file as it is, line ends included; refuses what is no UTF-8 text (E001 to E005)."""
+    name = str(path)
+    try:
+        if Path(path).is_dir():
+            raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a .nid file")])
+        with Path(path).open("rb") as file:
+            raw = file.read(_LARGEST + 1)
+    except FileNotFoundError:
+        raise Refused([Diagnostic("E001", f"no file `{name}`", None)]) from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
+    return Source(name, _decode(name, raw))
+
+
+def _decode(name: str, raw: bytes) -> str:
+    if len(raw) > _LARGEST:
+        raise Refused([Diagnostic("E005", f"`{name}` is larger than {_LARGEST >> 20} MiB", None)])
+    bad = raw.find(b"\0")
+    text = ""
+    if bad < 0:
+        try:
+            text = raw.decode("utf-8")
+        except UnicodeDecodeError as error:
+            bad = error.start
+    if bad >= 0:
+        line = raw.count(b"\n", 0, bad) + 1
+        message = f"`{name}` is no UTF-8 text: byte 0x{raw[bad]:02x} at offset {bad} (line {line})"
+        raise Refused([Diagnostic("E004", message, None, help="save the file as UTF-8")])
+    return text
+
+
+def parse_as(source: Source, kind: str) -> tuple[Root | None, Findings]:
+    """The tree of a text that must be of one kind (E106), with what the parser found."""
+    found = kind_of(source)
+    if found != kind:
+        start = source.text.index(found)
+        span = Span(source.path, start, start + len(found))
+        raise Refused([Diagnostic("E106", f"this is a {found}, where a {kind} is wanted", span)], [source])
+    parsed = parse(source)
+    return parsed.root, Findings(source, parsed.diagnostics, parsed.broken)
+
+
+def load_domain(source: Source) -> Domain:
+    """The checked domain; raises Refused with every mistake."""
+    root, findings = parse_as(source, "domain")
+    if not isinstance(root, DomainNode):
+        raise Refused(findings.sorted, [source])
+    domain = check_domain(root, findings)
+    findings.refuse_errors()
+    return domain
+
+
+def load_problem(source: Source, domain: Domain) -> Problem:
+    """The checked problem for a domain; raises Refused with every mistake."""
+    root, findings = parse_as(source, "problem")
+    if not isinstance(root, ProblemNode):
+        raise Refused(findings.sorted, [source])
+    problem = check_problem(root, domain, findings)
+    findings.refuse_errors()
+    return problem
+
+
+def domain_named(source: Source) -> Name:
+    """The name of the domain that a problem or scene is for, with its place; raises Refused (E407)."""
+    parsed = parse(source)
+    match parsed.root:
+        case ProblemNode(sections=sections):
+            for section in sections_of(sections, DomainName):
+                return section.name
+        case SceneNode(entries=entries):
+            for entry in entries:
+                if (
+                    isinstance(entry, Setting)
+                    and entry.key.text == "domain"
+                    and isinstance(entry.value, Word)
+                ):
+                    return Name(entry.value.text, span=entry.value.span)
+        case None:
+            raise Refused(parsed.diagnostics, [source])
+        case DomainNode():
+            parse_as(source, "problem")
+    if parsed.diagnostics:
+        raise Refused(parsed.diagnostics, [source])
+    raise Refused(
+        [
+            Diagnostic(
+                "E407",
+                "this file names no domain",
+                Span(source.path, 0, 0),
+                help="add for example `domain = cleaning`",
+            )
+        ],
+        [source],
+    )

@@ -1,0 +1,152 @@
+"""The braces of a text, found before parsing, so that a mistake in one block hides none in the next."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from cleancli.language.diagnostics import Diagnostic, Source, Span
+
+_TOKEN = re.compile(r"#[^\r\n]*|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]")
+_NESTED = frozenset({"group", "scattered"})
+"""Sections that may stand inside another section; no other block is a third level."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A section of the file: `name` is the first word of its header, [start, end) reaches from there past the
+    closing brace; an unclosed one ends where the next begins."""
+
+    name: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """The sections inside the file's one block; `body` is the text up to where that block ends, with the
+    sections blanked that are not closed, and with a closing brace added where it is missing."""
+
+    blocks: tuple[Block, ...]
+    body: str
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def blank(text: str, start: int, end: int) -> str:
+    """The text with [start, end) replaced by spaces, line ends kept, so that no offset moves."""
+    return text[:start] + re.sub(r"[^\r\n]", " ", text[start:end]) + text[end:]
+
+
+@dataclass(slots=True)
+class _Open:
+    name: str
+    start: int
+    brace: int
+
+
+class _Scan:
+    """One pass over the tokens of a text; `stack` holds the blocks that are open."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.stack: list[_Open] = []
+        self.blocks: list[Block] = []
+        self.unclosed: list[Block] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.words: list[re.Match[str]] = []
+        self.root_end: int | None = None
+
+    def run(self) -> None:
+        for match in _TOKEN.finditer(self.source.text):
+            token = match.group()
+            if token.startswith("#"):
+                continue
+            if self.root_end is not None:
+                self._report_after_end(match)
+                return
+            if token == "{":
+                self._open(match)
+            elif token == "}":
+                self._close(match)
+            else:
+                self.words.append(match)
+        while self.stack:
+            self._leave_unclosed(self.stack.pop(), len(self.source.text))
+
+    def _open(self, match: re.Match[str]) -> None:
+        header = self._header(match)
+        while (len(self.stack) >= 2 and header.name not in _NESTED) or len(self.stack) >= 3:
+            self._leave_unclosed(self.stack.pop(), header.start)
+        self.stack.append(header)
+        self.words.clear()
+
+    def _header(self, match: re.Match[str]) -> _Open:
+        for word in reversed(self.words):
+            if word.group() == "rule":
+                return _Open("rule", word.start(), match.start())
+        if self.words and re.match(r"\w", self.words[-1].group()):
+            word = self.words[-1]
+            return _Open(word.group(), word.start(), match.start())
+        return _Open("", match.start(), match.start())
+
+    def _close(self, match: re.Match[str]) -> None:
+        self.words.clear()
+        if not self.stack:
+            self._report(
+                "E103", "this brace closes nothing", match.start(), match.end(), "no block is open here"
+            )
+            return
+        block = self.stack.pop()
+        if len(self.stack) == 1:
+            self.blocks.append(Block(block.name, block.start, match.end()))
+        if not self.stack:
+            self.root_end = match.end()
+
+    def _leave_unclosed(self, block: _Open, end: int) -> None:
+        name = f"`{block.name}`" if block.name else "this"
+        self._report(
+            "E102",
+            f"the {name} block is never closed",
+            block.brace,
+            block.brace + 1,
+            "opened here",
+            "add the missing `}`",
+        )
+        if self.stack:
+            self.unclosed.append(Block(block.name, block.start, end))
+        self.words.clear()
+
+    def _report_after_end(self, match: re.Match[str]) -> None:
+        assert self.root_end is not None
+        if match.group() == "}":
+            self._report(
+                "E103",
+                "this brace closes nothing",
+                match.start(),
+                match.end(),
+                "every block is closed before it",
+            )
+        else:
+            self._report(
+                "E105",
+                "the file goes on after its block has ended",
+                match.start(),
+                match.end(),
+                "a file holds one block",
+                "remove a `}` above, or move this to a file of its own",
+            )
+
+    def _report(self, code: str, message: str, start: int, end: int, label: str, help: str = "") -> None:
+        self.diagnostics.append(Diagnostic(code, message, Span(self.source.path, start, end), label, help))
+
+
+def outline(source: Source) -> Outline:
+    """Find the sections of a file and report braces that do not match (E102, E103, E105)."""
+    scan = _Scan(source)
+    scan.run()
+    body = source.text if scan.root_end is None else source.text[: scan.root_end]
+    for block in scan.unclosed:
+        body = blank(body, block.start, block.end)
+    if scan.root_end is None and any(d.code == "E102" for d in scan.diagnostics):
+        body += "}"
+    return Outline(tuple(scan.blocks) + tuple(scan.unclosed), body, tuple(scan.diagnostics))

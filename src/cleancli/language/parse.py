@@ -1,0 +1,108 @@
+"""Text to syntax tree: parse, and where that fails blank the block at fault and parse again.
+
+Every block is so parsed on its own: one mistake is reported for each, however many there are.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import re
+from dataclasses import dataclass
+from typing import cast
+
+from lark import Lark, UnexpectedInput
+from lark.lexer import PatternStr
+
+from cleancli.language.build import Builder
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.outline import Block, blank, outline
+from cleancli.language.syntax import Root
+from cleancli.language.syntax_errors import Reader
+from cleancli.shipped import shipped
+
+KINDS = ("domain", "problem", "scene")
+_MOST_ERRORS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """What could be read of a text. `broken` names the sections that were left out because of mistakes (by
+    the first word of their headers); `root` is None where not even the outermost block could be read."""
+
+    root: Root | None
+    broken: frozenset[str]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+@functools.cache
+def grammar() -> Lark:
+    """The parser of grammar/nid.lark, built once."""
+    text = (shipped("grammar") / "nid.lark").read_text(encoding="utf-8")
+    return Lark(text, parser="lalr", propagate_positions=True, maybe_placeholders=True)
+
+
+@functools.cache
+def _keywords() -> dict[str, str]:
+    return {
+        terminal.name: terminal.pattern.value
+        for terminal in grammar().terminals
+        if isinstance(terminal.pattern, PatternStr)
+    }
+
+
+def kind_of(source: Source) -> str:
+    """Whether the text is a "domain", a "problem" or a "scene"; raises Refused (E105) for anything else."""
+    match = re.match(r"(?:[\s\ufeff]|#[^\r\n]*)*(?P<word>\w+|\S)?", source.text)
+    assert match is not None
+    word = match["word"]
+    if word in KINDS:
+        return cast(str, word)
+    forms = "a file holds one block: `domain NAME { ... }`, `problem NAME { ... }` or `scene NAME { ... }`"
+    if word is None:
+        raise Refused(
+            [Diagnostic("E105", "the file is empty", Span(source.path, 0, 0), help=forms)], [source]
+        )
+    near = difflib.get_close_matches(word, KINDS, n=1)
+    span = Span(source.path, match.start("word"), match.end("word"))
+    message = f"a file cannot begin with `{word}`"
+    advice = f"did you mean `{near[0]}`?" if near else forms
+    raise Refused([Diagnostic("E105", message, span, help=advice)], [source])
+
+
+def parse(source: Source) -> Parsed:
+    """The syntax tree with every syntax error found (E101 to E107); raises Refused if it is no .nid text."""
+    kind_of(source)
+    shape = outline(source)
+    diagnostics = list(shape.diagnostics)
+    broken = {block.name for block in shape.blocks if shape.body[block.start : block.end].isspace()}
+    text = shape.body
+    while len(diagnostics) < _MOST_ERRORS:
+        reader = Reader(source.path, text, _keywords())
+        try:
+            tree = grammar().parse(text)
+        except UnexpectedInput as error:
+            diagnostics.append(reader.diagnose(error))
+            place = min(error.pos_in_stream or 0, len(text) - 1)
+            shorter, names = _without_fault(text, place, shape.blocks)
+            if shorter == text:
+                return Parsed(None, frozenset(broken), tuple(diagnostics))
+            broken |= names
+            text = shorter
+        else:
+            return Parsed(cast(Root, Builder(source.path).build(tree)), frozenset(broken), tuple(diagnostics))
+    return Parsed(None, frozenset(broken), tuple(diagnostics))
+
+
+def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[str, frozenset[str]]:
+    """Blank the section around the mistake, or else its line if no brace stands there."""
+    for block in blocks:
+        if block.start <= place < block.end:
+            return blank(text, block.start, block.end), frozenset({block.name})
+    start = max(text.rfind("\n", 0, place), text.rfind("\r", 0, place)) + 1
+    line = re.compile(r"[^\r\n]*").match(text, start)
+    assert line is not None
+    if re.search(r"[{}]", line.group()):
+        return text, frozenset()
+    words = frozenset(re.findall(r"\w+", line.group())[:1])
+    return blank(text, start, line.end()), words

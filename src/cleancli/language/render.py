@@ -1,0 +1,134 @@
+"""Diagnostics as text for people and as data for programs."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from bisect import bisect_right
+from collections.abc import Callable, Iterable
+
+from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
+
+_TAB = 4
+_WIDEST = 160
+_RED, _YELLOW, _CYAN, _BOLD, _PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[36m", "\x1b[1m", "\x1b[0m"
+
+
+class Lines:
+    """The lines of a text, for turning offsets into places."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._starts = [0, *(m.end() for m in re.finditer(r"\r\n|\n|\r", text))]
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """Line and column of an offset, both from 1; columns count characters."""
+        offset = min(max(offset, 0), len(self._text))
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        """The text of a line, without its end."""
+        end = self._starts[number] if number < len(self._starts) else len(self._text)
+        return self._text[self._starts[number - 1] : end].rstrip("\r\n")
+
+
+def render(diagnostics: Iterable[Diagnostic], sources: Iterable[Source], colour: bool = False) -> str:
+    """All diagnostics with their source lines; `colour` adds ANSI codes."""
+    lines = {source.path: Lines(source.text) for source in sources}
+    return "\n".join(_one(diagnostic, lines, colour) for diagnostic in diagnostics)
+
+
+def _one(diagnostic: Diagnostic, lines: dict[str, Lines], colour: bool) -> str:
+    paint = _painter(colour)
+    tone = _RED if diagnostic.level is Level.ERROR else _YELLOW
+    title = paint(f"{diagnostic.level.value}[{diagnostic.code}]", tone)
+    head = f"{title}: {paint(_safe(diagnostic.message), _BOLD)}"
+    span = diagnostic.span
+    gutter = "  "
+    parts = []
+    if span is None:
+        parts.append(f"{head}\n")
+    elif span.path not in lines:
+        parts.append(f"{_safe(span.path)}: {head}\n")
+    else:
+        line, column = lines[span.path].place(span.start)
+        parts.append(f"{_safe(span.path)}:{line}:{column}: {head}\n")
+        gutter = " " * (len(str(line)) + 1)
+        source, carets = _excerpt(lines[span.path], span)
+        label = f" {_safe(diagnostic.label)}" if diagnostic.label else ""
+        parts.append(f"{gutter}|\n{line} | {source}\n{gutter}| {carets[0]}{paint(carets[1] + label, tone)}\n")
+    if diagnostic.help:
+        parts.append(f"{gutter}= {paint('help', _CYAN)}: {_safe(diagnostic.help)}\n")
+    return "".join(parts)
+
+
+def _painter(colour: bool) -> Callable[[str, str], str]:
+    return (lambda text, tone: f"{tone}{text}{_PLAIN}") if colour else (lambda text, tone: text)
+
+
+def _excerpt(lines: Lines, span: Span) -> tuple[str, tuple[str, str]]:
+    """The source line as shown, and the blanks before and the carets under the span's first line."""
+    number, column = lines.place(span.start)
+    last, end = lines.place(span.end)
+    raw = lines.line(number)
+    first = column - 1
+    stop = end - 1 if last == number else len(raw)
+    cut = max(0, first - _WIDEST // 2)
+    shown, widths = _expand(raw[cut : cut + _WIDEST])
+    first, stop = first - cut, min(stop - cut, len(widths))
+    before = sum(widths[:first])
+    return shown, (" " * before, "^" * max(1, sum(widths[first:stop])))
+
+
+def _expand(text: str) -> tuple[str, list[int]]:
+    """The text fit for a terminal, and how many columns each of its characters takes there."""
+    shown: list[str] = []
+    widths: list[int] = []
+    for character in text:
+        if character == "\t":
+            width = _TAB - sum(widths) % _TAB
+            shown.append(" " * width)
+        else:
+            shown.append(_safe(character))
+            width = _width(shown[-1])
+        widths.append(width)
+    return "".join(shown), widths
+
+
+def _width(character: str) -> int:
+    if unicodedata.combining(character) or unicodedata.category(character) in ("Cf", "Me", "Mn"):
+        return 0
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def _safe(text: str) -> str:
+    """Control characters could steer the terminal; a dot stands for each."""
+    return "".join("·" if unicodedata.category(c) == "Cc" else c for c in text)
+
+
+def as_json(
+    diagnostics: Iterable[Diagnostic], sources: Iterable[Source]
+) -> list[dict[str, str | int | None]]:
+    """Diagnostics as dictionaries; lines and columns from 1, the end exclusive, None without a place."""
+    lines = {source.path: Lines(source.text) for source in sources}
+    return [_as_dict(diagnostic, lines) for diagnostic in diagnostics]
+
+
+def _as_dict(diagnostic: Diagnostic, lines: dict[str, Lines]) -> dict[str, str | int | None]:
+    span = diagnostic.span
+    located = span is not None and span.path in lines
+    line, column = lines[span.path].place(span.start) if span is not None and located else (None, None)
+    end_line, end_column = lines[span.path].place(span.end) if span is not None and located else (None, None)
+    return {
+        "code": diagnostic.code,
+        "level": diagnostic.level.value,
+        "message": diagnostic.message,
+        "path": None if span is None else span.path,
+        "line": line,
+        "column": column,
+        "end_line": end_line,
+        "end_column": end_column,
+        "label": diagnostic.label,
+        "help": diagnostic.help,
+    }

@@ -1,0 +1,216 @@
+"""From an action and the ellipses it acts upon to the tool's path (§3.2): what a robot with one arm can do.
+
+Each skill gives the corners of its stroke, as the paper defines them; `tool_path` adds what all share: the
+tool comes down straight, just behind the dirt, stands perpendicular to the motion, and is lifted at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from math import atan2, hypot
+from types import MappingProxyType
+
+import numpy as np
+
+from cleancli.motion.ellipse import Point, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.perception.area import Ellipse
+from cleancli.scene.model import Scene
+
+FAST_SPEED = 0.20  # m/s, chosen; so is the next
+STRAIGHT_SPEED = 0.12
+VERTICAL_SPEED = 0.10  # coming down and lifting; chosen
+TRANSIT_SPEED = 0.25
+LIFT = 0.05  # "a few centimeters away from the surface" (§3.2)
+# Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
+# 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
+CLEARANCE = 0.02
+EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
+OVERSHOOT = 0.02  # the whole rag ends this far past the edge
+TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
+GREATEST_SLANT = (
+    60.0  # degrees from the edge's normal at which a push still goes straight over the edge; chosen
+)
+_CROSSINGS = 161  # points of the mouth that are tried
+_SAME_PLACE = 1e-3  # corners closer than this are one
+
+
+class NoSkill(Exception):
+    """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
+
+    def __init__(self, action: str, arity: int) -> None:
+        known = ", ".join(f"{name}/{skill.arity}" for name, skill in SKILLS.items())
+        super().__init__(f"this robot can't execute {action}/{arity}; it can execute {known}")
+
+
+@dataclass(frozen=True, slots=True)
+class Skill:
+    """How many ellipses an action takes, the corners of its stroke, and how the drive goes between them."""
+
+    arity: int
+    stroke: Callable[[tuple[Ellipse, ...], Scene], tuple[Point, ...]]
+    speed: float
+    interpolation: Interpolation
+
+
+def can_execute(action: str, arity: int) -> bool:
+    """Whether the robot has a skill for this action with so many areas."""
+    return action in SKILLS and SKILLS[action].arity == arity
+
+
+def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
+    """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3).
+
+    Raises `NoSkill` for an action that a robot with one arm doesn't have.
+    """
+    if not can_execute(action, len(areas)):
+        raise NoSkill(action, len(areas))
+    skill = SKILLS[action]
+    corners = _distinct(skill.stroke(areas, scene))
+    stroke = _turning((_behind(corners, scene), *corners[1:]))
+    first, last = stroke[0], stroke[-1]
+    return ToolPath(
+        (
+            Waypoint(first[0], first[1], LIFT, first[2], TRANSIT_SPEED),
+            Waypoint(first[0], first[1], 0.0, first[2], VERTICAL_SPEED),
+            *(Waypoint(x, y, 0.0, yaw, skill.speed) for x, y, yaw in stroke[1:]),
+            Waypoint(last[0], last[1], LIFT, last[2], VERTICAL_SPEED),
+        ),
+        skill.interpolation,
+    )
+
+
+def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """From the point farthest from the container straight over the nearest point of its mouth (§3.2.1)."""
+    (area,) = areas
+    start = farthest_from_stretch(area, scene.mouth())
+    crossing = _crossing(start, scene)
+    if crossing is not None:
+        return start, _past_edge(start, crossing, scene)
+    # Too slanting to cross the mouth within its width: go in front of its middle first.
+    middle = _mouth_middle(scene)
+    out = _outwards(scene)
+    inset = scene.rag.width
+    front = middle[0] - inset * out[0], middle[1] - inset * out[1]
+    return start, front, _past_edge(front, middle, scene)
+
+
+def _join2(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """Dirt of the first ellipse goes to the near side of the second (§3.2.3)."""
+    first, second = areas
+    return farthest(first, second), *nearest(first, second)
+
+
+def _join3(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """As joining two, and on to the third without stopping (§3.2.3)."""
+    first, second, third = areas
+    return *_join2((first, second), scene), *nearest(second, third)
+
+
+def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
+    because the dirt then comes nearer to it."""
+    (area,) = areas
+    middle = _mouth_middle(scene)
+    start = max(major_ends(area), key=lambda end: hypot(end[0] - middle[0], end[1] - middle[1]))
+    return start, area.centre
+
+
+SKILLS: Mapping[str, Skill] = MappingProxyType(
+    {
+        "moveToContainerFast": Skill(1, _to_container, FAST_SPEED, Interpolation.JOINT),
+        "moveToContainerStraight": Skill(1, _to_container, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join2": Skill(2, _join2, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join3": Skill(3, _join3, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+    }
+)
+
+
+def _crossing(start: Point, scene: Scene) -> Point | None:
+    """The point of the mouth nearest to `start` over which the whole rag, perpendicular to its way, passes
+    within the mouth; None if there is none, or the way would slant too much."""
+    west, east = (np.array(end) for end in scene.mouth())
+    mouth = float(np.linalg.norm(east - west))
+    shares = np.linspace(0, 1, _CROSSINGS)
+    points = west + shares[:, None] * (east - west)
+    ways = points - np.array(start)
+    distances = np.linalg.norm(ways, axis=1)
+    straightness = ways @ np.array(_outwards(scene)) / np.maximum(distances, 1e-9)
+    footprint = scene.rag.width / 2 / np.maximum(straightness, 1e-9)
+    fits = (mouth * np.minimum(shares, 1 - shares) >= footprint) & (
+        straightness >= np.cos(np.radians(GREATEST_SLANT))
+    )
+    if not fits.any():
+        return None
+    best = points[np.argmin(np.where(fits, distances, np.inf))]
+    return float(best[0]), float(best[1])
+
+
+def _past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
+    """Where a push from `start` over `crossing` ends, with the rag's hindmost end past the edge as well."""
+    x, y = _direction(start, crossing)
+    out = _outwards(scene)
+    straightness = x * out[0] + y * out[1]
+    hindmost = scene.rag.width / 2 * abs(x * out[1] - y * out[0])
+    beyond = min(hindmost + OVERSHOOT, scene.container.depth) / straightness
+    return crossing[0] + beyond * x, crossing[1] + beyond * y
+
+
+def _behind(corners: tuple[Point, ...], scene: Scene) -> Point:
+    """Where the tool comes down: behind the first corner, but not off the surface."""
+    x, y = _direction(corners[0], corners[1])
+    width, depth = scene.surface.width / 2 - EDGE_MARGIN, scene.surface.depth / 2 - EDGE_MARGIN
+    back = corners[0][0] - CLEARANCE * x, corners[0][1] - CLEARANCE * y
+    return min(max(back[0], -width), width), min(max(back[1], -depth), depth)
+
+
+def _turning(corners: tuple[Point, ...]) -> tuple[tuple[float, float, float], ...]:
+    """Poses (x, y, yaw) of the stroke: perpendicular on every straight piece, and turning evenly from a
+    little before each inner corner to a little after it."""
+    pieces = list(pairwise(corners))
+    poses: list[tuple[float, float, float]] = []
+    for index, (begin, end) in enumerate(pieces):
+        x, y = _direction(begin, end)
+        length = hypot(end[0] - begin[0], end[1] - begin[1])
+        yaw = atan2(y, x)
+        stretch = min(TURN_STRETCH, length / 3)
+        after = stretch if index > 0 else 0.0
+        poses.append((begin[0] + after * x, begin[1] + after * y, yaw))
+        if index + 1 == len(pieces):
+            poses.append((*end, yaw))
+            continue
+        following = atan2(*reversed(_direction(*pieces[index + 1])))
+        turn = (following - yaw + np.pi) % (2 * np.pi) - np.pi
+        poses.append((end[0] - stretch * x, end[1] - stretch * y, yaw))
+        poses.append((*end, yaw + turn / 2))
+    return tuple(poses)
+
+
+def _distinct(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+    """The corners without those that stand where the one before stands; two remain even of one point."""
+    kept = [corners[0]]
+    for corner in corners[1:]:
+        if hypot(corner[0] - kept[-1][0], corner[1] - kept[-1][1]) > _SAME_PLACE:
+            kept.append(corner)
+    return tuple(kept) if len(kept) > 1 else (corners[0], corners[0])
+
+
+def _mouth_middle(scene: Scene) -> Point:
+    (x0, y0), (x1, y1) = scene.mouth()
+    return (x0 + x1) / 2, (y0 + y1) / 2
+
+
+def _outwards(scene: Scene) -> Point:
+    """The unit vector from the surface over the container's edge."""
+    compass = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0)}
+    return compass[scene.container.edge]
+
+
+def _direction(begin: Point, end: Point) -> Point:
+    """The unit vector from one point to another; east, if they are one point."""
+    x, y = end[0] - begin[0], end[1] - begin[1]
+    length = hypot(x, y)
+    return (x / length, y / length) if length > 0 else (1.0, 0.0)

@@ -1,0 +1,135 @@
+"""From geometry to symbols (§3.3.1): named areas become the objects and the state that rules speak of.
+
+docs/perception.md defines every symbol. A domain need not declare them all; what it does not declare, or declares
+for other types or values, is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence, Set
+from itertools import combinations, permutations
+from math import hypot
+
+from cleancli.language.model import Domain, Fact, Object, State, Symbol
+from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.ellipses import extent, gap
+from cleancli.scene.model import Scene, SymbolThresholds
+
+AREA = "area"
+CONTAINER = "container"
+SIZES = ("small", "medium", "big")
+
+Point = tuple[float, float]
+
+
+class MissingSymbol(Exception):
+    """The domain does not declare a symbol that cleaning cannot do without; `symbol` shows its declaration."""
+
+    def __init__(self, symbol: str) -> None:
+        self.symbol = symbol
+        super().__init__(f"the domain must declare {symbol}")
+
+
+def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tuple[Object, ...], State]:
+    """One object per named area, and all that is true of them. Raises MissingSymbol without `dirt(?a - area)`."""
+    declared = {symbol.name: symbol for symbol in domain.symbols}
+    dirt = declared.get("dirt")
+    if dirt is None or not _takes(dirt, domain, AREA):
+        raise MissingSymbol("dirt(?a - area)")
+    facts = {Fact("dirt", (area.name,)) for area in areas}
+    if _predicate(declared, "scattered", domain, AREA):
+        facts |= {Fact("scattered", (a.name,)) for a in areas if is_scattered(a, scene.symbols)}
+    if (size := declared.get("size")) and _takes(size, domain, AREA) and set(SIZES) <= set(size.values):
+        facts |= {Fact("size", (area.name,), size_of(area, scene.symbols)) for area in areas}
+    if _predicate(declared, "near", domain, AREA, AREA):
+        facts |= set(_near(areas, declared["near"], scene.symbols))
+    if _predicate(declared, "traversal", domain, AREA, AREA, AREA):
+        facts |= set(_traversal(areas, scene.symbols))
+    if _predicate(declared, "traversal", domain, AREA, CONTAINER, AREA):
+        containers = [c.name for c in domain.constants if domain.is_a(c.type, CONTAINER)]
+        facts |= set(_traversal_to(containers, areas, scene))
+    return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
+
+
+def remembered(before: State, gone: Set[str]) -> State:
+    """What to keep of areas that are seen no more: all that was known of them but that they are dirty.
+
+    So a state after an action differs from the one before it in nothing that was not seen to change.
+    """
+    return frozenset(
+        fact for fact in before if not gone.isdisjoint(fact.objects) and fact.symbol != "dirt"
+    )
+
+
+def size_of(area: Area, thresholds: SymbolThresholds) -> str:
+    """The size by the longest diameter of the ellipse."""
+    diameter = 2 * area.ellipse.axes[0]
+    if diameter <= thresholds.small:
+        return "small"
+    return "medium" if diameter <= thresholds.medium else "big"
+
+
+def is_scattered(area: Area, thresholds: SymbolThresholds) -> bool:
+    """Whether dirt covers a smaller share of the ellipse than `density`."""
+    return area.covered < thresholds.density * extent(area.ellipse)
+
+
+def are_near(first: Ellipse, second: Ellipse, thresholds: SymbolThresholds) -> bool:
+    """Whether the gap between two ellipses is at most `near`."""
+    return gap(first, second) <= thresholds.near
+
+
+def lies_between(point: Point, start: Point, end: Point, half_width: float) -> bool:
+    """Whether `point` is strictly between two others along their line, at most `half_width` beside it."""
+    along_x, along_y = end[0] - start[0], end[1] - start[1]
+    length = hypot(along_x, along_y)
+    if length == 0:
+        return False
+    from_x, from_y = point[0] - start[0], point[1] - start[1]
+    along = (from_x * along_x + from_y * along_y) / length
+    beside = abs(from_x * along_y - from_y * along_x) / length
+    return 0 < along < length and beside <= half_width
+
+
+def nearest_on_mouth(point: Point, scene: Scene) -> Point:
+    """The point of the container's mouth nearest to `point`: there a push into the container leads."""
+    (x0, y0), (x1, y1) = scene.mouth()
+    return min(max(point[0], x0), x1), min(max(point[1], y0), y1)
+
+
+def _predicate(declared: dict[str, Symbol], name: str, domain: Domain, *types: str) -> bool:
+    symbol = declared.get(name)
+    return symbol is not None and symbol.is_predicate and _takes(symbol, domain, *types)
+
+
+def _takes(symbol: Symbol, domain: Domain, *types: str) -> bool:
+    """Whether the symbol can be said of objects of these types."""
+    known = {declared.name for declared in domain.types}
+    return len(symbol.parameters) == len(types) and all(
+        name in known and domain.is_a(name, parameter.type)
+        for name, parameter in zip(types, symbol.parameters, strict=True)
+    )
+
+
+def _near(areas: Sequence[Area], symbol: Symbol, thresholds: SymbolThresholds) -> Iterator[Fact]:
+    for first, second in combinations(areas, 2):
+        if are_near(first.ellipse, second.ellipse, thresholds):
+            pair = first.name, second.name
+            # A domain that does not declare `near` symmetric is told both ways round.
+            yield from (Fact(symbol.name, symbol.canonical(names)) for names in (pair, pair[::-1]))
+
+
+def _traversal(areas: Sequence[Area], thresholds: SymbolThresholds) -> Iterator[Fact]:
+    for start, end, middle in permutations(areas, 3):
+        places = (middle.ellipse.centre, start.ellipse.centre, end.ellipse.centre)
+        if lies_between(*places, thresholds.traversal):
+            yield Fact("traversal", (start.name, end.name, middle.name))
+
+
+def _traversal_to(containers: Iterable[str], areas: Sequence[Area], scene: Scene) -> Iterator[Fact]:
+    """Facts about pushes into the container; a scene has one, so every container constant means that one."""
+    names = tuple(containers)
+    for start, middle in permutations(areas, 2):
+        mouth = nearest_on_mouth(start.ellipse.centre, scene)
+        if lies_between(middle.ellipse.centre, start.ellipse.centre, mouth, scene.symbols.traversal):
+            yield from (Fact("traversal", (start.name, name, middle.name)) for name in names)

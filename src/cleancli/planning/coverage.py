@@ -1,0 +1,36 @@
+"""Which share of the plan space a number of samples covers (eq. 3), and how many samples a small space needs."""
+
+from __future__ import annotations
+
+import math
+
+from cleancli.compiler.task import Task, holds
+
+ENOUGH = 10
+"""Samples per sequence of a small plan space: drawing more would find nothing new (§4.2.1). Chosen."""
+
+
+def coverage(task: Task, samples: int) -> float:
+    """n / (#dirt · #a)^H, at most 1 (eq. 3): #dirt conditions hold at first, #a actions and H steps are possible."""
+    if samples <= 0:
+        return 0.0
+    return min(1.0, math.exp(math.log(samples) - _log_sequences(task)))
+
+
+def enough_samples(task: Task, limit: int) -> int:
+    """At most `limit` samples, fewer where (#dirt · #a)^H is small (§4.2.1), none where no action is left."""
+    if not task.actions or task.horizon <= 0:
+        return 0
+    if math.log(ENOUGH) + _log_sequences(task) >= math.log(max(limit, 1)):
+        return limit
+    return min(limit, ENOUGH * _pairs(task) ** task.horizon)
+
+
+def _log_sequences(task: Task) -> float:
+    """log (#dirt · #a)^H; a space without dirt or actions has the one empty sequence."""
+    return max(task.horizon, 0) * math.log(max(_pairs(task), 1))
+
+
+def _pairs(task: Task) -> int:
+    dirt = task.counted_always + sum(holds(condition, task.initial) for condition in task.counted)
+    return dirt * len(task.actions)

@@ -1,0 +1,181 @@
+"""Reads the settings of one scene section by key, each with its unit and range, and reports what is wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from cleancli.language.diagnostics import Span
+from cleancli.language.findings import Findings
+from cleancli.language.syntax import (
+    Call,
+    ImageSize,
+    Name,
+    Pair,
+    Quantity,
+    Section,
+    Setting,
+    SettingValue,
+    Word,
+)
+
+_PER_METRE = {"m": 1, "cm": 100, "mm": 1000}
+
+
+class Settings:
+    """The settings among `entries`. Each reader returns the default where the key is missing or wrong."""
+
+    def __init__(self, name: Name, entries: Iterable[Setting | Section], findings: Findings) -> None:
+        self._name = name
+        self._findings = findings
+        self._settings: dict[str, Setting] = {}
+        self._asked: set[str] = set()
+        for entry in entries:
+            if not isinstance(entry, Setting):
+                continue
+            if entry.key.text in self._settings:
+                line = findings.line(self._settings[entry.key.text].span)
+                findings.error(
+                    "E216",
+                    f"a second `{entry.key.text}`",
+                    entry.key.span,
+                    help=f"the first stands in line {line}",
+                )
+            else:
+                self._settings[entry.key.text] = entry
+
+    def span(self, key: str) -> Span:
+        """The place of a value, or of the section's name where the value is a default."""
+        setting = self._settings.get(key)
+        return self._name.span if setting is None else setting.value.span
+
+    def length(self, key: str, default: float | None, zero: bool = False, negative: bool = False) -> float:
+        """A length in metres, above zero unless said otherwise."""
+        value = self._take(key, default)
+        if value is None:
+            return default or 0.0
+        metres = self._metres(value)
+        if metres is not None and not negative and (metres < 0 or (metres == 0 and not zero)):
+            self._range(value, "must not be negative" if zero else "must be above 0")
+            metres = None
+        return (default or 0.0) if metres is None else metres
+
+    def number(self, key: str, default: float, low: float, high: float = math.inf) -> float:
+        """A plain number between `low` (excluded) and `high`."""
+        value = self._take(key, default)
+        if value is None:
+            return default
+        number = self._plain(value)
+        if number is not None and not low < number <= high:
+            top = "" if high == math.inf else f" and at most {high:g}"
+            self._range(value, f"must be above {low:g}{top}")
+            number = None
+        return default if number is None else number
+
+    def whole(self, key: str, default: int | None, low: int, high: int) -> int:
+        """A whole number from `low` to `high`, both included."""
+        value = self._take(key, default)
+        if value is None:
+            return default if default is not None else low
+        number = self._plain(value)
+        if number is not None and (number != int(number) or not low <= number <= high):
+            self._range(value, f"must be a whole number from {low} to {high}")
+            number = None
+        return (low if default is None else default) if number is None else int(number)
+
+    def word(self, key: str, default: str, choices: Iterable[str] | None = None) -> str:
+        """A name, one of `choices` where they are given."""
+        value = self._take(key, default)
+        if value is None:
+            return default
+        if not isinstance(value, Word):
+            self._wrong(value, "a name")
+            return default
+        if choices is not None and value.text not in choices:
+            self._findings.unknown("E506", key, value.text, value.span, choices)
+            return default
+        return value.text
+
+    def point(self, key: str) -> tuple[float, float]:
+        """A required point `(x, y)`, in metres."""
+        value = self._take(key, None)
+        if value is None:
+            return 0.0, 0.0
+        if not isinstance(value, Pair):
+            self._wrong(value, "a point such as `(10 cm, -5 cm)`")
+            return 0.0, 0.0
+        return self._metres(value.x) or 0.0, self._metres(value.y) or 0.0
+
+    def colour(self, key: str, default: tuple[int, int, int]) -> tuple[int, int, int]:
+        """`rgb(red, green, blue)`, each a whole number from 0 to 255."""
+        value = self._take(key, default)
+        if value is None:
+            return default
+        if not isinstance(value, Call) or value.name.text != "rgb" or len(value.arguments) != 3:
+            self._wrong(value, "a colour such as `rgb(205, 198, 184)`")
+            return default
+        for argument in value.arguments:
+            if not argument.is_whole or argument.value > 255:
+                self._findings.error("E505", "a colour has whole numbers from 0 to 255", argument.span)
+        red, green, blue = (int(argument.value) for argument in value.arguments)
+        return red, green, blue
+
+    def image(self, key: str, default: tuple[int, int]) -> tuple[int, int]:
+        """`width x height` in pixels, each from 16 to 4096."""
+        value = self._take(key, default)
+        if value is None:
+            return default
+        if not isinstance(value, ImageSize):
+            self._wrong(value, "a size such as `640 x 480`")
+            return default
+        for side in (value.width, value.height):
+            if not side.is_whole or not 16 <= side.value <= 4096:
+                self._findings.error("E505", "an image has 16 to 4096 pixels a side", side.span)
+        return int(value.width.value), int(value.height.value)
+
+    def refuse_others(self) -> None:
+        """Report the keys that nobody asked for (E502)."""
+        for key, setting in self._settings.items():
+            if key not in self._asked:
+                self._findings.unknown(
+                    "E502", f"key in `{self._name.text}`", key, setting.key.span, self._asked
+                )
+
+    def _take(self, key: str, default: object) -> SettingValue | None:
+        self._asked.add(key)
+        setting = self._settings.get(key)
+        if setting is None and default is None:
+            self._findings.error("E513", f"`{self._name.text}` needs `{key}`", self._name.span)
+        return None if setting is None else setting.value
+
+    def _metres(self, value: SettingValue) -> float | None:
+        if not isinstance(value, Quantity):
+            self._wrong(value, "a length such as `12 cm`")
+            return None
+        if value.unit is None and value.value == 0:
+            return 0.0
+        if value.unit is None or value.unit not in _PER_METRE:
+            what = "no unit" if value.unit is None else f"the unit `{value.unit}`"
+            self._findings.error(
+                "E503", f"a length with {what}", value.span, help="lengths are in m, cm or mm"
+            )
+            return None
+        # Dividing the exact number gives the float nearest to what is written: 35 mm is 0.035.
+        return float(value.value / _PER_METRE[value.unit])
+
+    def _plain(self, value: SettingValue) -> float | None:
+        if not isinstance(value, Quantity):
+            self._wrong(value, "a number")
+            return None
+        if value.unit is not None:
+            self._findings.error(
+                "E503", "this number has no unit", value.span, help=f"leave out `{value.unit}`"
+            )
+            return None
+        return float(value.value)
+
+    def _wrong(self, value: SettingValue, wanted: str) -> None:
+        self._findings.error("E504", f"expected {wanted}", value.span)
+
+    def _range(self, value: SettingValue, condition: str) -> None:
+        self._findings.error("E505", f"this {condition}", value.span)

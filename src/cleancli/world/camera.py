@@ -1,0 +1,100 @@
+"""The RGB-D camera above the table and the onlooker's camera at its corner, drawn by pybullet's own renderer.
+
+The onlooker's pictures have no noise; they are for people, and never reach perception.
+"""
+
+from __future__ import annotations
+
+from math import atan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.perception.frame import Camera, Frame
+from cleancli.scene.model import CameraSetup, Surface
+from cleancli.world import parameters as par
+from cleancli.world.physics import Engine
+
+_Image = NDArray[np.uint8]
+_Depth = NDArray[np.float32]
+
+
+def overhead(setup: CameraSetup) -> Camera:
+    """The camera straight above the middle of the surface; its x points east, its y south."""
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = setup.height
+    # Where the renderer puts the optical axis, in pixel middles (tests/world/test_camera.py measures it).
+    centre = setup.image_width / 2, setup.image_height / 2 - 1
+    return Camera(setup.image_width, setup.image_height, setup.focal, centre, pose)
+
+
+def photograph(engine: Engine, camera: Camera, clock: float, rng: np.random.Generator) -> Frame:
+    """One frame with the noise of a Kinect."""
+    colour, depth = render(engine, camera)
+    return Frame(noisy_colour(colour, rng), noisy_depth(depth, rng), camera, clock)
+
+
+def render(engine: Engine, camera: Camera) -> tuple[_Image, _Depth]:
+    """What an ideal camera would see: colour (height, width, 3), and depth (height, width) in metres."""
+    eye = camera.pose[:3, 3]
+    ahead, up = eye + camera.pose[:3, 2], -camera.pose[:3, 1]
+    view = engine.computeViewMatrix(eye.tolist(), ahead.tolist(), up.tolist())
+    opening = 2 * np.degrees(atan(camera.height / 2 / camera.focal))
+    projection = engine.computeProjectionMatrixFOV(opening, camera.width / camera.height, par.NEAR, par.FAR)
+    colour, buffer = _draw(engine, camera.width, camera.height, view, projection)
+    depth = par.FAR * par.NEAR / (par.FAR - (par.FAR - par.NEAR) * buffer)
+    return colour, depth.astype(np.float32)
+
+
+def onlook(engine: Engine, surface: Surface, width: int, height: int) -> _Image:
+    """The table from above its south-east corner, (height, width, 3) uint8 RGB."""
+    eye = [0.85 * surface.width, -1.35 * surface.depth, 0.75]
+    view = engine.computeViewMatrix(eye, [0.02, 0.0, -0.05], [0, 0, 1])
+    opening = float(np.degrees(par.PICTURE_FIELD))
+    projection = engine.computeProjectionMatrixFOV(opening, width / height, par.NEAR, par.FAR)
+    return _draw(engine, width, height, view, projection)[0]
+
+
+def noisy_depth(depth: _Depth, rng: np.random.Generator) -> _Depth:
+    """Depth as a Kinect reports it: edges jittered, some unknown (0), noise and steps growing with z²."""
+    rows, columns = np.indices(depth.shape)
+    jitter = rng.integers(-par.EDGE_JITTER, par.EDGE_JITTER + 1, (2, *depth.shape), dtype=np.int8)
+    rows = np.clip(rows + jitter[0], 0, depth.shape[0] - 1)
+    columns = np.clip(columns + jitter[1], 0, depth.shape[1] - 1)
+    seen = depth[rows, columns]
+    edge = np.abs(seen - depth) > par.EDGE_JUMP
+    square = seen * seen
+    seen = seen + par.DEPTH_NOISE * square * rng.standard_normal(depth.shape, dtype=np.float32)
+    step = par.DEPTH_STEP * square
+    seen = np.round(seen / step) * step
+    seen[edge & (rng.random(depth.shape, dtype=np.float32) < par.EDGE_DROPOUT)] = 0
+    reported: _Depth = seen.astype(np.float32)
+    return reported
+
+
+def noisy_colour(colour: _Image, rng: np.random.Generator) -> _Image:
+    """Colour registered to depth with an error, and with noise on every channel."""
+    shifted = np.roll(colour, par.COLOUR_SHIFT, axis=1)
+    shifted[:, : par.COLOUR_SHIFT] = colour[:, : par.COLOUR_SHIFT]
+    noise = par.COLOUR_NOISE * rng.standard_normal(colour.shape, dtype=np.float32)
+    return np.clip(np.round(shifted + noise), 0, 255).astype(np.uint8)
+
+
+def _draw(
+    engine: Engine, width: int, height: int, view: list[float], projection: list[float]
+) -> tuple[_Image, NDArray[np.float64]]:
+    _, _, colour, buffer, _ = engine.getCameraImage(
+        width,
+        height,
+        view,
+        projection,
+        lightDirection=par.LIGHT_DIRECTION,
+        shadow=0,
+        lightAmbientCoeff=par.AMBIENT,
+        lightDiffuseCoeff=par.DIFFUSE,
+        lightSpecularCoeff=par.SPECULAR,
+        renderer=engine.ER_TINY_RENDERER,
+        flags=engine.ER_NO_SEGMENTATION_MASK,
+    )
+    image = np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
+    return np.ascontiguousarray(image), np.asarray(buffer, dtype=np.float64).reshape(height, width)

@@ -1,0 +1,108 @@
+"""Every physical number of the simulated table, in one place, each with its source or the word "chosen".
+
+"Measured" means found by experiment with pybullet 3.2.7 before any strategies were compared (docs/world.md);
+"chosen" means that the paper is silent and nobody measured it. Metres, seconds, kilograms, newtons, radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+# Engine. Measured: at twice the step, or half the iterations, the outcomes of a push change.
+STEP = 1 / 240
+SOLVER_ITERATIONS = 30
+CONTACT_BREAKING = 5e-4
+GRAVITY = -9.81
+STEPS_PER_PERIOD = 4  # chosen: the drive is commanded, and polled, 60 times a second
+
+# Lentils. Size and contact measured: with the engine's own 1 mm margin they float and drift.
+LENTIL_DIAMETER = 6e-3
+LENTIL_THICKNESS = 2.5e-3
+LENTIL_MASS = 1e-4
+LENTIL_MARGIN = 1e-4
+LENTIL_FRICTION = 0.45
+LENTIL_FRICTION_SPREAD = 0.20  # each lentil's friction lies within this share of the mean
+LENTIL_ROLLING = 3e-4
+LENTIL_COLOURS = ((112, 74, 38), (92, 84, 34), (128, 92, 48))  # chosen: brown and green lentils
+DROP_HEIGHT = 6e-3  # chosen
+SETTLE_LIMIT = 4.0  # chosen: longest wait for dropped lentils to come to rest
+SETTLED_SPEED = 2e-3  # chosen
+
+# Furniture, chosen. The container reaches under the table: measured, a gap of 5 mm loses lentils.
+TABLE_HEIGHT = 0.70
+TABLE_THICKNESS = 0.02
+LEG = 0.04
+FLOOR_HALF = 1.2
+FLOOR_THICKNESS = 0.2
+FLOOR_COLOUR = (238, 238, 236)
+LEG_COLOUR = (120, 100, 82)
+CONTAINER_HEIGHT = 0.09
+CONTAINER_WALL = 0.006
+CONTAINER_BOTTOM = 0.03  # a lentil falls 6 mm a step: measured, it passes through a bottom of 6 mm
+CONTAINER_OVERLAP = 0.03
+CONTAINER_DROP = 1e-3  # the rim's gap to the table's underside; a lentil is thicker
+CONTAINER_COLOUR = (62, 96, 150)
+CONTAINER_FRICTION = 0.8
+
+# Gantry, chosen: quicker than the tool speeds of the actions, so that those decide.
+JOINT_SPEED = (0.6, 0.6, 0.4, 3.0)  # x, y, z in m/s, yaw in rad/s
+JOINT_ACCELERATION = (2.0, 2.0, 1.5, 10.0)
+JOINT_FORCE = (200.0, 200.0, 200.0, 20.0)
+CARRIAGE_MASS = (2.0, 2.0, 1.0, 0.4)
+CARRIAGE_INERTIA = 0.01
+REACH_MARGIN = 0.45  # how far the gantry goes beyond the table's edges
+REACH_HEIGHT = (-0.02, 0.40)
+TRACKING_LIMIT = 0.04  # farther than this from the commanded position, something blocks the tool
+TRANSIT_SPEED = 0.25  # measured with: the facts on robot time assume it
+TRANSIT_HEIGHT = 0.05  # "a few centimeters away from the surface" (§3.2)
+REST_CLEARANCE = 0.10  # between the camera's view and the resting tool
+
+# Tool noise, drawn once per stroke. Measured together with the rag (outcome shares in docs/world.md).
+HEIGHT_NOISE = 1.75e-3
+SIDE_NOISE = 4e-3
+YAW_NOISE = 0.05
+
+# The rag: a row of spring-hinged flaps. Measured: soft bodies eject lentils, or move none.
+FLAP_HEIGHT = 0.036
+FLAP_THICKNESS = 4e-3
+FLAP_MASS = 4e-3
+FLAP_FRICTION = 0.35
+# Chosen: a dragged cloth leans back. Flaps leaning both ways leave holes between them that no cloth has.
+FLAP_LEAN = 0.2
+RAG_COLOUR = (196, 60, 52)
+HOLDER_COLOUR = (70, 72, 78)
+HOLDER_SIZE = (0.03, 0.03)  # along the push direction, and up
+POST_RADIUS = 0.015
+POST_HEIGHT = 0.40
+
+
+@dataclass(frozen=True, slots=True)
+class Grasp:
+    """How the rag is held: width of one flap (m), spring gain and greatest torque (N m) of its hinge,
+    standard deviations of its rest angle (rad) and of its gap to the surface (m), how far the ends lead (m)."""
+
+    flap_width: float
+    gain: float
+    torque: float
+    angle_spread: float
+    gap_spread: float
+    bow: float
+
+
+# Measured as a whole; the bow is for a rag of 12 cm (10 mm belong to one of 20 cm).
+GRASPS = {"wide": Grasp(0.02, 0.1, 0.03, 0.06, 0.6e-3, 6e-3)}
+
+# Camera. Depth noise and quantisation as Khoshelham and Oude Elberink (Sensors, 2012) measured of the Kinect:
+# both grow with the square of the distance; the rest is chosen.
+NEAR, FAR = 0.08, 3.0
+DEPTH_NOISE = 1.2e-3 / 0.9**2  # standard deviation is this times z²
+DEPTH_STEP = 2.85e-3  # step between neighbouring depth values is this times z²
+EDGE_JITTER = 1  # pixels
+EDGE_JUMP = 0.02  # where jitter moves depth by more than this,
+EDGE_DROPOUT = 0.5  # this share of pixels has no depth
+COLOUR_SHIFT = 1  # pixels, to the right of depth
+COLOUR_NOISE = 3.0
+LIGHT_DIRECTION = (0.5, -0.6, 2.0)
+AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.38, 0.0
+PICTURE_FIELD = 0.22 * pi  # vertical opening angle of the onlooker's camera

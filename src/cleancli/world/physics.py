@@ -1,0 +1,67 @@
+"""The one place where pybullet is imported: an engine of its own for each table, or a clear refusal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from functools import partial
+from typing import Any
+
+from cleancli.world import parameters as par
+
+
+class MissingPhysics(Exception):
+    """pybullet isn't installed, so there is no table to simulate."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the simulated table needs pybullet: pip install cleancli[physics] (the `symbolic` world doesn't)"
+        )
+
+
+class Engine:
+    """One pybullet client: every function of the module, with the client already chosen."""
+
+    def __init__(self) -> None:
+        self._pybullet = _import_pybullet()
+        self._client: int = self._pybullet.connect(self._pybullet.DIRECT)
+        self.setGravity(0, 0, par.GRAVITY)
+        self.setPhysicsEngineParameter(
+            fixedTimeStep=par.STEP,
+            numSolverIterations=par.SOLVER_ITERATIONS,
+            contactBreakingThreshold=par.CONTACT_BREAKING,
+            deterministicOverlappingPairs=1,
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        attribute = getattr(self._pybullet, name)
+        if callable(attribute):
+            attribute = partial(attribute, physicsClientId=self._client)
+        self.__dict__[name] = attribute  # found once: a motion makes thousands of calls
+        return attribute
+
+    def close(self) -> None:
+        """Disconnect; the engine can't be used afterwards."""
+        self._pybullet.disconnect(self._client)
+
+
+def _import_pybullet() -> Any:
+    """pybullet, imported without the build time it prints from C, past Python's own streams."""
+    if "pybullet" in sys.modules:
+        return sys.modules["pybullet"]
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = os.dup(1), os.dup(2)
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(quiet, 1)
+        os.dup2(quiet, 2)
+        import pybullet
+    except ImportError as error:
+        raise MissingPhysics from error
+    finally:
+        os.dup2(kept[0], 1)
+        os.dup2(kept[1], 2)
+        for descriptor in (*kept, quiet):
+            os.close(descriptor)
+    return pybullet

@@ -1,0 +1,144 @@
+"""What a transition counts as, and what learning writes into the text."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.edit import apply_edits
+from cleancli.language.load import load_domain
+from cleancli.language.model import Domain, Fact, Object, State
+from cleancli.learning.experience import Transition, decode, encode
+from cleancli.learning.learn import edits, learn
+from cleancli.learning.match import Explanation, explain
+
+TEXT = """\
+domain tidy {
+  types      { box }
+  predicates { dirty(?b - box)  wet(?b - box)  beside(?a ?b - box) [symmetric] }
+  functions  { size(?b - box): small < large }
+  derived    { left := count ?b - box: dirty(?b) }
+  actions    { wipe(?b - box) }
+  rule wipe_large: wipe(?b) {              # the comment stays
+    when dirty(?b), size(?b) = large
+    then 0.5:   not dirty(?b), forall ?o - box: beside(?b, ?o) => not dirty(?o)
+         0.25:  size(?b) := small
+         0.125 :wet(?b)
+         rest: noise
+  }
+  rule wipe_small: wipe(?b) {
+    when dirty(?b), size(?b) = small
+    then 0.6 [prior 0.7,  seen  3]: not dirty(?b)
+         0.3 [prior 0.2, seen 1]: nothing
+         0.1 [prior 0.1, seen 0]: noise
+  }
+  default { 0.9: nothing  0.1: noise }
+  reward  { decrease(left) }
+}
+"""
+BOXES = (Object("b1", "box"), Object("b2", "box"), Object("b3", "box"))
+
+
+@pytest.fixture(scope="module")
+def domain() -> Domain:
+    return load_domain(Source("tidy.nid", TEXT))
+
+
+def state(*dirty: str, wet: tuple[str, ...] = (), small: tuple[str, ...] = ()) -> State:
+    """The boxes b1 to b3; b1 stands beside b2."""
+    facts = {Fact("dirty", (name,)) for name in dirty} | {Fact("wet", (name,)) for name in wet}
+    facts |= {Fact("size", (box.name,), "small" if box.name in small else "large") for box in BOXES}
+    return frozenset(facts | {Fact("beside", ("b1", "b2"))})
+
+
+def wiped(after: State, before: State | None = None, box: str = "b1") -> Transition:
+    return Transition("wipe", (box,), BOXES, before or state("b1", "b2", "b3"), after)
+
+
+@pytest.mark.parametrize(
+    ("after", "outcome"),
+    [
+        (state("b3"), 0),
+        (state("b1", "b2", "b3", small=("b1",)), 1),
+        (state("b1", "b2", "b3", wet=("b1",)), 2),
+        (state("b2", "b3"), 3),
+        (state("b1", "b2", "b3"), 3),
+        (state("b3", wet=("b1",)), 3),
+    ],
+    ids=["gone with its neighbour", "shrunk", "wet", "neighbour stays", "no change", "gone but wet"],
+)
+def test_outcome_that_explains(domain: Domain, after: State, outcome: int) -> None:
+    assert explain(domain, wiped(after)) == Explanation(0, outcome)
+
+
+def test_what_changes_elsewhere_does_not_count(domain: Domain) -> None:
+    assert explain(domain, wiped(state(small=("b3",)))) == Explanation(0, 0)
+
+
+def test_no_covering_rule_is_the_default_rule(domain: Domain) -> None:
+    before = state("b2")
+    assert explain(domain, wiped(before, before)) == Explanation(None, 0)
+    assert explain(domain, wiped(state("b1", "b2"), before)) == Explanation(None, 1)
+
+
+def test_noise_takes_what_no_outcome_explains(domain: Domain) -> None:
+    (learned,) = learn(domain, [wiped(state("b2", "b3"))] * 4)
+    assert learned.seen == (0, 0, 0, 4)
+    # Eq. 5 with m / sqrt(4) = 5: the prior keeps 5 / 9 of its weight.
+    assert [float(p) for p in learned.probabilities] == pytest.approx(
+        [0.5 * 5 / 9, 0.25 * 5 / 9, 0.125 * 5 / 9, (4 + 0.125 * 5) / 9], abs=1e-4
+    )
+    assert sum(learned.probabilities) == 1
+
+
+def test_only_the_learned_rule_changes_and_only_its_numbers(domain: Domain) -> None:
+    text = apply_edits(TEXT, edits(domain, TEXT, learn(domain, [wiped(state("b3"))])))
+    assert text == (
+        TEXT.replace("0.5: ", "0.5455 [prior 0.5, seen 1]: ")
+        .replace("0.25: ", "0.2273 [prior 0.25, seen 0]: ")
+        .replace("0.125 :", "0.1136 [prior 0.125, seen 0] :")
+    )
+    assert sum(outcome.probability for outcome in load_domain(Source("tidy.nid", text)).rules[0].outcomes) == 1
+
+
+def test_learning_again_from_the_same_experience_changes_nothing(domain: Domain) -> None:
+    experience = [wiped(state("b3"))] * 3 + [wiped(state("b1", "b2", "b3", wet=("b1",)))] * 2
+    once = apply_edits(TEXT, edits(domain, TEXT, learn(domain, experience)))
+    again = load_domain(Source("tidy.nid", once))
+    assert apply_edits(once, edits(again, once, learn(again, experience))) == once
+
+
+def test_the_prior_in_the_file_counts_not_the_last_estimate(domain: Domain) -> None:
+    before = state("b1", small=("b1",))
+    (learned,) = learn(domain, [wiped(state(small=("b1",)), before)])
+    assert learned.priors == (Fraction(7, 10), Fraction(2, 10), Fraction(1, 10))
+    text = apply_edits(TEXT, edits(domain, TEXT, (learned,)))
+    assert "0.7273 [prior 0.7,  seen  1]: not dirty(?b)" in text
+    assert "[prior 0.2, seen 0]: nothing" in text
+
+
+def test_experience_survives_its_file(domain: Domain) -> None:
+    transitions = (wiped(state("b3")), wiped(state("b1", small=("b1",)), box="b3"))
+    text = "".join(encode(t, {"number": 1}) + "\n" for t in transitions)
+    assert decode(Source("x", text), domain) == transitions
+    torn = text + encode(transitions[0], {})[:70]
+    assert decode(Source("x", torn), domain) == transitions
+
+
+def test_every_bad_line_is_reported(domain: Domain) -> None:
+    good = encode(wiped(state("b3")), {})
+    lines = [
+        "not json",
+        good,
+        "[1]",
+        good.replace('"wipe"', '"wash"'),
+        good.replace('["b1"], "objects"', '["b1", "b2"], "objects"'),
+        good.replace('["dirty", ["b3"], true]', '["dirty", ["b9"], true]'),
+        good.replace('["b1"], "large"', '["b1"], "huge"', 1),
+        '{"action": "wipe", "arguments": ["b1"], "objects": {"b1": "box"}, "before": []}',
+    ]
+    with pytest.raises(Refused) as refused:
+        decode(Source("x", "\n".join(lines) + "\n"), domain)
+    assert [d.code for d in refused.value.diagnostics] == ["E701"] * 7
