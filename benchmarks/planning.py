@@ -1,7 +1,7 @@
-"""How fast PRADA plans: `python benchmarks/planning.py [samples]`, CPU seconds of one core, medians of 5 seeds.
+"""How fast PRADA plans: `python benchmarks/planning.py [samples]`, on one core, medians of 5 seeds.
 
-The tasks are tables with dirty areas at random places, made from the rules of planning.nid. Two areas nearer than
-0.18 m are near, one within 4 cm of the line between two places lies between them.
+The tasks are tables with dirty areas at random places, made from the rules of planning.nid. Two areas nearer
+than 0.18 m are near, one within 4 cm of the line between two places lies between them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SEEDS = range(5)
 
 
 def layout(areas: int, seed: int) -> Problem:
-    """Dirty areas at random places, of random size and density, with what `near` and `traversal` follow from."""
+    """Dirty areas at random places, of random size and density, and what lies near and between them."""
     rng = np.random.default_rng([areas, seed])
     names = [f"a{index:02d}" for index in range(areas)]
     place = dict(zip(names, rng.random((areas, 2)) * SURFACE, strict=True))

@@ -7,7 +7,7 @@ import json
 import click
 
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.inputs import load
+from cleancli.cli.inputs import check_file
 from cleancli.language.diagnostics import Refused
 from cleancli.language.render import as_json, render
 
@@ -34,7 +34,7 @@ def command(files: tuple[str, ...], as_data: bool) -> int:
 
 def _mistakes(name: str) -> Refused | None:
     try:
-        load(name)
+        check_file(name)
     except Refused as refused:
         return refused
     return None

@@ -104,7 +104,7 @@ def _truth(truth: Truth) -> dict[str, object]:
         "in_container": truth.in_container,
         "on_table": truth.on_table,
         "on_floor": truth.on_floor,
-        "left_on_table_at": [[round(x, 4), round(y, 4)] for x, y in truth.table_positions()],
+        "left_on_table_at": [[round(x, 4), round(y, 4)] for x, y, _ in truth.left],
     }
 
 
@@ -116,7 +116,7 @@ def _summary(ended: Ended, truth: dict[str, object], folder: Path, video: bool) 
         f"seconds: {total:.1f} ({spent})",
         f"truly: {truth['in_container']} of {truth['lentils']} lentils in the container,"
         f" {truth['on_table']} on the table, {truth['on_floor']} on the floor",
-        f"record: {folder}/  pictures: step-*.png" + ("  video: video.webm" if video else ""),
+        f"record: {folder}/  pictures: step-*.png" + ("  video: video.mp4" if video else ""),
     ]
     if truth["on_table"]:
         lines.insert(3, f"left on the table at (m): {truth['left_on_table_at']}")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.load import kind_of, load_domain, load_problem, read_source
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
@@ -29,3 +29,29 @@ def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
     """A problem of the domain, or a scene; raises Refused with every mistake found."""
     source = read_source(find("problems", name_or_path))
     return load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
+
+
+def check_file(name_or_path: str) -> None:
+    """Read a file of any kind, and the domain that a problem names; raises Refused with every mistake.
+
+    A problem's domain is sought beside the problem before it is sought among the shipped ones.
+    """
+    path = _find_any(name_or_path)
+    source = read_source(path)
+    match kind_of(source):
+        case "domain":
+            load_domain(source)
+        case "scene":
+            load_scene(source)
+        case _:
+            name = domain_named(source).text
+            beside = path.parent / f"{name}.nid"
+            _, _, domain = open_domain(str(beside) if beside.exists() else name)
+            load_problem(source, domain)
+
+
+def _find_any(name_or_path: str) -> Path:
+    try:
+        return find("domains", name_or_path)
+    except Refused:
+        return find("problems", name_or_path)

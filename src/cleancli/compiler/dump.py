@@ -8,7 +8,7 @@ from cleancli.compiler.task import GroundCondition, GroundOutcome, Task, literal
 
 
 def dump(task: Task) -> str:
-    """All of the task, one item a line, in the task's own order. Numbers of rules count from 0 in the domain."""
+    """All of the task, one item a line, in its own order; rules by their number in the domain, from 0."""
     return "\n".join(_lines(task)) + "\n"
 
 
@@ -24,7 +24,7 @@ def _lines(task: Task) -> Iterator[str]:
         for rule in task.rules:
             if rule.action == index:
                 yield f"  rule {rule.rule} when {_condition(task, rule.condition)}"
-                yield from (f"    {outcome.probability:.6g}: {_effects(task, outcome)}" for outcome in rule.outcomes)
+                yield from (f"    {o.probability:.6g}: {_effects(task, o)}" for o in rule.outcomes)
     yield from (f"counted {_condition(task, condition)}" for condition in task.counted)
     yield f"counted always {task.counted_always}"
 

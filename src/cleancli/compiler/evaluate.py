@@ -70,7 +70,7 @@ class StateView:
                 return self.value(self.key(symbol, terms, binding)) in values
 
     def covering_rule(self, action: str, arguments: Sequence[str]) -> int | None:
-        """Index of the one rule whose condition holds for these arguments; rules exclude each other (§3.3.2)."""
+        """Index of the one rule that covers these arguments here (rules exclude each other, §3.3.2)."""
         for index, rule in enumerate(self._domain.rules):
             if rule.action == action and self.holds(rule.condition, bind(rule, arguments)):
                 return index
@@ -91,7 +91,8 @@ class StateView:
 
     def _extensions(self, variables: Sequence[Variable], binding: Binding) -> Iterator[Binding]:
         candidates = [
-            [o.name for o in self._objects if self._domain.is_a(o.type, variable.type)] for variable in variables
+            [o.name for o in self._objects if self._domain.is_a(o.type, variable.type)]
+            for variable in variables
         ]
         for names in itertools.product(*candidates):
             yield {**binding, **dict(zip(variables, names, strict=True))}
@@ -104,7 +105,7 @@ def bind(rule: Rule, arguments: Sequence[str]) -> Binding:
 
 def changeable_symbols(domain: Domain) -> frozenset[str]:
     """Names of the symbols that some outcome of some rule sets; the others stay as they were observed."""
-    changed = set()
+    changed: set[str] = set()
     for rule in domain.rules:
         for outcome in rule.outcomes:
             for effect in outcome.effects:

@@ -1,7 +1,7 @@
 """Grounding: a checked domain and problem become a finite task that lists only what can change.
 
-Guaranteed by the checker: names, arities and types fit, every variable is bound, the probabilities of a rule sum
-to 1, and the problem's facts are complete and canonical.
+Guaranteed by the checker: names, arities and types fit, every variable is bound, the probabilities of a rule
+sum to 1, and the problem's facts are complete and canonical.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
 
 
 def _reachable(candidates: Sequence[Instance], universe: Universe) -> tuple[Possible, list[Instance]]:
-    """The least fixpoint in which a value once possible stays so, and the instances that can ever apply in it.
+    """The least fixpoint in which a value once possible stays so, and the instances that apply in it.
 
     Every state that actions can reach is inside it, so what it leaves out changes no plan's value.
     """
@@ -179,7 +179,7 @@ def _overlaps(domain: Domain, found: Sequence[Instance], numbering: Numbering) -
                     f" where {state or 'anything'} holds",
                     domain.rules[second.rule].span,
                     label=f"overlaps with `{names[0]}`",
-                    help="the rules of one action must exclude each other (§3.3.2): add a literal that tells them apart",
+                    help="rules of one action must exclude each other (§3.3.2): add a literal that differs",
                 )
 
 

@@ -67,8 +67,8 @@ def requirement(condition: Condition, binding: Binding, universe: Universe) -> R
 
 
 def changeable_forall(domain: Domain, universe: Universe) -> Iterator[Diagnostic]:
-    """E601 for each `forall` whose condition a rule can change: it would mean other effects in other states."""
-    for rule, outcome in ((rule, outcome) for rule in domain.rules for outcome in rule.outcomes):
+    """E601 for each `forall` whose condition a rule can change: its effects would depend on the state."""
+    for rule, outcome in [(r, o) for r in domain.rules for o in r.outcomes]:
         conditions = (effect.condition for effect in outcome.effects if isinstance(effect, ForAll))
         for part in (part for condition in conditions for part in condition):
             if isinstance(part, Literal) and not universe.is_static(part):
@@ -77,7 +77,7 @@ def changeable_forall(domain: Domain, universe: Universe) -> Iterator[Diagnostic
                     f"the condition of a forall must stay as it is, but rules can change `{part.symbol}`",
                     outcome.probability_span or rule.span,
                     label=f"in this outcome of rule `{rule.name}`",
-                    help=f"leave `{part.symbol}` out if the effect does no harm without it, or write a rule per case",
+                    help=f"leave `{part.symbol}` out where that does no harm, or write one rule per case",
                 )
 
 

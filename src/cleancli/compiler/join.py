@@ -1,4 +1,4 @@
-"""Bindings of variables that satisfy what no action can change, found by joining facts instead of trying all tuples.
+"""Bindings of variables that satisfy what no action can change, by joining facts and not trying all tuples.
 
 Guaranteed by the checker: every name is declared, arities and types fit, and functions list all their values.
 """
@@ -27,7 +27,7 @@ _Row = tuple[str, ...]
 
 
 class Universe:
-    """The objects and initial facts of a problem, indexed for joins; decides literals of unchangeable symbols."""
+    """The objects and initial facts of a problem, indexed for joins; decides what no rule can change."""
 
     def __init__(self, domain: Domain, problem: Problem) -> None:
         self.symbols: Mapping[str, Symbol] = {symbol.name: symbol for symbol in domain.symbols}
@@ -80,8 +80,12 @@ class Universe:
     def _next_bindings(
         self, binding: dict[Variable, str], free: list[Variable], tests: list[Literal | Equality]
     ) -> Iterator[dict[Variable, str]]:
-        """Bindings of some free variables: by the literal that leaves the fewest, or of one variable by its type."""
-        joins = [(self._matches(test, binding), test) for test in tests if self._is_joinable(test)]
+        """Bindings of some free variables: by the literal with fewest matches, or of one by its type."""
+        joins = [
+            (self._matches(test, binding), test)
+            for test in tests
+            if isinstance(test, Literal) and False not in test.values  # facts do not list what is false
+        ]
         smallest = min(joins, key=lambda join: len(join[0]), default=None)
         if smallest is None or len(smallest[0]) > len(self._objects[free[0].type]):
             for name in self._objects[free[0].type]:
@@ -94,21 +98,17 @@ class Universe:
                 yield more
 
     def _unified(self, literal: Literal, row: _Row, binding: Binding) -> dict[Variable, str] | None:
-        """What the row binds; None where a repeated variable would need two objects or a type does not fit."""
+        """What the row binds; None where a variable would need two objects or a type does not fit."""
         more: dict[Variable, str] = {}
         for term, name in zip(literal.terms, row, strict=True):
-            if isinstance(term, Variable) and term not in binding:
-                if more.setdefault(term, name) != name or name not in self._objects[term.type]:
-                    return None
+            if not isinstance(term, Variable) or term in binding:
+                continue
+            if more.setdefault(term, name) != name or name not in self._objects[term.type]:
+                return None
         return more
 
-    def _is_joinable(self, test: Literal | Equality) -> bool:
-        """Whether the facts list everything that satisfies the test (they do not list what is false)."""
-        return isinstance(test, Literal) and False not in test.values
-
-    def _matches(self, literal: Literal | Equality, binding: Binding) -> Sequence[_Row]:
+    def _matches(self, literal: Literal, binding: Binding) -> Sequence[_Row]:
         """Object tuples for which the literal holds, given the variables that are bound."""
-        assert isinstance(literal, Literal), "only literals are joined"
         known = tuple(
             position
             for position, term in enumerate(literal.terms)

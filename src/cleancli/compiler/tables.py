@@ -1,8 +1,8 @@
-"""Lowering: a task becomes flat numpy arrays, with the inverse indices that an incremental belief update needs.
+"""Lowering: a task becomes flat numpy arrays, with the inverse indices that a belief update needs.
 
-Guaranteed by `ground`: everything is sorted, and the rules of one action stand together and exclude each other.
-A variable owns one slot per value; a belief is a probability per slot. Ragged lists are stored as two arrays: the
-entries of item i of `x` are `x[x_start[i] : x_start[i + 1]]`.
+Guaranteed by `ground`: everything is sorted, and the rules of one action stand together and exclude each
+other. A variable owns one slot per value; a belief is a probability per slot. Ragged lists are stored as two
+arrays: the entries of item i of `x` are `x[x_start[i] : x_start[i + 1]]`.
 """
 
 from __future__ import annotations
@@ -17,14 +17,15 @@ from cleancli.compiler.task import GroundRule, Task
 
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 
 class Tables(NamedTuple):
     """Arrays of a task with V variables, S slots, A actions, R rules, C counted conditions and F factors.
 
-    A factor is the probability that a variable has one of some values: a sum of slots, shared by all conditions
-    that ask for it. A condition is a product of factors; conditions 0..R-1 are the rules', the other C the counted
-    ones. (A named tuple and no dataclass, because compiled code takes it as it is.)
+    A factor is the probability that a variable has one of some values: a sum of slots, shared by all
+    conditions that ask for it. A condition is a product of factors; conditions 0..R-1 are the rules', the
+    other C the counted ones. (A named tuple and no dataclass, because compiled code takes it as it is.)
     """
 
     slot_start: Ints  # (V + 1,) slots of each variable
@@ -34,7 +35,7 @@ class Tables(NamedTuple):
     condition_factor_start: Ints  # (R + C + 1,)
     condition_factor: Ints  # (n,) factors that each condition multiplies
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
-    rule_changes: NDArray[np.bool_]  # (R,) whether an outcome of the rule changes something
+    rule_changes: Bools  # (R,) whether an outcome of the rule changes something
     set_start: Ints  # (R + 1,)
     set_variable: Ints  # (n,) variables that outcomes of each rule set
     set_probability: Floats  # (n,) probability that the rule sets that variable at all
@@ -59,7 +60,7 @@ def lower(task: Task) -> Tables:
     conditions = [*(rule.condition for rule in task.rules), *task.counted]
     factors = sorted({_factor(pair) for condition in conditions for pair in condition})
     number = {factor: index for index, factor in enumerate(factors)}
-    changes = np.array([any(outcome.effects for outcome in rule.outcomes) for rule in task.rules], dtype=np.bool_)
+    changes = np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_)
     rule_start = np.searchsorted([rule.action for rule in task.rules], np.arange(len(task.actions) + 1))
     impacts = [_impact(rule, slot_start) for rule in task.rules]
     sets = [_set(rule) for rule in task.rules]
@@ -106,7 +107,7 @@ def _set(rule: GroundRule) -> dict[int, float]:
 
 
 class _Touched:
-    """What each action's execution makes stale: variables, factors over them, conditions, weights of actions."""
+    """What each action makes stale: variables, factors over them, their conditions, weights of actions."""
 
     def __init__(
         self,
@@ -124,7 +125,8 @@ class _Touched:
         self.factors = [_union(factors_of, touched) for touched in self.variables]
         self.conditions = [_union(conditions_of, touched) for touched in self.factors]
         self.actions = [
-            sorted({task.rules[c].action for c in touched if c < len(task.rules)}) for touched in self.conditions
+            sorted({task.rules[c].action for c in touched if c < len(task.rules)})
+            for touched in self.conditions
         ]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from cleancli.compiler.task import Assignment, GroundRule, Task, holds
 
 SUPPORT_LIMIT = 100_000
-"""Most states that an exact distribution may have, a few hundred megabytes of work at the largest tasks."""
+"""Most states that an exact distribution may have. Chosen."""
 
 
 class SupportTooLargeError(ValueError):
@@ -55,7 +55,7 @@ def sample(
     if rule is None:
         return None, assignment
     cumulated = np.cumsum([outcome.probability for outcome in rule.outcomes])
-    # Scaled by the sum, which rounding keeps from being exactly 1, so that no draw falls beyond the last outcome.
+    # Rounding keeps the sum from being exactly 1: scaled by it, no draw falls beyond the last outcome.
     drawn = int(np.searchsorted(cumulated, rng.random() * cumulated[-1], side="right"))
     return drawn, _changed(assignment, rule.outcomes[drawn].effects)
 
@@ -77,7 +77,7 @@ def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -
         for probability, successor in successors(task, assignment, action):
             after[successor] = after.get(successor, 0.0) + mass * probability
         if len(after) > SUPPORT_LIMIT:
-            raise SupportTooLargeError(f"more than {SUPPORT_LIMIT} states are possible; value the plan by sampling")
+            raise SupportTooLargeError(f"more than {SUPPORT_LIMIT} states; value the plan by sampling")
     return after
 
 

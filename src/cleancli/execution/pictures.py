@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ VIDEO_RATE = 20
 """Pictures per second when it is played: four times as fast as the robot moves."""
 
 STROKE_COLOUR = (30, 90, 220)
+TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 
 
 def step_picture(situation: Situation, started: Started | None, room: Picture) -> Picture:
@@ -31,7 +33,8 @@ def step_picture(situation: Situation, started: Started | None, room: Picture) -
         points = [(w.x, w.y) for w in started.path.waypoints if w.z <= 0]
         pixels = np.rint(project(situation.frame.camera, np.array(points))).astype(int)
         for start, end in zip(pixels[:-1], pixels[1:], strict=True):
-            cv2.arrowedLine(seen, _pair(start), _pair(end), STROKE_COLOUR, 2, cv2.LINE_AA, tipLength=0.06)
+            tip = TIP_LENGTH / max(TIP_LENGTH, float(np.linalg.norm(end - start)))
+            cv2.arrowedLine(seen, _pair(start), _pair(end), STROKE_COLOUR, 2, cv2.LINE_AA, tipLength=tip)
     height = seen.shape[0]
     width = round(room.shape[1] * height / room.shape[0])
     both = np.hstack([seen, cv2.resize(room, (width, height), interpolation=cv2.INTER_AREA)])
@@ -45,11 +48,13 @@ def write_png(path: Path, picture: Picture) -> None:
 
 
 class Video:
-    """A WebM file (VP8, which every browser plays) of pictures taken at even steps of robot time."""
+    """An H.264 file of pictures taken at even steps of robot time; readable up to where a crash cut it short."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._writer: cv2.VideoWriter | None = None
+        self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})
+        self._stream = self._container.add_stream("libx264", rate=VIDEO_RATE)
+        self._stream.pix_fmt = "yuv420p"  # the one colour layout that every player knows
+        self._empty = True
         self._due = 0.0
 
     def wants(self, clock: float) -> bool:
@@ -57,20 +62,18 @@ class Video:
         return clock >= self._due
 
     def add(self, picture: Picture, clock: float, caption: str) -> None:
-        """Append an RGB picture; all must have one size. Raises OSError where the file can't be opened."""
+        """Append an RGB picture of even size; all must have one size. Raises OSError where writing fails."""
         self._due = max(self._due + VIDEO_INTERVAL, clock)
-        frame = _captioned(picture, f"{clock:6.1f} s  {caption}")
-        if self._writer is None:
-            size = (frame.shape[1], frame.shape[0])
-            self._writer = cv2.VideoWriter(str(self._path), cv2.VideoWriter.fourcc(*"VP80"), VIDEO_RATE, size)
-            if not self._writer.isOpened():
-                raise OSError(f"cannot write the video {self._path}")
-        self._writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+        picture = _captioned(picture, f"{clock:6.1f} s  {caption}")
+        if self._empty:
+            self._stream.height, self._stream.width = picture.shape[:2]
+            self._empty = False
+        self._container.mux(self._stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
 
     def close(self) -> None:
         """Finish the file."""
-        if self._writer is not None:
-            self._writer.release()
+        self._container.mux(self._stream.encode())
+        self._container.close()
 
 
 def _captioned(picture: Picture, caption: str) -> Picture:

@@ -23,6 +23,10 @@ from cleancli.learning.experience import encode
 
 Picture = NDArray[np.uint8]
 
+STEP_SIZE = (640, 480)
+VIDEO_SIZE = (400, 300)
+"""Width and height of the room in a step's picture and in the video, which needs many more of them."""
+
 
 def free_folder(parent: Path, stem: str) -> Path:
     """Make and return a folder in `parent` named after `stem`, numbered so that nothing is overwritten."""
@@ -38,13 +42,14 @@ def free_folder(parent: Path, stem: str) -> Path:
 
 
 class Recorder:
-    """Writes a run's events into its folder; `snapshot` gives a picture of the room for people to look at."""
+    """Writes a run's events into its folder; `snapshot` makes a picture of the room, of some width
+    and height, for people to look at."""
 
     def __init__(
         self,
         folder: Path,
         header: Mapping[str, object],
-        snapshot: Callable[[], Picture],
+        snapshot: Callable[[int, int], Picture],
         video: bool,
     ) -> None:
         self._folder, self._header, self._snapshot = folder, dict(header), snapshot
@@ -54,7 +59,7 @@ class Recorder:
         self._room: Picture | None = None
         self._write_run()
         self._experience: IO[str] = (folder / "experience.jsonl").open("a", encoding="utf-8")
-        self._video = Video(folder / "video.webm") if video else None
+        self._video = Video(folder / "video.mp4") if video else None
 
     def __enter__(self) -> Self:
         return self
@@ -72,14 +77,14 @@ class Recorder:
             case Looked(situation):
                 if self._situation is None:
                     self._situation = situation
-                    self._picture(0, situation, None, self._snapshot())
+                    self._picture(0, situation, None, self._snapshot(*STEP_SIZE))
             case Started():
                 self._started = event
             case Moved(clock):
                 if self._video is not None and self._video.wants(clock):
-                    self._video.add(self._snapshot(), clock, self._caption())
+                    self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption())
             case StrokeEnded():
-                self._room = self._snapshot()
+                self._room = self._snapshot(*STEP_SIZE)
             case Acted():
                 self._acted(event)
             case Ended():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import product
 
 from cleancli.language import syntax
@@ -27,6 +28,8 @@ _SECTIONS = {
     syntax.Discount: "discount",
 }
 _MOST_NAMED = 3
+_LONGEST = 1000
+"""Actions in a plan: far beyond any table, near enough that a slip of the pen is caught."""
 
 
 def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> Problem:
@@ -119,13 +122,13 @@ def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
 
 
 def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
-    before = scope.findings.sorted
+    before = scope.findings.count
     for term in node.application.terms:
         if term.is_variable:
             scope.findings.error(
                 "E409", f"`?{term.name}` is a variable", term.span, help="a fact names objects"
             )
-    if scope.findings.sorted != before:
+    if scope.findings.count != before:
         return None
     resolved = resolve_application(node.application, scope)
     if resolved is None:
@@ -140,10 +143,12 @@ def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
     return None if value is None else Fact(symbol.name, objects, value)
 
 
-def _refuse_missing(symbol: Symbol, given: object, where: Span, scope: Scope) -> None:
-    assert hasattr(given, "__contains__")
+def _refuse_missing(
+    symbol: Symbol, given: Collection[tuple[str, tuple[str, ...]]], where: Span, scope: Scope
+) -> None:
+    known = [o for o in scope.objects.values() if o.type in scope.declared.types]
     fitting = [
-        sorted(o.name for o in scope.objects.values() if scope.declared.is_a(o.type, parameter.type))
+        sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
         for parameter in symbol.parameters
     ]
     missing = [objects for objects in product(*fitting) if (symbol.name, objects) not in given]
@@ -164,12 +169,11 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
         constant = section.constant
         if section.count is not None:
             known_counts([count.name for count in domain.counts], section.count, scope)
-        if constant is not None and (
-            not constant.is_whole or (constant.value == 0 and section.count is None)
-        ):
-            scope.findings.error(
-                "E406", "the horizon is a whole number of actions, at least 1", constant.span
-            )
+        if constant is not None:
+            low = 1 if section.count is None else 0
+            if not constant.is_whole or not low <= constant.value <= _LONGEST:
+                message = f"the horizon is a whole number of actions from {low} to {_LONGEST}"
+                scope.findings.error("E406", message, constant.span)
         count = None if section.count is None else section.count.text
         return Horizon(0 if constant is None else int(constant.value), count)
     return None

@@ -158,7 +158,7 @@ def _comparison(node: syntax.Comparison, scope: Scope) -> Literal | None:
     if value is None:
         return None
     values = _compared(symbol, node.relation, value)
-    if len(values) in (0, len(symbol.values)):
+    if len(symbol.values) > 1 and len(values) in (0, len(symbol.values)):
         truth = "always" if values else "never"
         order = " < ".join(str(v) for v in symbol.values)
         scope.findings.error(

@@ -99,7 +99,11 @@ def declare(node: syntax.DomainNode, findings: Findings) -> Declarations:
     if not unsure <= set(SECTIONS.values()):
         unsure = frozenset(SECTIONS.values())
     _refuse_repeated(node, findings)
-    declared = Declarations(_types(node, findings), unsure=unsure)
+    before = findings.count
+    types = _types(node, findings)
+    if findings.count > before:
+        unsure |= {"types"}
+    declared = Declarations(types, unsure=unsure)
     constants = read_objects(
         [g for s in sections_of(node.sections, syntax.Constants) for g in s.groups],
         declared,
@@ -139,7 +143,7 @@ def _types(node: syntax.DomainNode, findings: Findings) -> dict[str, Type]:
                     parents[name.text] = group.type
                     names[name.text] = name
     types = {}
-    for text, parent in parents.items():
+    for text, parent in tuple(parents.items()):
         if parent is not None and parent.text not in parents:
             findings.unknown("E201", "type", parent.text, parent.span, parents)
             parent = None
@@ -150,7 +154,7 @@ def _types(node: syntax.DomainNode, findings: Findings) -> dict[str, Type]:
                 names[text].span,
                 help="types form a tree: remove one parent",
             )
-            parent = None
+            parents[text] = parent = None
         types[text] = Type(text, None if parent is None else parent.text)
     return types
 

@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable
 
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source, Span
+from cleancli.language.lines import Lines
 
 RESERVED = frozenset({"count", "forall", "noise", "not", "nothing", "rest", "then", "when"})
 """Words that the grammar expects where names stand too; as a name they could not be used."""
@@ -20,18 +21,26 @@ class Findings:
         self.source = source
         self.broken = broken
         self._found = list(found)
+        self._lines = Lines(source.text)
 
     def error(self, code: str, message: str, span: Span, label: str = "", help: str = "") -> None:
         """Note a mistake."""
         self._found.append(Diagnostic(code, message, span, label, help))
 
-    def unknown(self, code: str, what: str, name: str, span: Span, known: Iterable[str]) -> None:
+    def unknown(
+        self, code: str, what: str, name: str, span: Span, known: Iterable[str], where: str = ""
+    ) -> None:
         """Note a name that is not declared, with the near ones, or all of them where they are few."""
-        self.error(code, f"unknown {what} `{name}`", span, help=meant(name, known, what))
+        self.error(code, f"unknown {what} `{name}`{where}", span, help=meant(name, known, what))
+
+    @property
+    def count(self) -> int:
+        """How many were noted so far."""
+        return len(self._found)
 
     def line(self, span: Span) -> int:
         """The line, from 1, in which a span begins."""
-        return len((self.source.text[: span.start] + "x").splitlines())
+        return self._lines.place(span.start)[0]
 
     @property
     def sorted(self) -> tuple[Diagnostic, ...]:
@@ -56,5 +65,5 @@ def meant(name: str, known: Iterable[str], what: str) -> str:
     if near:
         return f"did you mean {' or '.join(f'`{n}`' for n in near)}?"
     if 0 < len(names) <= 8:
-        return f"there is {', '.join(f'`{n}`' for n in names)}"
+        return f"known here: {', '.join(f'`{n}`' for n in names)}"
     return "" if names else f"no {what} is declared"

@@ -88,7 +88,8 @@ def print_fraction(value: Fraction) -> str:
     if rest != 1:
         return f"{value.numerator}/{value.denominator}"
     places = max(twos, fives)
-    digits: str = str(value.numerator * 10**places // value.denominator).rjust(places + 1, "0")
+    scale: int = 10**places
+    digits = str(value.numerator * scale // value.denominator).rjust(places + 1, "0")
     return digits if places == 0 else f"{digits[:-places]}.{digits[-places:]}"
 
 
@@ -139,7 +140,7 @@ def print_outcome(outcome: Outcome, symbols: Symbols) -> str:
 def print_result(outcome: Outcome, symbols: Symbols) -> str:
     """What happens in an outcome, without its probability."""
     if outcome.kind is not OutcomeKind.CHANGE:
-        return outcome.kind.value
+        return str(outcome.kind.value)
     return ", ".join(_effect(effect, symbols) for effect in outcome.effects)
 
 

@@ -11,7 +11,7 @@ from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import Findings
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parse import kind_of, parse
-from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode, Root, SceneNode, Setting, Word
+from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode, Root
 
 __all__ = ["domain_named", "kind_of", "load_domain", "load_problem", "parse_as", "read_source"]
 
@@ -83,34 +83,14 @@ def load_problem(source: Source, domain: Domain) -> Problem:
 
 
 def domain_named(source: Source) -> Name:
-    """The name of the domain that a problem or scene is for, with its place; raises Refused (E407)."""
-    parsed = parse(source)
-    match parsed.root:
-        case ProblemNode(sections=sections):
-            for section in sections_of(sections, DomainName):
-                return section.name
-        case SceneNode(entries=entries):
-            for entry in entries:
-                if (
-                    isinstance(entry, Setting)
-                    and entry.key.text == "domain"
-                    and isinstance(entry.value, Word)
-                ):
-                    return Name(entry.value.text, span=entry.value.span)
-        case None:
-            raise Refused(parsed.diagnostics, [source])
-        case DomainNode():
-            parse_as(source, "problem")
-    if parsed.diagnostics:
-        raise Refused(parsed.diagnostics, [source])
-    raise Refused(
-        [
-            Diagnostic(
-                "E407",
-                "this file names no domain",
-                Span(source.path, 0, 0),
-                help="add for example `domain = cleaning`",
+    """The name of the domain that a problem is for, with its place; raises Refused (E407 for none)."""
+    root, findings = parse_as(source, "problem")
+    if isinstance(root, ProblemNode):
+        for section in sections_of(root.sections, DomainName):
+            return section.name
+        if "domain" not in findings.broken:
+            help = "add for example `domain = cleaning`"
+            findings.error(
+                "E407", f"the problem `{root.name.text}` names no domain", root.name.span, help=help
             )
-        ],
-        [source],
-    )
+    raise Refused(findings.sorted, [source])

@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass
 
 from cleancli.language.diagnostics import Diagnostic, Source, Span
+from cleancli.language.lines import Lines
 
 _TOKEN = re.compile(r"#[^\r\n]*|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]")
-_NESTED = frozenset({"group", "scattered"})
-"""Sections that may stand inside another section; no other block is a third level."""
+_DEEPEST = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +75,24 @@ class _Scan:
 
     def _open(self, match: re.Match[str]) -> None:
         header = self._header(match)
-        while (len(self.stack) >= 2 and header.name not in _NESTED) or len(self.stack) >= 3:
+        while len(self.stack) > 1 and self._cannot_hold(self.stack[-1], header):
             self._leave_unclosed(self.stack.pop(), header.start)
         self.stack.append(header)
         self.words.clear()
 
+    def _cannot_hold(self, outer: _Open, inner: _Open) -> bool:
+        """Only scenes have sections within sections; there one that is not indented deeper stands beside."""
+        if not self.stack[0].name.startswith("scene") or len(self.stack) >= _DEEPEST:
+            return True
+        line = self.source.text.rfind("\n", 0, inner.start) + 1
+        margin = self.source.text[line : inner.start]
+        outer_line = self.source.text.rfind("\n", 0, outer.start) + 1
+        return margin.isspace() and outer_line != line and len(margin) <= outer.start - outer_line
+
     def _header(self, match: re.Match[str]) -> _Open:
+        if not self.stack and self.words:
+            name = " ".join(word.group() for word in self.words)
+            return _Open(name, self.words[0].start(), match.start())
         for word in reversed(self.words):
             if word.group() == "rule":
                 return _Open("rule", word.start(), match.start())
@@ -103,10 +115,10 @@ class _Scan:
             self.root_end = match.end()
 
     def _leave_unclosed(self, block: _Open, end: int) -> None:
-        name = f"`{block.name}`" if block.name else "this"
+        name = f"the `{block.name}` block" if block.name else "this block"
         self._report(
             "E102",
-            f"the {name} block is never closed",
+            f"{name} is never closed",
             block.brace,
             block.brace + 1,
             "opened here",
@@ -127,13 +139,14 @@ class _Scan:
                 "every block is closed before it",
             )
         else:
+            line = Lines(self.source.text).place(self.root_end - 1)[0]
             self._report(
                 "E105",
                 "the file goes on after its block has ended",
                 match.start(),
                 match.end(),
                 "a file holds one block",
-                "remove a `}` above, or move this to a file of its own",
+                f"it ended with the `}}` in line {line}: is there one too many before it?",
             )
 
     def _report(self, code: str, message: str, start: int, end: int, label: str, help: str = "") -> None:

@@ -74,18 +74,19 @@ def parse(source: Source) -> Parsed:
     """The syntax tree with every syntax error found (E101 to E107); raises Refused if it is no .nid text."""
     kind_of(source)
     shape = outline(source)
-    diagnostics = list(shape.diagnostics)
+    diagnostics = list(shape.diagnostics[:_MOST_ERRORS])
     broken = {block.name for block in shape.blocks if shape.body[block.start : block.end].isspace()}
     text = shape.body
     while len(diagnostics) < _MOST_ERRORS:
-        reader = Reader(source.path, text, _keywords())
+        reader = Reader(source.path, text, len(source.text), _keywords())
         try:
             tree = grammar().parse(text)
         except UnexpectedInput as error:
             diagnostics.append(reader.diagnose(error))
             place = min(error.pos_in_stream or 0, len(text) - 1)
+            in_block = any(block.start <= place < block.end for block in shape.blocks)
             shorter, names = _without_fault(text, place, shape.blocks)
-            if shorter == text:
+            if shorter == text or (not in_block and shape.diagnostics):
                 return Parsed(None, frozenset(broken), tuple(diagnostics))
             broken |= names
             text = shorter
@@ -95,14 +96,16 @@ def parse(source: Source) -> Parsed:
 
 
 def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[str, frozenset[str]]:
-    """Blank the section around the mistake, or else its line if no brace stands there."""
+    """Blank the section around the mistake, or else what stands between sections in its line."""
     for block in blocks:
         if block.start <= place < block.end:
             return blank(text, block.start, block.end), frozenset({block.name})
-    start = max(text.rfind("\n", 0, place), text.rfind("\r", 0, place)) + 1
-    line = re.compile(r"[^\r\n]*").match(text, start)
-    assert line is not None
-    if re.search(r"[{}]", line.group()):
+    line_start = max(text.rfind("\n", 0, place), text.rfind("\r", 0, place)) + 1
+    line_end = re.compile(r"[^\r\n]*").match(text, place)
+    assert line_end is not None
+    start = max([line_start, *(block.end for block in blocks if block.end <= place)])
+    end = min([line_end.end(), *(block.start for block in blocks if block.start > place)])
+    between = text[start:end]
+    if "{" in between or "}" in between:
         return text, frozenset()
-    words = frozenset(re.findall(r"\w+", line.group())[:1])
-    return blank(text, start, line.end()), words
+    return blank(text, start, end), frozenset(re.findall(r"(\w+)\s*=", between)[:1])

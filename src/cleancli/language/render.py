@@ -2,35 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
-from bisect import bisect_right
 from collections.abc import Callable, Iterable
 
 from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
+from cleancli.language.lines import Lines
 
 _TAB = 4
 _WIDEST = 160
 _RED, _YELLOW, _CYAN, _BOLD, _PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[36m", "\x1b[1m", "\x1b[0m"
-
-
-class Lines:
-    """The lines of a text, for turning offsets into places."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-        self._starts = [0, *(m.end() for m in re.finditer(r"\r\n|\n|\r", text))]
-
-    def place(self, offset: int) -> tuple[int, int]:
-        """Line and column of an offset, both from 1; columns count characters."""
-        offset = min(max(offset, 0), len(self._text))
-        line = bisect_right(self._starts, offset)
-        return line, offset - self._starts[line - 1] + 1
-
-    def line(self, number: int) -> str:
-        """The text of a line, without its end."""
-        end = self._starts[number] if number < len(self._starts) else len(self._text)
-        return self._text[self._starts[number - 1] : end].rstrip("\r\n")
 
 
 def render(diagnostics: Iterable[Diagnostic], sources: Iterable[Source], colour: bool = False) -> str:

@@ -20,18 +20,14 @@ def check_rules(node: syntax.DomainNode, scope: Scope) -> tuple[Rule, ...]:
     """All rules of a domain, in order; mistakes are E2xx and E301 to E309."""
     once = Once(scope.findings)
     checked = []
-    sound = []
     for item in sections_of(node.sections, syntax.RuleNode):
         once.admits(item.name, "rule")
-        before = len(scope.findings.sorted)
         rule = _rule(item, scope)
         if rule is not None:
             checked.append(rule)
-            if len(scope.findings.sorted) == before or _can_apply(rule, scope):
-                sound.append((rule, item))
-    for (one, _), (other, place) in combinations(sound, 2):
+    for one, other in combinations(checked, 2):
         if one.action == other.action:
-            _refuse_overlap(one, other, place.name.span, scope)
+            _refuse_overlap(one, other, scope)
     return tuple(checked)
 
 
@@ -47,16 +43,12 @@ def _rule(node: syntax.RuleNode, scope: Scope) -> Rule | None:
     if len(variables) != len(action.parameters) or not complete:
         return None
     rule = Rule(node.name.text, action.name, variables, condition, outcomes, node.name.span)
-    if not _can_apply(rule, scope):
+    if witness([condition], scope.declared) is None:
         place = node.condition.span if node.condition is not None else node.span
         scope.findings.error(
             "E305", f"the rule `{rule.name}` can never apply", place, "these literals contradict each other"
         )
     return rule
-
-
-def _can_apply(rule: Rule, scope: Scope) -> bool:
-    return witness([rule.condition], scope.declared) is not None
 
 
 def _action(node: syntax.RuleNode, scope: Scope) -> Action | None:
@@ -123,14 +115,13 @@ def _rest(nodes: tuple[syntax.OutcomeNode, ...], header: Span, scope: Scope) -> 
     """What is left for `rest`; reports a sum that is not 1."""
     total = Fraction(0)
     rests = []
+    before = scope.findings.count
     for node in nodes:
         if isinstance(node.weight.chance, syntax.Rest):
             rests.append(node.weight.chance)
         else:
             total += _probability(node.weight.chance, scope)
-    for extra in rests[1:]:
-        scope.findings.error("E303", "a second `rest`", extra.span, help="only one outcome can take the rest")
-    if total > 1 or (total < 1 and not rests):
+    if scope.findings.count == before and (total > 1 or (total < 1 and not rests)):
         first, last = nodes[0].weight.chance.span, nodes[-1].weight.chance.span
         span = Span(first.path, first.start, last.end) if len(nodes) == 1 else header
         off = f"{print_fraction(abs(total - 1))} {'too much' if total > 1 else 'is missing'}"
@@ -138,6 +129,8 @@ def _rest(nodes: tuple[syntax.OutcomeNode, ...], header: Span, scope: Scope) -> 
         scope.findings.error(
             "E301", f"the probabilities sum to {print_fraction(total)}, {off}", span, help=help
         )
+    for extra in rests[1:]:
+        scope.findings.error("E303", "a second `rest`", extra.span, help="only one outcome can take the rest")
     return max(Fraction(0), 1 - total)
 
 
@@ -243,17 +236,19 @@ def check_default(node: syntax.Default, header: Span, scope: Scope) -> tuple[Out
 # ---- overlap
 
 
-def _refuse_overlap(one: Rule, other: Rule, place: Span, scope: Scope) -> None:
+def _refuse_overlap(one: Rule, other: Rule, scope: Scope) -> None:
     conditions = one.condition, renamed(other, one.variables)
     state = witness(conditions, scope.declared)
     if state is None:
         return
-    line = scope.findings.line(one.span) if one.span is not None else 0
+    assert one.span is not None
+    assert other.span is not None
+    line = scope.findings.line(one.span)
     holds = ", ".join(_shown(state, scope))
     scope.findings.error(
         "E307",
         f"the rules `{one.name}` (line {line}) and `{other.name}` of `{one.action}` overlap",
-        place,
+        other.span,
         f"both apply where {holds}" if holds else "both always apply",
         _mend(one, other, scope),
     )

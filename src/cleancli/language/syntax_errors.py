@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
@@ -18,8 +18,17 @@ _WORDS = {
     "OPERATOR": "`<=`, `>=` or `>`",
     "$END": "the end of the file",
 }
-_UNSAID = frozenset({"COMMENT", "BLANK", "RATIONAL", "OPERATOR", "LESS", "UNIT", "MINUS"})
-"""Terminals left out of "expected": blanks, and what only varies or continues another terminal."""
+_BLANKS = frozenset({"COMMENT", "BLANK"})
+_IMPLIED = {
+    "RATIONAL": "NUMBER",
+    "MINUS": "NUMBER",
+    "UNIT": "RBRACE",
+    "OPERATOR": "EQUAL",
+    "LESS": "EQUAL",
+    "UNEQUAL": "EQUAL",
+}
+"""Terminals that are not said to be expected where another one is."""
+_MOST_SAID = 12
 
 _HABITS = {
     "!": "write `not` before a predicate, `!=` between two terms",
@@ -44,9 +53,13 @@ _HABIT_WORDS = {
 
 
 class Reader:
-    """Turns lark's errors into diagnostics; `keywords` maps terminal names to the text they stand for."""
+    """Turns lark's errors into diagnostics.
 
-    def __init__(self, path: str, text: str, keywords: Mapping[str, str]) -> None:
+    `keywords` maps terminal names to the text they stand for; the file itself ends at offset `end` of `text`.
+    """
+
+    def __init__(self, path: str, text: str, end: int, keywords: Mapping[str, str]) -> None:
+        self._end = end
         self._path = path
         self._text = text
         self._keywords = keywords
@@ -67,19 +80,22 @@ class Reader:
             advice = "names consist of the letters a to z, digits and `_`"
         if character == "?":
             advice = "a variable is `?` with a name directly after it"
-        return Diagnostic(
-            "E101",
-            f"`{shown}` cannot stand here",
-            self._span(start, start + 1),
-            self._expected(error.allowed),
-            advice,
-        )
+        return Diagnostic("E101", f"`{shown}` cannot stand here", self._span(start, start + 1), help=advice)
+
+    def _accepted(self, error: UnexpectedToken) -> set[str]:
+        """The terminals that may stand where the parser stopped."""
+        accepted = set(error.accepts or error.expected)
+        before = self._text[: error.token.start_pos or 0].rstrip()
+        if accepted == {"THEN"} and not before.endswith("{"):
+            # The parser had already ended the condition, because in a count a name may follow one.
+            accepted.add("COMMA")
+        return accepted
 
     def _token(self, error: UnexpectedToken) -> Diagnostic:
         token = error.token
-        accepted = set(error.accepts or error.expected)
-        if token.type == "$END":
-            end = len(self._text.rstrip())
+        accepted = self._accepted(error)
+        if token.type == "$END" or int(token.start_pos or 0) >= self._end:
+            end = len(self._text[: self._end].rstrip())
             return Diagnostic(
                 "E104", "the file ends too early", self._span(max(end - 1, 0), end), self._expected(accepted)
             )
@@ -109,6 +125,13 @@ class Reader:
         )
 
     def _advice(self, token: Token, accepted: set[str]) -> str:
+        before = self._text[: token.start_pos or 0].split()
+        if accepted == {"LPAR"} and before and before[-1] in _HABIT_WORDS:
+            return _HABIT_WORDS[before[-1]]
+        if token == "," and before and before[-1][-1].isdigit():
+            return "the decimal sign is a point: `0.1`"
+        if "MINUS" in accepted and "VARIABLE" in accepted:
+            return "each list of variables ends with its type: `?a ?b - type`"
         if token == "=" and "ASSIGN" in accepted:
             return "an effect sets a value with `:=`; `=` compares in a condition"
         if token == ":=" and "EQUAL" in accepted:
@@ -118,17 +141,15 @@ class Reader:
         if token == "-" and "NUMBER" in accepted:
             return "the number must not be negative"
         words = [self._keywords[name] for name in sorted(accepted) if name in self._keywords]
-        near = difflib.get_close_matches(token, [w for w in words if w.isalpha()], n=1, cutoff=0.6)
+        near = difflib.get_close_matches(token, [w for w in words if w.isalpha()], n=1, cutoff=0.7)
         if near:
             return f"did you mean `{near[0]}`?"
-        if token in _HABIT_WORDS and not (token == "not" and "COMMA" in accepted and "THEN" in accepted):
+        if token.type == "NAME" and token in _HABIT_WORDS:
             return _HABIT_WORDS[token]
         return self._missing(token, accepted)
 
     def _missing(self, token: Token, accepted: set[str]) -> str:
-        if "__TYPE" in accepted or accepted <= {"VARIABLE", "MINUS"}:
-            return "each list of variables ends with its type: `?a ?b - type`"
-        if accepted <= {"NAME", "MINUS"} and token.type != "MINUS":
+        if "MINUS" in accepted and "NUMBER" not in accepted:
             return "each list of names ends with its type: `a b - type`"
         if "COMMA" in accepted and token.type in ("NAME", "NOT", "FORALL", "VARIABLE"):
             return "is a comma missing before it?"
@@ -136,13 +157,14 @@ class Reader:
             return "is a colon missing before it?"
         return ""
 
-    def _expected(self, accepted: Sequence[str] | set[str]) -> str:
-        said = sorted(set(accepted) - _UNSAID) or sorted(set(accepted) - {"COMMENT", "BLANK"})
-        words = [_WORDS.get(name) or f"`{self._keywords.get(name, name)}`" for name in said]
-        if not words:
+    def _expected(self, accepted: set[str]) -> str:
+        names = {name for name in accepted if name not in _BLANKS and _IMPLIED.get(name) not in accepted}
+        words = [_WORDS.get(name) or f"`{self._keywords.get(name, name)}`" for name in names]
+        words.sort(key=lambda word: (not word[1].isalpha(), word))
+        if not words or len(words) > _MOST_SAID:
             return ""
         *most, last = words
         return f"expected {', '.join(most)} or {last}" if most else f"expected {last}"
 
     def _span(self, start: int, end: int) -> Span:
-        return Span(self._path, start, min(end, len(self._text)))
+        return Span(self._path, start, end)

@@ -22,7 +22,7 @@ from cleancli.scene.model import Scene
 FAST_SPEED = 0.20  # m/s, chosen; so is the next
 STRAIGHT_SPEED = 0.12
 VERTICAL_SPEED = 0.10  # coming down and lifting; chosen
-TRANSIT_SPEED = 0.25
+TRANSIT_SPEED = 0.25  # above the surface, between actions; the measured room for planning assumes it
 LIFT = 0.05  # "a few centimeters away from the surface" (§3.2)
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
 # 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
@@ -30,14 +30,13 @@ CLEARANCE = 0.02
 EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
-GREATEST_SLANT = (
-    60.0  # degrees from the edge's normal at which a push still goes straight over the edge; chosen
-)
+# Chosen: degrees from the edge's normal up to which a push goes straight over the edge.
+GREATEST_SLANT = 60.0
 _CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
 
-class NoSkill(Exception):
+class NoSkill(Exception):  # noqa: N818 - a fact about the robot, not an error in the program
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:

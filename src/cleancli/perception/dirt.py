@@ -1,12 +1,13 @@
 """Background subtraction and noise removal (§3.1): which pixels of the surface are dirty.
 
-Nothing is known about the dirt but that its patches are smaller than the background's. The masks given leave out
-the edges of objects, so no colour but the surface's and the dirt's is met.
+Nothing is known about the dirt but that its patches are smaller than the background's. The masks given leave
+out the edges of objects, so no colour but the surface's and the dirt's is met.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil
 
 import cv2
@@ -33,34 +34,48 @@ AGREEMENT = 2 / 3
 """The share of the frames showing a pixel in which it must be dirty to be believed so."""
 
 
-def dirty(colour: Image, surface: Mask) -> Mask:
-    """The pixels of `surface` that no large region of even brightness takes in.
+@dataclass(frozen=True, slots=True)
+class Subtraction:
+    """What is left of the surface without its background, (height, width) both.
 
-    Regions grow over relative gradients first; then they take in the pixels at their rim that look like them,
-    for a gradient reaches one pixel beyond the dirt that causes it.
+    `left`: the pixels that no background region took in. `contrast`: how far each pixel's brightness is from
+    that of the background around it, as a share of it.
     """
+
+    left: Mask
+    contrast: NDArray[np.float32]
+
+
+def subtract_background(colour: Image, surface: Mask) -> Subtraction:
+    """Grow regions over relative gradients within `surface`, and take away the large ones."""
     grey = cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY).astype(np.float32)
     background = _background(grey, surface)
-    left = surface & ~background
-    return left & (_relative_difference(grey, background) > CONTRAST)
+    return Subtraction(surface & ~background, _contrast(grey, background))
 
 
-def without_specks(mask: Mask) -> Mask:
-    """The mask after a 3 x 3 median filter."""
-    return cv2.medianBlur(mask.view(np.uint8), 3).view(np.bool_)
+def without_specks(subtraction: Subtraction) -> Mask:
+    """What is left after a 3 x 3 median filter, without the rims that look like the background.
+
+    A gradient reaches one pixel beyond the dirt that causes it. Those rims go only after the filter, which
+    would eat up a lentil without them.
+    """
+    filtered = cv2.medianBlur(subtraction.left.view(np.uint8), 3).view(np.bool_)
+    # A pixel that dirt covers by half has half of the contrast of its darkest neighbour.
+    strongest = cv2.dilate(subtraction.contrast, np.ones((3, 3), np.uint8))
+    return np.asarray(filtered & (subtraction.contrast > np.maximum(CONTRAST, strongest / 2)))
 
 
 def believed(dirty_masks: Sequence[Mask], seen_masks: Sequence[Mask]) -> tuple[Mask, Mask]:
     """The pixels believed dirty, and those that were seen often enough to believe anything about them.
 
-    Masks are those of successive frames. A pixel counts as seen if at least half of the frames show it, and as
-    dirty if it is dirty in two thirds of those.
+    Masks are those of successive frames. A pixel counts as seen if at least half of the frames show it, and
+    as dirty if it is dirty in two thirds of those.
     """
     dirt = np.sum(dirty_masks, axis=0, dtype=np.uint8)
     shown = np.sum(seen_masks, axis=0, dtype=np.uint8)
     seen = shown >= ceil(len(seen_masks) / 2)
     needed = np.array([max(ceil(AGREEMENT * n), 1) for n in range(len(seen_masks) + 1)], np.uint8)
-    return seen & (dirt >= needed[shown]), seen
+    return np.asarray(seen & (dirt >= needed[shown])), np.asarray(seen)
 
 
 def _background(grey: NDArray[np.float32], surface: Mask) -> Mask:
@@ -72,14 +87,15 @@ def _background(grey: NDArray[np.float32], surface: Mask) -> Mask:
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(smooth.view(np.uint8), connectivity=4)
     large = statistics[:, cv2.CC_STAT_AREA] > BACKGROUND
     large[0] = False
-    return np.asarray(large[labels])
+    return np.asarray(large.take(np.asarray(labels, np.int32)))
 
 
-def _relative_difference(grey: NDArray[np.float32], background: Mask) -> NDArray[np.float32]:
-    """How far each pixel's brightness is from the mean of the background around it, as a share of that."""
+def _contrast(grey: NDArray[np.float32], background: Mask) -> NDArray[np.float32]:
+    """1, the contrast of black, where there is no background near enough to compare with."""
     size = (NEIGHBOURHOOD, NEIGHBOURHOOD)
     weight = background.astype(np.float32)
     share = cv2.blur(weight, size)
     mean = cv2.blur(grey * weight, size) / np.maximum(share, 1e-6)
-    difference = np.abs(grey - mean) / np.maximum(mean, 8)
-    return np.where(share > 0, difference, np.float32(np.inf))
+    contrast = np.asarray(np.abs(grey - mean) / np.maximum(mean, 8), np.float32)
+    contrast[share < 1e-3] = 1
+    return contrast

@@ -15,7 +15,7 @@ Depth = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """The points p with normal · p = offset; `normal` (3,) has unit length and points up, `offset` in metres."""
+    """The points p with normal · p = offset, in metres; `normal` (3,) has length 1 and points up."""
 
     normal: NDArray[np.float64]
     offset: float
@@ -25,33 +25,44 @@ class Plane:
 class PlaneView:
     """A plane as a camera sees it.
 
-    `cosine` (height, width): normal · ray for the ray with depth 1 through each pixel, negative where the upper
-    side is seen. `distance`: metres from the camera to the plane, along the normal.
+    Arrays are (height, width). `cosine`: normal · ray for the ray with depth 1 through each pixel, negative
+    where the upper side is seen. `distance`: metres from the camera to the plane, along the normal. `depth`:
+    metres along the optical axis to the plane itself. `x`, `y`: scene coordinates of the plane behind each
+    pixel.
     """
 
     cosine: Depth
     distance: float
+    depth: Depth
+    x: Depth
+    y: Depth
 
-    def height(self, depth: Depth) -> Depth:
-        """Metres above the plane of what is seen at `depth` (height, width)."""
+    def height_of(self, depth: Depth) -> Depth:
+        """Metres above the plane of what is seen at `depth`."""
         return np.asarray(depth * self.cosine + np.float32(self.distance), np.float32)
 
-    def depth(self) -> Depth:
-        """Metres along the optical axis to the plane itself, (height, width)."""
-        return np.asarray(np.float32(-self.distance) / self.cosine, np.float32)
-
     def pixel_areas(self, focal: float) -> Depth:
-        """Square metres of the plane behind each pixel, (height, width)."""
-        return np.asarray(self.depth() ** 3 / np.float32(self.distance * focal**2), np.float32)
+        """Square metres of the plane behind each pixel."""
+        return np.asarray(self.depth**3 / np.float32(self.distance * focal**2), np.float32)
 
 
 def view(camera: Camera, plane: Plane) -> PlaneView:
     """How `camera` sees `plane`."""
-    right, down, forward = plane.normal @ camera.pose[:3, :3]
-    columns = (np.arange(camera.width, dtype=np.float32) - camera.centre[0]) / camera.focal
-    rows = (np.arange(camera.height, dtype=np.float32) - camera.centre[1]) / camera.focal
-    cosine = (right * columns[None, :] + down * rows[:, None] + forward).astype(np.float32)
-    return PlaneView(cosine, float(plane.normal @ camera.pose[:3, 3] - plane.offset))
+    columns = ((np.arange(camera.width) - camera.centre[0]) / camera.focal).astype(np.float32)[None, :]
+    rows = ((np.arange(camera.height) - camera.centre[1]) / camera.focal).astype(np.float32)[:, None]
+
+    def along(direction: NDArray[np.float64]) -> Depth:
+        """The component of each pixel's ray along a scene direction."""
+        right, down, forward = (direction @ camera.pose[:3, :3]).astype(np.float32)
+        return np.asarray(right * columns + (down * rows + forward))
+
+    eye = camera.pose[:3, 3]
+    cosine = along(plane.normal)
+    distance = float(plane.normal @ eye - plane.offset)
+    depth = np.asarray(np.float32(-distance) / cosine)
+    east, north = np.eye(3)[:2]
+    x, y = (np.float32(eye @ axis) + depth * along(axis) for axis in (east, north))
+    return PlaneView(cosine, distance, depth, x, y)
 
 
 def rays(camera: Camera, pixels: Points) -> Points:

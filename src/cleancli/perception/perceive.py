@@ -38,8 +38,8 @@ class Steps:
 class Observation:
     """What was seen: unnamed `areas` from west to east, and the `plane` on which they lie.
 
-    `hidden`: share of the surface, its outermost centimetre aside, about which nothing is known; `hidden_mask`
-    shows where in the image. `seconds` of computing, by step.
+    `hidden`: share of the surface, its outermost centimetre aside, about which nothing is known;
+    `hidden_mask` shows where in the image. `seconds` of computing, by step.
     """
 
     areas: tuple[Area, ...]
@@ -72,7 +72,7 @@ def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) ->
     watch = _Watch()
     plane = surface.find_plane(frames[0], scene.surface, rng)
     seen_as = geometry.view(camera, plane)
-    extent = surface.extent_mask(camera, plane, scene.surface)
+    extent = surface.extent_mask(seen_as, scene.surface)
     watch.lap("plane")
     steps: list[Steps] = []
     for frame in frames:
@@ -83,7 +83,7 @@ def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) ->
     watch.lap("ellipses")
     last = steps[-1]
     shown = Steps(last.surface, last.without_edges, last.dirty, last.without_specks, believed)
-    hidden, hidden_mask = _hidden(seen, camera, plane, seen_as, scene)
+    hidden, hidden_mask = _hidden(seen, camera, seen_as, scene)
     watch.lap("hidden")
     return Observation(found, plane, shown, hidden, hidden_mask, watch.seconds)
 
@@ -92,18 +92,18 @@ def _segmented(frame: Frame, seen_as: PlaneView, extent: Mask, watch: _Watch) ->
     """One frame's masks; what is believed after it alone is what it shows."""
     on_surface = surface.surface_mask(frame, seen_as, extent)
     watch.lap("surface")
-    trusted = surface.without_edges(on_surface, extent)
+    trusted = surface.without_edges(on_surface, surface.object_mask(frame, seen_as))
     watch.lap("edges")
-    dirty = dirt.dirty(frame.colour, trusted)
+    subtraction = dirt.subtract_background(frame.colour, trusted)
     watch.lap("background")
-    filtered = dirt.without_specks(dirty)
+    filtered = dirt.without_specks(subtraction)
     watch.lap("median")
-    return Steps(on_surface, trusted, dirty, filtered, filtered)
+    return Steps(on_surface, trusted, subtraction.left, filtered, filtered)
 
 
-def _hidden(seen: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, scene: Scene) -> tuple[float, Mask]:
+def _hidden(seen: Mask, camera: Camera, seen_as: PlaneView, scene: Scene) -> tuple[float, Mask]:
     """Measured in square metres, so that a part of the surface outside the image counts as hidden too."""
-    inner = surface.extent_mask(camera, plane, scene.surface, RIM)
+    inner = surface.extent_mask(seen_as, scene.surface, RIM)
     whole = (scene.surface.width - 2 * RIM) * (scene.surface.depth - 2 * RIM)
     visible = float(seen_as.pixel_areas(camera.focal)[seen & inner].sum())
     return max(0.0, 1 - visible / whole), inner & ~seen

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.perception import geometry
-from cleancli.perception.frame import Camera, Frame
+from cleancli.perception.frame import Frame
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.scene import model as scene_model
 
@@ -41,8 +41,8 @@ HOLE = 5
 EDGE_OF_OBJECTS = 9
 """Pixels (width of a square) around what stands on the surface whose colour may be the object's."""
 
-EDGE_OF_SURFACE = 7
-"""The same at the surface's own rim. Narrower: what lies beyond is known to be no tool (docs/perception.md)."""
+EDGE_OF_SURFACE = 5
+"""The same around whatever else is no surface: the floor beyond the rim, unknown depth."""
 
 
 class NoSurface(Exception):
@@ -76,35 +76,35 @@ def find_plane(frame: Frame, extent: scene_model.Surface, rng: np.random.Generat
     return plane
 
 
-def extent_mask(camera: Camera, plane: Plane, extent: scene_model.Surface, inset: float = 0.0) -> Mask:
+def extent_mask(seen_as: PlaneView, extent: scene_model.Surface, inset: float = 0.0) -> Mask:
     """The pixels behind which the surface would lie if nothing stood on it, `inset` metres within its rim."""
-    half = np.array([extent.width, extent.depth]) / 2 - inset
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-    heights = (plane.offset - corners @ plane.normal[:2]) / plane.normal[2]
-    pixels = geometry.project(camera, np.column_stack([corners, heights]))
-    mask = np.zeros((camera.height, camera.width), np.uint8)
-    cv2.fillConvexPoly(mask, np.rint(pixels).astype(np.int32), 1)
-    return mask.view(np.bool_)
+    wide, deep = extent.width / 2 - inset, extent.depth / 2 - inset
+    return np.asarray((np.abs(seen_as.x) < wide) & (np.abs(seen_as.y) < deep))
 
 
 def surface_mask(frame: Frame, seen_as: PlaneView, extent: Mask) -> Mask:
     """The pixels whose depth lies on the plane, within the surface's extent; small holes are closed."""
     known = known_depth(frame)
-    height = seen_as.height(frame.depth)
+    height = seen_as.height_of(frame.depth)
     on_plane = known & (height > -TOLERANCE) & (height < HEAP) & extent
     # A dropout of a few pixels must not blind its whole neighbourhood when edges are removed.
     closed = cv2.morphologyEx(on_plane.view(np.uint8), cv2.MORPH_CLOSE, np.ones((HOLE, HOLE), np.uint8))
     return on_plane | (closed.view(np.bool_) & ~known & extent)
 
 
-def without_edges(surface: Mask, extent: Mask) -> Mask:
+def object_mask(frame: Frame, seen_as: PlaneView) -> Mask:
+    """The pixels that show something standing above the surface: the tool, a hand."""
+    return known_depth(frame) & (seen_as.height_of(frame.depth) >= HEAP)
+
+
+def without_edges(surface: Mask, objects: Mask) -> Mask:
     """The surface without the pixels whose colour may be that of something else (§3.1, "Edges removal")."""
-    objects = (extent & ~surface).view(np.uint8)
-    near_objects = cv2.dilate(objects, np.ones((EDGE_OF_OBJECTS, EDGE_OF_OBJECTS), np.uint8))
-    eroded = cv2.erode(
-        extent.view(np.uint8), np.ones((EDGE_OF_SURFACE, EDGE_OF_SURFACE), np.uint8), borderValue=1
-    )
-    return eroded.view(np.bool_) & ~near_objects.view(np.bool_)
+    return ~_widened(objects, EDGE_OF_OBJECTS) & ~_widened(~surface, EDGE_OF_SURFACE)
+
+
+def _widened(mask: Mask, width: int) -> Mask:
+    """The mask and half of `width` pixels around it; the image's border is no edge."""
+    return cv2.dilate(mask.view(np.uint8), np.ones((width, width), np.uint8)).view(np.bool_)
 
 
 def known_depth(frame: Frame) -> Mask:
@@ -114,10 +114,11 @@ def known_depth(frame: Frame) -> Mask:
 
 def _samples(frame: Frame, extent: scene_model.Surface) -> Points:
     """Scene points (n, 3) of every sixth pixel, as far as they lie above or below the surface's extent."""
-    rows, columns = np.mgrid[STRIDE // 2 : frame.camera.height : STRIDE, STRIDE // 2 : frame.camera.width : STRIDE]
-    known = known_depth(frame)[rows, columns]
-    pixels = np.column_stack([columns[known], rows[known]]).astype(np.float64)
-    depth = frame.depth[rows, columns][known].astype(np.float64)
+    sampled = np.zeros(frame.depth.shape, np.bool_)
+    sampled[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE] = True
+    rows, columns = np.nonzero(sampled & known_depth(frame))
+    pixels = np.column_stack([columns, rows]).astype(np.float64)
+    depth = frame.depth[rows, columns].astype(np.float64)
     points = frame.camera.pose[:3, 3] + depth[:, None] * geometry.rays(frame.camera, pixels)
     inside = (np.abs(points[:, 0]) < extent.width / 2) & (np.abs(points[:, 1]) < extent.depth / 2)
     return np.asarray(points[inside])

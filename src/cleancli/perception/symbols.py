@@ -1,7 +1,7 @@
 """From geometry to symbols (§3.3.1): named areas become the objects and the state that rules speak of.
 
-docs/perception.md defines every symbol. A domain need not declare them all; what it does not declare, or declares
-for other types or values, is left out.
+docs/perception.md defines every symbol. A domain need not declare them all; what it does not declare, or
+declares for other types or values, is left out.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Point = tuple[float, float]
 
 
 class MissingSymbol(Exception):
-    """The domain does not declare a symbol that cleaning cannot do without; `symbol` shows its declaration."""
+    """The domain lacks a symbol that cleaning cannot do without; `symbol` is how to declare it."""
 
     def __init__(self, symbol: str) -> None:
         self.symbol = symbol
@@ -31,10 +31,9 @@ class MissingSymbol(Exception):
 
 
 def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tuple[Object, ...], State]:
-    """One object per named area, and all that is true of them. Raises MissingSymbol without `dirt(?a - area)`."""
+    """One object per named area, and all that is true of them. Raises MissingSymbol."""
     declared = {symbol.name: symbol for symbol in domain.symbols}
-    dirt = declared.get("dirt")
-    if dirt is None or not _takes(dirt, domain, AREA):
+    if not _predicate(declared, "dirt", domain, AREA):
         raise MissingSymbol("dirt(?a - area)")
     facts = {Fact("dirt", (area.name,)) for area in areas}
     if _predicate(declared, "scattered", domain, AREA):
@@ -56,9 +55,7 @@ def remembered(before: State, gone: Set[str]) -> State:
 
     So a state after an action differs from the one before it in nothing that was not seen to change.
     """
-    return frozenset(
-        fact for fact in before if not gone.isdisjoint(fact.objects) and fact.symbol != "dirt"
-    )
+    return frozenset(fact for fact in before if not gone.isdisjoint(fact.objects) and fact.symbol != "dirt")
 
 
 def size_of(area: Area, thresholds: SymbolThresholds) -> str:
@@ -91,10 +88,13 @@ def lies_between(point: Point, start: Point, end: Point, half_width: float) -> b
     return 0 < along < length and beside <= half_width
 
 
-def nearest_on_mouth(point: Point, scene: Scene) -> Point:
-    """The point of the container's mouth nearest to `point`: there a push into the container leads."""
+def place_at_mouth(point: Point, scene: Scene) -> Point:
+    """Where a push from `point` leads: the nearest point of the mouth with room for the whole rag."""
     (x0, y0), (x1, y1) = scene.mouth()
-    return min(max(point[0], x0), x1), min(max(point[1], y0), y1)
+    margin = min(scene.rag.width, scene.container.width) / 2
+    if x0 == x1:
+        return x0, min(max(point[1], y0 + margin), y1 - margin)
+    return min(max(point[0], x0 + margin), x1 - margin), y0
 
 
 def _predicate(declared: dict[str, Symbol], name: str, domain: Domain, *types: str) -> bool:
@@ -130,6 +130,6 @@ def _traversal_to(containers: Iterable[str], areas: Sequence[Area], scene: Scene
     """Facts about pushes into the container; a scene has one, so every container constant means that one."""
     names = tuple(containers)
     for start, middle in permutations(areas, 2):
-        mouth = nearest_on_mouth(start.ellipse.centre, scene)
+        mouth = place_at_mouth(start.ellipse.centre, scene)
         if lies_between(middle.ellipse.centre, start.ellipse.centre, mouth, scene.symbols.traversal):
             yield from (Fact("traversal", (start.name, name, middle.name)) for name in names)

@@ -37,10 +37,10 @@ def track(
 ) -> tuple[Area, ...]:
     """The areas of `after`, in their order, named as what has become of the named areas of `before`.
 
-    Areas that nothing pushed, and the target of a join, keep their names where they stand: all together at the
-    least sum of distances between centres, none across a gap above `GATE`. Then each pushed area gives its name to
-    the largest area left that lies along the stroke or where it lay before. A name without an area is gone; an
-    area without a name becomes `a<next_number>`, and so on.
+    Areas that nothing pushed, and the target of a join, keep their names where they stand: all together at
+    the least sum of distances between centres, none across a gap above `GATE`. Then each pushed area gives
+    its name to the largest area left that lies along the stroke or where it lay before. A name without an
+    area is gone; an area without a name becomes `a<next_number>`, and so on.
     """
     pushed = () if stroke is None else stroke.pushed[:-1] if len(stroke.pushed) > 1 else stroke.pushed
     names = _standing([area for area in before if area.name not in pushed], after)
@@ -72,7 +72,7 @@ def _cost(old: Area, new: Area) -> float:
 def _pushed(
     before: Sequence[Area], after: Sequence[Area], stroke: Stroke, taken: Mapping[int, str]
 ) -> dict[int, str]:
-    """Index in `after` -> name, for the areas of the stroke that have no area yet; a join's target comes first."""
+    """Index in `after` -> name, for names of the stroke that stayed nowhere; a join's target comes first."""
     earlier = {area.name: area for area in before}
     names: dict[int, str] = {}
     order = (*stroke.pushed[-1:], *stroke.pushed[:-1])

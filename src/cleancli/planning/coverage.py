@@ -1,4 +1,4 @@
-"""Which share of the plan space a number of samples covers (eq. 3), and how many samples a small space needs."""
+"""Which share of the plan space some samples cover (eq. 3), and how many samples a small space needs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ENOUGH = 10
 
 
 def coverage(task: Task, samples: int) -> float:
-    """n / (#dirt · #a)^H, at most 1 (eq. 3): #dirt conditions hold at first, #a actions and H steps are possible."""
+    """n / (#dirt · #a)^H, at most 1 (eq. 3), for #dirt counted conditions that hold, #a actions, H steps."""
     if samples <= 0:
         return 0.0
     return min(1.0, math.exp(math.log(samples) - _log_sequences(task)))
@@ -23,7 +23,8 @@ def enough_samples(task: Task, limit: int) -> int:
         return 0
     if math.log(ENOUGH) + _log_sequences(task) >= math.log(max(limit, 1)):
         return limit
-    return min(limit, ENOUGH * _pairs(task) ** task.horizon)
+    sequences: int = max(_pairs(task), 1) ** task.horizon
+    return min(limit, ENOUGH * sequences)
 
 
 def _log_sequences(task: Task) -> float:

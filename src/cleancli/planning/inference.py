@@ -19,9 +19,10 @@ def best_sequence(tables: Tables, horizon: int, discount: float, samples: int, s
 
 
 def step_rewards(tables: Tables, actions: Ints) -> Floats:
-    """Undiscounted expected reward of each action (eq. 2), in sequence from the initial state; shape of `actions`."""
+    """Undiscounted expected reward of each action of a sequence (eq. 2), in the shape of `actions`."""
     _check(tables)
-    assert actions.ndim == 1 and actions.dtype == np.int32
+    assert actions.ndim == 1
+    assert actions.dtype == np.int32
     assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
     result = np.zeros(actions.size)
     kernel.rewards(tables, _belief(tables), actions, result)
@@ -40,7 +41,9 @@ def _check(t: Tables) -> None:
     slots, factors = len(t.initial), len(t.factor_slot_start) - 1
     conditions, rules = len(t.condition_factor_start) - 1, len(t.rule_changes)
     variables, actions = len(t.slot_start) - 1, len(t.rule_start) - 1
-    assert t.slot_start[-1] == slots and t.rule_start[-1] == rules and t.rule_changes.dtype == np.bool_
+    assert t.slot_start[-1] == slots
+    assert t.rule_start[-1] == rules
+    assert t.rule_changes.dtype == np.bool_
     _check_lists(t.factor_slot_start, t.factor_slot, factors, slots)
     _check_lists(t.condition_factor_start, t.condition_factor, conditions, factors)
     _check_lists(t.set_start, t.set_variable, rules, variables, t.set_probability)
@@ -53,7 +56,9 @@ def _check(t: Tables) -> None:
 
 def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:
     """`lists` ragged lists of indices below `bound`, with a number along each entry where there are any."""
-    assert start.dtype == entries.dtype == np.int32 and start.shape == (lists + 1,)
-    assert start[0] == 0 and start[-1] == len(entries) and bool((np.diff(start) >= 0).all())
+    assert start.dtype == entries.dtype == np.int32
+    assert start.shape == (lists + 1,)
+    assert (start[0], start[-1]) == (0, len(entries))
+    assert (np.diff(start) >= 0).all()
     assert len(entries) == 0 or (entries.min() >= 0 and entries.max() < bound)
     assert along is None or (along.dtype == np.float64 and along.shape == entries.shape)

@@ -1,4 +1,4 @@
-"""PRADA (Lang and Toussaint 2010, §4.1): draw action sequences, value each by factored inference, keep the best."""
+"""PRADA (Lang and Toussaint 2010, §4.1): draw action sequences, value them by factored beliefs, keep one."""
 
 from __future__ import annotations
 
@@ -16,12 +16,9 @@ from cleancli.planning.plan import Options, Plan
 MARGIN = 0.05
 """A plan must be worth more than this to be better than doing nothing, as in the authors' implementation."""
 
-NEGLIGIBLE = 1e-9
-"""A last step that adds no more than this is dropped from a plan."""
-
 
 def prada(task: Task, options: Options) -> Plan:
-    """The best of the sampled sequences without useless last steps; empty where it is not worth `MARGIN`."""
+    """The best of the sampled sequences; empty where it is not worth `MARGIN`."""
     times = [time.perf_counter()]
     tables = lower(task)
     times.append(time.perf_counter())
@@ -31,10 +28,9 @@ def prada(task: Task, options: Options) -> Plan:
     times.append(time.perf_counter())
     samples = enough_samples(task, options.samples)
     best: Ints = inference.best_sequence(tables, task.horizon, task.discount, samples, options.seed)
-    rewards = _without_useless_end(inference.step_rewards(tables, best))
-    value = _discounted(rewards, task.discount)
+    value = _discounted(inference.step_rewards(tables, best), task.discount)
     times.append(time.perf_counter())
-    chosen = best[: rewards.size] if value > MARGIN else best[:0]
+    chosen = best if value > MARGIN else best[:0]
     return Plan(
         planner="prada",
         actions=tuple(task.actions[action] for action in chosen),
@@ -60,11 +56,6 @@ def _inference() -> ModuleType:
     from cleancli.planning import inference
 
     return inference
-
-
-def _without_useless_end(rewards: Floats) -> Floats:
-    useful = np.flatnonzero(rewards > NEGLIGIBLE)
-    return rewards[: useful[-1] + 1] if useful.size else rewards[:0]
 
 
 def _discounted(rewards: Floats, discount: float) -> float:

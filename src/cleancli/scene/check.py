@@ -192,7 +192,7 @@ def _dirt(
     dirt = []
     for entry in section.entries:
         if not isinstance(entry, Section):
-            findings.unknown("E502", "key in `dirt`", entry.key.text, entry.key.span, ())
+            findings.unknown("E502", "key", entry.key.text, entry.key.span, readers, " in `dirt`")
         elif entry.name.text not in readers:
             findings.unknown("E501", "kind of dirt", entry.name.text, entry.name.span, readers)
         else:

@@ -138,7 +138,7 @@ class Settings:
         for key, setting in self._settings.items():
             if key not in self._asked:
                 self._findings.unknown(
-                    "E502", f"key in `{self._name.text}`", key, setting.key.span, self._asked
+                    "E502", "key", key, setting.key.span, self._asked, f" in `{self._name.text}`"
                 )
 
     def _take(self, key: str, default: object) -> SettingValue | None:

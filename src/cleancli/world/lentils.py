@@ -17,7 +17,7 @@ _RINGS = ((0.4, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.4, -1.0))
 
 
 def drop(engine: Engine, spots: NDArray[np.float64], rng: np.random.Generator) -> tuple[int, ...]:
-    """Bodies of lentils just above the surface at `spots` (n, 2); those of one spot lie on top of each other."""
+    """Bodies of lentils just above the surface at `spots` (n, 2), stacked where spots are too close."""
     corners, faces = _mesh()
     hull = engine.createCollisionShape(engine.GEOM_MESH, vertices=corners.tolist())
     looks = [
@@ -84,13 +84,12 @@ def settle(engine: Engine, bodies: tuple[int, ...]) -> None:
 
 def _heights(spots: NDArray[np.float64]) -> NDArray[np.float64]:
     """(n,) heights to drop from, so that no two lentils start inside each other."""
-    layers = np.zeros(len(spots), dtype=np.int64)
+    layers = np.zeros(len(spots))
     for index in range(len(spots)):
         apart = np.linalg.norm(spots[:index] - spots[index], axis=1)
         taken = layers[:index][apart < 1.1 * par.LENTIL_DIAMETER]
         layers[index] = taken.max() + 1 if taken.size else 0
-    heights: NDArray[np.float64] = par.DROP_HEIGHT + 1.2 * par.LENTIL_THICKNESS * layers
-    return heights
+    return par.DROP_HEIGHT + 1.2 * par.LENTIL_THICKNESS * layers
 
 
 def _mesh() -> tuple[NDArray[np.float64], list[int]]:

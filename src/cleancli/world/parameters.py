@@ -54,8 +54,6 @@ CARRIAGE_INERTIA = 0.01
 REACH_MARGIN = 0.45  # how far the gantry goes beyond the table's edges
 REACH_HEIGHT = (-0.02, 0.40)
 TRACKING_LIMIT = 0.04  # farther than this from the commanded position, something blocks the tool
-TRANSIT_SPEED = 0.25  # measured with: the facts on robot time assume it
-TRANSIT_HEIGHT = 0.05  # "a few centimeters away from the surface" (§3.2)
 REST_CLEARANCE = 0.10  # between the camera's view and the resting tool
 
 # Tool noise, drawn once per stroke. Measured together with the rag (outcome shares in docs/world.md).
@@ -80,7 +78,7 @@ POST_HEIGHT = 0.40
 @dataclass(frozen=True, slots=True)
 class Grasp:
     """How the rag is held: width of one flap (m), spring gain and greatest torque (N m) of its hinge,
-    standard deviations of its rest angle (rad) and of its gap to the surface (m), how far the ends lead (m)."""
+    standard deviations of its rest angle (rad) and its gap to the surface (m), lead of the rag's ends (m)."""
 
     flap_width: float
     gain: float

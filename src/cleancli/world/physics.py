@@ -10,13 +10,11 @@ from typing import Any
 from cleancli.world import parameters as par
 
 
-class MissingPhysics(Exception):
+class MissingPhysics(Exception):  # noqa: N818 - says what is missing, as its name does
     """pybullet isn't installed, so there is no table to simulate."""
 
     def __init__(self) -> None:
-        super().__init__(
-            "the simulated table needs pybullet: pip install cleancli[physics] (the `symbolic` world doesn't)"
-        )
+        super().__init__("the simulated table needs pybullet: pip install cleancli[physics]")
 
 
 class Engine:
@@ -47,8 +45,6 @@ class Engine:
 
 def _import_pybullet() -> Any:
     """pybullet, imported without the build time it prints from C, past Python's own streams."""
-    if "pybullet" in sys.modules:
-        return sys.modules["pybullet"]
     sys.stdout.flush()
     sys.stderr.flush()
     kept = os.dup(1), os.dup(2)

@@ -18,8 +18,6 @@ class Gantry:
 
     def __init__(self, engine: Engine, rag: Rag, rng: np.random.Generator) -> None:
         self._engine = engine
-        if rag.grasp not in par.GRASPS:
-            raise ValueError(f"no grasp is called `{rag.grasp}`; there are: {', '.join(par.GRASPS)}")
         grasp = par.GRASPS[rag.grasp]
         offsets = flap_offsets(rag, grasp)
         gaps = grasp.gap_spread * rng.standard_normal(len(offsets))

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.motion.actions import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath
 from cleancli.motion.timing import Limits, Trajectory, parametrise
 from cleancli.perception.frame import Frame
@@ -25,13 +26,17 @@ _Pose = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Where every lentil really is; for reports and tests, never for planning. `positions` (total, 3)."""
+    """Where every lentil really is; for reports and tests, never for planning.
+
+    `positions` (total, 3) of all lentils, and `left` (on_table, 3) of those still on the table, in metres.
+    """
 
     on_table: int
     in_container: int
     on_floor: int
     total: int
     positions: NDArray[np.float64]
+    left: NDArray[np.float64]
 
 
 class PybulletTable:
@@ -42,8 +47,7 @@ class PybulletTable:
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
-        if scene.robot != "gantry":
-            raise ValueError(f"no drive is called `{scene.robot}`; this table has `gantry`")
+        _refuse_unknown(scene)
         layout, tool, strokes, images = np.random.default_rng(seed).spawn(4)
         self._scene = scene
         self._engine = Engine()
@@ -91,7 +95,7 @@ class PybulletTable:
 
     def withdraw(self) -> None:
         """Begin a transit to the resting pose. Raises ValueError while another motion is under way."""
-        self._begin(resting_pose(self._scene)[None], [par.TRANSIT_SPEED])
+        self._begin(resting_pose(self._scene)[None], [TRANSIT_SPEED])
 
     def poll(self) -> Status:
         """Let one control period pass, or what is left of the motion; no time passes when none is under way.
@@ -112,8 +116,8 @@ class PybulletTable:
         """End the motion now and raise the tool straight up; the clock runs until it is up."""
         here = self._gantry.pose()
         up = here.copy()
-        up[2] = max(here[2], par.TRANSIT_HEIGHT)
-        self._follow(_sampled(parametrise(np.stack((here, up)), np.array([par.TRANSIT_SPEED]), _LIMITS)))
+        up[2] = max(here[2], LIFT)
+        self._follow(_sampled(parametrise(np.stack((here, up)), np.array([TRANSIT_SPEED]), _LIMITS)))
         self._ahead = self._ahead[:0]
         self._status = Status.DONE
 
@@ -125,7 +129,7 @@ class PybulletTable:
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
         contained, remaining = int(inside.sum()), int(above.sum())
-        return Truth(remaining, contained, len(places) - remaining - contained, len(places), places)
+        return Truth(remaining, contained, len(places) - remaining - contained, len(places), places, places[above])
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
@@ -138,7 +142,7 @@ class PybulletTable:
         return np.array((side * np.cos(across), side * np.sin(across), height, yaw))
 
     def _begin(self, poses: NDArray[np.float64], speeds: list[float]) -> None:
-        """Time the way to the first of `poses` (n, 4) and on through them; `speeds` (n,) are those to each."""
+        """Time the way to the first of `poses` (n, 4) and on through them; `speeds` (n,) go to each."""
         if self._status is Status.RUNNING:
             raise ValueError("a motion is under way: poll it to its end, or stop it")
         if not _within_reach(poses, self._scene):
@@ -158,6 +162,13 @@ class PybulletTable:
         self._steps += len(poses)
 
 
+def _refuse_unknown(scene: Scene) -> None:
+    if scene.robot != "gantry":
+        raise ValueError(f"no drive is called `{scene.robot}`; this table has `gantry`")
+    if scene.rag.grasp not in par.GRASPS:
+        raise ValueError(f"no grasp is called `{scene.rag.grasp}`; this table has {', '.join(par.GRASPS)}")
+
+
 def resting_pose(scene: Scene) -> _Pose:
     """Pose (4,) beside the table, outside the camera's view, on the nearest side without the container."""
     setup = scene.camera
@@ -167,15 +178,15 @@ def resting_pose(scene: Scene) -> _Pose:
     places = {"north": (0.0, y), "south": (0.0, -y), "west": (-x, 0.0), "east": (x, 0.0)}
     del places[scene.container.edge]
     nearest = min(places.values(), key=lambda place: abs(place[0]) + abs(place[1]))
-    return np.array((*nearest, par.TRANSIT_HEIGHT, 0.0))
+    return np.array((*nearest, LIFT, 0.0))
 
 
 def _transit(here: _Pose, there: _Pose, speed: float) -> tuple[NDArray[np.float64], list[float]]:
     """Poses from `here` up, across above the surface, to `there`; and the speeds to each after the first."""
-    height = max(par.TRANSIT_HEIGHT, here[2], there[2])
+    height = max(LIFT, here[2], there[2])
     up, across = here.copy(), there.copy()
     up[2] = across[2] = height
-    return np.stack((here, up, across, there)), [par.TRANSIT_SPEED, speed, speed]
+    return np.stack((here, up, across, there)), [TRANSIT_SPEED, speed, speed]
 
 
 def _sampled(trajectory: Trajectory) -> NDArray[np.float64]:

@@ -1,0 +1,85 @@
+"""How fast the simulated table is: python benchmarks/world.py [seeds]
+
+Cleans 40 scattered lentils by a script that knows where they are: it pushes the lentil farthest from the
+container, and what lies near it, until few are left. Prints simulated seconds per CPU
+second, and what an image costs.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import closing
+
+import numpy as np
+
+from cleancli.motion.actions import tool_path
+from cleancli.perception.area import Ellipse
+from cleancli.scene.model import (
+    CameraSetup,
+    Container,
+    Rag,
+    Scattered,
+    Scene,
+    Surface,
+    SymbolThresholds,
+)
+from cleancli.world.robot import Status
+from cleancli.world.table import PybulletTable
+
+SCENE = Scene(
+    name="forty",
+    surface=Surface(0.90, 0.70, 0.45, (205, 198, 184)),
+    container=Container("east", 0.0, 0.32, 0.16),
+    robot="gantry",
+    rag=Rag("wide", 0.12),
+    camera=CameraSetup(0.9, 640, 480, 525),
+    dirt=(Scattered(40, (-0.28, -0.22), (0.28, 0.22)),),
+    symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),
+    seed=1,
+)
+LEFT_OVER = 2
+MOST_STROKES = 40
+
+
+def clean(table: PybulletTable) -> int:
+    """Push until at most two lentils are left; the number of strokes."""
+    for stroke in range(MOST_STROKES):
+        places = table.truth().positions
+        on_table = places[places[:, 2] > -0.01, :2]
+        if len(on_table) <= LEFT_OVER:
+            return stroke
+        target = on_table[np.argmin(on_table[:, 0])]
+        area = Ellipse((float(target[0]), float(target[1])), (0.02, 0.02), 0.0)
+        table.start(tool_path("moveToContainerFast", (area,), SCENE))
+        while table.poll() is Status.RUNNING:
+            pass
+    return MOST_STROKES
+
+
+def main(seeds: int) -> None:
+    """Print one line per seed, then the cameras."""
+    print("seed strokes robot_s cpu_s robot_s/cpu_s on_table in_container on_floor")
+    for seed in range(seeds):
+        began = time.process_time()
+        with closing(PybulletTable(SCENE, seed)) as table:
+            strokes = clean(table)
+            spent, truth = time.process_time() - began, table.truth()
+            rates = f"{table.clock:7.1f} {spent:5.1f} {table.clock / spent:13.1f}"
+            print(
+                f"{seed:4} {strokes:7} {rates} {truth.on_table:8} {truth.in_container:12} {truth.on_floor:8}"
+            )
+    with closing(PybulletTable(SCENE, 0)) as table:
+        for name, shot in (
+            ("frame", table.observe),
+            ("picture", table.picture),
+            ("small picture", lambda: table.picture(320, 240)),
+        ):
+            began = time.process_time()
+            for _ in range(5):
+                shot()
+            print(f"{name}: {(time.process_time() - began) / 5 * 1e3:.0f} ms")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 2)

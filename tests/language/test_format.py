@@ -1,0 +1,170 @@
+"""What is printed reads back as the same model, for shipped files and for generated ones."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cleancli.language.diagnostics import Source
+from cleancli.language.format import print_domain, print_float, print_fraction, print_problem
+from cleancli.language.load import kind_of, load_domain, load_problem, read_source
+from cleancli.language.model import (
+    Action,
+    Assign,
+    Condition,
+    Count,
+    Domain,
+    Equality,
+    Fact,
+    ForAll,
+    Horizon,
+    Literal,
+    Object,
+    Outcome,
+    OutcomeKind,
+    Problem,
+    Rule,
+    Symbol,
+    Type,
+    Variable,
+)
+from cleancli.scene.check import load_scene
+from cleancli.scene.format import print_scene
+from cleancli.shipped import find, shipped
+
+HERE = Path(__file__).parent
+TYPES = (Type("thing"), Type("dish", "thing"), Type("cup", "dish"))
+CONSTANTS = (Object("sink", "thing"), Object("mug", "cup"))
+A, B = Variable("a", "dish"), Variable("b", "dish")
+PREDICATES = (
+    Symbol("clean", (Variable("x", "thing"),)),
+    Symbol("beside", (Variable("x", "dish"), Variable("y", "dish")), symmetric=True),
+    Symbol("open", ()),
+)
+FUNCTION = Symbol("heat", (Variable("x", "dish"),), ("cold", "warm", "hot", "burnt"))
+VALUE_SETS = [{"cold"}, {"warm"}, {"cold", "warm"}, {"hot", "burnt"}, {"cold", "hot", "burnt"}]
+
+
+def _effects() -> st.SearchStrategy[tuple[Assign | ForAll, ...]]:
+    inner = Variable("m", "cup")
+    hidden = ForAll(
+        (inner,), (Literal("beside", (A, inner), frozenset({True})),), (Assign("heat", (inner,), "hot"),)
+    )
+    every = ForAll((inner,), (), (Assign("clean", (inner,), True), Assign("heat", (inner,), "warm")))
+    single = st.sampled_from(
+        [Assign("clean", (A,), False), Assign("heat", (A,), "hot"), Assign("open", (), True), hidden, every]
+    )
+    return st.lists(single, min_size=1, max_size=4, unique=True).map(tuple)
+
+
+@st.composite
+def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
+    results: list[tuple[OutcomeKind, tuple[Assign | ForAll, ...]]] = [(OutcomeKind.NOISE, ())]
+    results += [(OutcomeKind.CHANGE, e) for e in draw(st.lists(_effects(), max_size=3, unique=True))]
+    weights = draw(st.lists(st.integers(0, 50), min_size=len(results), max_size=len(results)))
+    total = sum(weights) + 1
+    probabilities = [Fraction(w, total) for w in weights]
+    probabilities[-1] += 1 - sum(probabilities)
+    outcomes = []
+    for number, (kind, effects) in enumerate(results):
+        prior = draw(st.none() | st.fractions(0, 1, max_denominator=1000))
+        seen = draw(st.none() | st.integers(0, 99))
+        rest = number == len(results) - 1 and draw(st.booleans())
+        outcomes.append(Outcome(probabilities[number], kind, effects, prior, seen, rest))
+    return tuple(outcomes)
+
+
+@st.composite
+def _domains(draw: st.DrawFn) -> Domain:
+    extra: list[Literal | Equality] = [
+        Literal("clean", (A,), frozenset({draw(st.booleans())})),
+        Literal("beside", (A, B), frozenset({draw(st.booleans())})),
+        Equality(A, B, False),
+        Equality(A, CONSTANTS[1], False),
+        Literal("open", (), frozenset({draw(st.booleans())})),
+    ]
+    common: Condition = tuple(draw(st.lists(st.sampled_from(extra), unique=True)))
+    values = draw(st.sampled_from(VALUE_SETS))
+    chosen = Literal("heat", (A,), frozenset(values))
+    others = Literal("heat", (A,), frozenset(FUNCTION.values) - frozenset(values))
+    rules = tuple(
+        Rule(name, "move", (A, B), (*common, literal), draw(_outcomes()))
+        for name, literal in (("one", chosen), ("two", others))
+    )
+    duration = draw(st.none() | st.floats(1e-6, 1e9))
+    return Domain(
+        "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
+        (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
+        (Action("move", (A, B), duration), Action("wait", ())),
+        rules, (Outcome(Fraction(1), OutcomeKind.NOTHING),), "dirty",
+    )  # fmt: skip
+
+
+@settings(max_examples=60, deadline=None)
+@given(_domains())
+def test_a_printed_domain_reads_as_itself(domain: Domain) -> None:
+    assert load_domain(Source("printed", print_domain(domain))) == domain
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.sets(st.sampled_from(["clean(sink)", "clean(mug)", "open()"])),
+    st.sampled_from(FUNCTION.values),
+    st.none() | st.builds(Horizon, st.integers(1, 99), st.sampled_from([None, "dirty"])),
+    st.floats(0, 1),
+)
+def test_a_printed_problem_reads_as_itself(
+    true: set[str], heat: str, horizon: Horizon | None, discount: float
+) -> None:
+    domain = Domain(
+        "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
+        (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
+        (), (), (Outcome(Fraction(1), OutcomeKind.NOTHING),), "dirty",
+    )  # fmt: skip
+    facts = (
+        {Fact(text.split("(")[0], tuple(text.split("(")[1].rstrip(")").split())) for text in true}
+        | {Fact("heat", (name,), heat) for name in ("mug", "plate")}
+        | {Fact("beside", ("mug", "plate"))}
+    )
+    problem = Problem("p", "kitchen", (Object("plate", "dish"),), frozenset(facts), horizon, discount)
+    text = print_problem(problem)
+    assert load_problem(Source("printed", text), domain) == problem
+
+
+@pytest.mark.parametrize("path", sorted(shipped("domains").glob("*.nid")), ids=lambda path: path.stem)
+def test_shipped_domains(path: Path) -> None:
+    domain = load_domain(read_source(path))
+    assert load_domain(Source("printed", print_domain(domain))) == domain
+
+
+@pytest.mark.parametrize("path", sorted(shipped("problems").glob("*.nid")), ids=lambda path: path.stem)
+def test_shipped_problems_and_scenes(path: Path) -> None:
+    source = read_source(path)
+    if kind_of(source) == "scene":
+        scene = load_scene(source)
+        assert load_scene(Source("printed", print_scene(scene))) == scene
+    else:
+        domain = load_domain(read_source(find("domains", "cleaning")))
+        problem = load_problem(source, domain)
+        assert load_problem(Source("printed", print_problem(problem)), domain) == problem
+
+
+def test_the_small_domain_in_canonical_layout() -> None:
+    printed = print_domain(load_domain(read_source(HERE / "small.nid")))
+    assert printed == (HERE / "small.printed.txt").read_text(encoding="utf-8")
+
+
+@given(st.fractions(0, 1))
+def test_fractions_are_exact(value: Fraction) -> None:
+    assert Fraction(print_fraction(value)) == value
+
+
+@given(st.floats(0, 1e12))
+def test_floats_are_exact(value: float) -> None:
+    text = print_float(value)
+    assert float(Fraction(text)) == value
+    assert "e" not in text

@@ -1,0 +1,103 @@
+"""Files that cannot be read, and what checked models hold."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.load import domain_named, load_domain, load_problem, read_source
+from cleancli.language.model import Fact, Horizon, OutcomeKind
+from cleancli.scene.check import load_scene
+from cleancli.scene.model import Rag
+from cleancli.shipped import find, shipped_names
+
+HERE = Path(__file__).parent
+
+
+def _code(action: object, *arguments: object) -> str:
+    with pytest.raises(Refused) as refused:
+        action(*arguments)  # type: ignore[operator]
+    return refused.value.diagnostics[0].code
+
+
+def test_unreadable_files(tmp_path: Path) -> None:
+    large = tmp_path / "large.nid"
+    with large.open("wb") as file:
+        file.truncate(8 * 1024 * 1024 + 1)
+    assert _code(read_source, tmp_path / "none.nid") == "E001"
+    assert _code(read_source, tmp_path) == "E002"
+    assert _code(read_source, "a\0b") == "E003"
+    assert _code(read_source, large) == "E005"
+
+
+def test_line_ends_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "a.nid"
+    path.write_bytes(b"domain d {\r\n}\r")
+    assert read_source(path).text == "domain d {\r\n}\r"
+
+
+def test_a_shipped_file_is_found_by_its_name_a_path_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert find("domains", "cleaning").name == find("domains", "cleaning.nid").name == "cleaning.nid"
+    assert "two_groups" in shipped_names("problems")
+    (tmp_path / "cleaning").write_text("")
+    assert find("domains", "cleaning") == Path("cleaning")
+    with pytest.raises(Refused) as refused:
+        find("problems", "two_group")
+    assert "did you mean `two_groups`" in refused.value.diagnostics[0].help
+
+
+def test_the_small_domain() -> None:
+    domain = load_domain(read_source(HERE / "small.nid"))
+    small, larger = domain.rules
+    assert [o.probability for o in small.outcomes] == [Fraction(8, 10), Fraction(1, 10), Fraction(1, 10)]
+    assert [o.is_rest for o in small.outcomes] == [False, False, True]
+    assert small.outcomes[2].kind is OutcomeKind.NOISE
+    assert larger.outcomes[0].probability == Fraction(1, 3)
+    assert domain.actions[0].duration == 9.0
+    assert domain.actions[1].duration is None
+    assert domain.reward == "dirty"
+
+
+def test_facts_are_canonical_and_commas_optional() -> None:
+    domain = load_domain(read_source(HERE / "small.nid"))
+    text = """problem p { domain = small objects { b a - area }
+      init { near(b, a) near(a, b), size(a) = big size(b) = small, } horizon = 2 + dirty }"""
+    problem = load_problem(Source("p", text), domain)
+    assert problem.state == {
+        Fact("near", ("a", "b")),
+        Fact("size", ("a",), "big"),
+        Fact("size", ("b",), "small"),
+    }
+    assert problem.horizon == Horizon(2, "dirty")
+    assert problem.discount == 0.95
+
+
+def test_a_scene_needs_dirt_only_and_defaults_are_those_of_two_groups() -> None:
+    short = load_scene(Source("s", "scene s { dirt { group { count = 1 at = (0 m, 0 m) radius = 1 cm } } }"))
+    full = load_scene(read_source(find("problems", "two_groups")))
+    assert (short.surface, short.container, short.rag) == (full.surface, full.container, full.rag)
+    assert (short.camera, short.symbols, short.domain) == (full.camera, full.symbols, full.domain)
+    assert full.rag == Rag("wide", 0.12)
+
+
+def test_the_domain_of_a_file() -> None:
+    assert domain_named(read_source(find("problems", "three_areas"))).text == "cleaning"
+    assert _code(domain_named, Source("p", "problem p { }")) == "E407"
+    assert _code(load_scene, read_source(HERE / "small.nid")) == "E106"
+
+
+def test_checking_loads_no_heavy_library() -> None:
+    program = (
+        "import sys; from cleancli.language.load import *; "
+        f"load_domain(read_source({str(HERE / 'small.nid')!r})); "
+        "print([m for m in ('numpy', 'numba', 'cv2', 'pybullet', 'scipy') if m in sys.modules])"
+    )
+    assert subprocess.check_output([sys.executable, "-c", program], text=True).strip() == "[]"

@@ -1,0 +1,113 @@
+"""Text to syntax tree: a golden tree, layout, recovery, and a builder for every grammar rule."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+from pathlib import Path
+
+import pytest
+from lark import Tree
+
+from cleancli.language.build import Builder
+from cleancli.language.diagnostics import Refused, Source, Span
+from cleancli.language.parse import grammar, kind_of, parse
+from cleancli.shipped import shipped
+
+HERE = Path(__file__).parent
+SHIPPED = sorted([*shipped("domains").glob("*.nid"), *shipped("problems").glob("*.nid")])
+
+
+def _read(path: Path) -> Source:
+    with path.open(newline="", encoding="utf-8") as file:
+        return Source(path.name, file.read())
+
+
+def _dump(node: object, text: str, depth: int = 0) -> str:
+    """One line a node, with the text its span covers."""
+    margin = "  " * depth
+    if isinstance(node, tuple):
+        return "".join(_dump(item, text, depth) for item in node)
+    if not dataclasses.is_dataclass(node):
+        return f"{margin}{node!r}\n"
+    span = node.span  # type: ignore[attr-defined]
+    covered = " ".join(text[span.start : span.end].split())
+    shown = covered if len(covered) < 60 else f"{covered[:28]} ... {covered[-27:]}"
+    fields = [f.name for f in dataclasses.fields(node) if f.name != "span"]
+    children = [_dump(getattr(node, name), text, depth + 1) for name in fields]
+    return f"{margin}{type(node).__name__}: {shown}\n{''.join(children)}"
+
+
+def _rules_of_grammar() -> set[str]:
+    return {str(rule.alias or rule.origin.name) for rule in grammar().rules}
+
+
+def test_every_rule_of_the_grammar_has_a_builder_and_every_builder_a_rule() -> None:
+    rules = {name for name in _rules_of_grammar() if not name.startswith("_")}
+    builders = {name.removeprefix("build_") for name in dir(Builder) if name.startswith("build_")}
+    assert builders == rules
+
+
+def test_a_rule_without_a_builder_is_refused() -> None:
+    with pytest.raises(LookupError, match="frobnicate"):
+        Builder("x").build(Tree("frobnicate", []))
+
+
+def test_tree_of_the_small_domain() -> None:
+    source = _read(HERE / "small.nid")
+    expected = HERE / "small.tree.txt"
+    found = _dump(parse(source).root, source.text)
+    if os.environ.get("CLEANCLI_REGENERATE"):
+        expected.write_text(found, encoding="utf-8")
+    assert found == expected.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_line_ends_and_blanks_change_spans_only(path: Path) -> None:
+    source = _read(path)
+    plain = parse(source)
+    assert plain.diagnostics == ()
+    for text in (
+        source.text.replace("\n", "\r\n"),
+        source.text.replace("\n", "\r"),
+        "\ufeff" + source.text,
+        re.sub(r"#.*", "", source.text).replace("\n", " "),
+    ):
+        assert parse(Source("other", text)).root == plain.root
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_cut_and_every_lost_character_is_survived(path: Path) -> None:
+    text = _read(path).text
+    places = range(0, len(text), max(1, len(text) // 40))
+    for place in places:
+        for broken in (text[:place], text[:place] + text[place + 1 :], text[:place] + "}" + text[place:]):
+            try:
+                found = parse(Source("x", broken)).diagnostics
+            except Refused as refused:
+                found = refused.diagnostics
+            for diagnostic in found:
+                assert diagnostic.span is not None
+                assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(broken)
+
+
+def test_each_block_is_parsed_on_its_own() -> None:
+    text = _read(HERE / "small.nid").text
+    broken = text.replace("rest: noise", "rest noise").replace("1/3: size", "1/3; size")
+    result = parse(Source("x", broken.replace("[symmetric]", "[symmetric")))
+    assert [d.code for d in result.diagnostics] == ["E104", "E104", "E104"]
+    assert result.broken == {"predicates", "rule"}
+    assert result.root is not None
+
+
+def test_no_more_than_twenty_syntax_errors() -> None:
+    rules = "".join(f"rule r{i}: a() {{ then oops }}\n" for i in range(30))
+    assert len(parse(Source("x", f"domain d {{\n{rules}}}")).diagnostics) == 20
+
+
+def test_kind() -> None:
+    assert kind_of(Source("x", "# domain\n\n  scene s { }")) == "scene"
+    with pytest.raises(Refused) as refused:
+        kind_of(Source("x", "  problm p {}"))
+    assert refused.value.diagnostics[0].span == Span("x", 2, 8)

@@ -1,0 +1,155 @@
+"""Symbols against the geometry that docs/perception.md defines them by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import pytest
+import synthetic
+
+from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
+from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.symbols import MissingSymbol, lies_between, place_at_mouth, remembered, symbolize
+
+
+def symbol(name: str, *types: str, **more: object) -> Symbol:
+    return Symbol(name, tuple(Variable(f"x{i}", t) for i, t in enumerate(types)), **more)  # type: ignore[arg-type]
+
+
+SIZE = symbol("size", "area", values=("small", "medium", "big"))
+SYMBOLS = (
+    symbol("dirt", "area"),
+    symbol("scattered", "area"),
+    symbol("near", "area", "area", symmetric=True),
+    symbol("traversal", "place", "place", "place"),
+    SIZE,
+)
+
+
+def domain(*symbols: Symbol) -> Domain:
+    types = (Type("place"), Type("area", "place"), Type("container", "place"))
+    return Domain("test", types, (Object("bin", "container"),), symbols or SYMBOLS, (), (), (), (), "")
+
+
+def area(name: str, x: float, y: float, long: float = 0.02, short: float = 0.02, share: float = 1.0) -> Area:
+    return Area(Ellipse((x, y), (long, short), 0.0), share * pi * long * short, name)
+
+
+def facts(
+    *areas: Area, of: Domain | None = None, edge: str = "east", offset: float = 0.0
+) -> dict[str, set[tuple[str, ...]]]:
+    """Symbol -> the objects it holds for."""
+    _, state = symbolize(areas, synthetic.scene(edge, offset), of or domain())
+    return {name: {f.objects for f in state if f.symbol == name} for name in {f.symbol for f in state}}
+
+
+def test_objects_are_the_areas_and_all_are_dirty() -> None:
+    objects, state = symbolize([area("a2", 0, 0), area("a1", 0.3, 0.3)], synthetic.scene(), domain())
+    assert objects == (Object("a1", "area"), Object("a2", "area"))
+    assert {Fact("dirt", ("a1",)), Fact("dirt", ("a2",))} <= state
+    assert symbolize([], synthetic.scene(), domain()) == ((), frozenset())
+
+
+@pytest.mark.parametrize(
+    ("diameter", "size"),
+    [(0.006, "small"), (0.05, "small"), (0.051, "medium"), (0.10, "medium"), (0.101, "big"), (0.4, "big")],
+)
+def test_size_is_the_longest_diameter(diameter: float, size: str) -> None:
+    _, state = symbolize([area("a1", 0, 0, diameter / 2, 0.003)], synthetic.scene(), domain())
+    assert {f for f in state if f.symbol == "size"} == {Fact("size", ("a1",), size)}
+
+
+def test_scattered_is_thinly_covered() -> None:
+    found = facts(area("a1", 0, 0, share=0.29), area("a2", 0.3, 0, share=0.31))
+    assert found["scattered"] == {("a1",)}
+
+
+def test_near_is_the_gap_between_ellipses_and_listed_once() -> None:
+    found = facts(area("a2", 0, 0), area("a1", 0.239, 0), area("a3", -0.241, 0))
+    assert found["near"] == {("a1", "a2")}
+    both_ways = domain(symbol("dirt", "area"), symbol("near", "area", "area"))
+    assert facts(area("a2", 0, 0), area("a1", 0.239, 0), of=both_ways)["near"] == {("a1", "a2"), ("a2", "a1")}
+
+
+def test_traversal_holds_for_what_lies_in_the_strip_between() -> None:
+    found = facts(area("a1", -0.3, 0.3), area("a2", 0.3, 0.3), area("a3", 0.0, 0.241), area("a4", 0.0, 0.239))
+    between = {objects for objects in found["traversal"] if "bin" not in objects}
+    assert ("a1", "a2", "a4") not in between
+    assert {("a1", "a2", "a3"), ("a2", "a1", "a3")} <= between
+
+
+def test_traversal_to_the_bin_follows_the_push() -> None:
+    """The mouth is at x = 0.45, |y| <= 0.16; the rag, 12 cm wide, passes it at |y| <= 0.10."""
+    found = facts(
+        area("a1", -0.2, 0.3), area("a2", 0.25, 0.12), area("a3", 0.25, 0.3), area("a4", -0.3, 0.33)
+    )
+    to_bin = {(a, m) for a, b, m in found["traversal"] if b == "bin"}
+    assert to_bin == {("a1", "a2"), ("a4", "a1"), ("a4", "a2")}
+
+
+@pytest.mark.parametrize(
+    ("edge", "offset", "place"),
+    [
+        ("east", 0.0, (0.45, 0.10)),
+        ("west", 0.2, (-0.45, 0.25)),
+        ("north", 0.0, (-0.10, 0.35)),
+        ("south", -0.3, (-0.20, -0.35)),
+    ],
+)
+def test_a_push_leads_to_the_nearest_place_with_room_for_the_rag(
+    edge: str, offset: float, place: tuple[float, float]
+) -> None:
+    start = (-0.2, 0.25) if edge != "west" else (0.1, 0.25)
+    assert place_at_mouth(start, synthetic.scene(edge, offset)) == pytest.approx(place)
+
+
+def test_a_rag_wider_than_the_mouth_goes_to_its_middle() -> None:
+    scene = synthetic.scene("east", 0.05)
+    wide = replace(scene, rag=replace(scene.rag, width=0.5))
+    assert place_at_mouth((0.0, 0.3), wide) == pytest.approx((0.45, 0.05))
+
+
+def test_between_excludes_the_ends() -> None:
+    assert lies_between((0.5, 0.1), (0, 0), (1, 0), 0.1)
+    assert not lies_between((0.0, 0.0), (0, 0), (1, 0), 0.1)
+    assert not lies_between((1.0, 0.0), (0, 0), (1, 0), 0.1)
+    assert not lies_between((-0.1, 0.0), (0, 0), (1, 0), 0.1)
+    assert not lies_between((0.5, 0.0), (0, 0), (0, 0), 0.1)
+
+
+def test_what_the_domain_does_not_declare_is_left_out() -> None:
+    areas = (area("a1", -0.1, 0, share=0.1), area("a2", 0, 0), area("a3", 0.1, 0))
+    assert set(facts(*areas, of=domain(symbol("dirt", "area")))) == {"dirt"}
+    odd = domain(
+        symbol("dirt", "area"),
+        symbol("near", "area"),
+        symbol("scattered", "container"),
+        symbol("size", "area", values=("tiny", "huge")),
+        symbol("traversal", "area", "area", "area"),
+    )
+    found = facts(*areas, of=odd)
+    assert set(found) == {"dirt", "traversal"}
+    assert not any("bin" in objects for objects in found["traversal"])
+
+
+@pytest.mark.parametrize(
+    "symbols", [(SIZE,), (symbol("dirt", "container"),), (symbol("dirt", "area", values=("much", "little")),)]
+)
+def test_a_domain_without_dirt_is_refused(symbols: tuple[Symbol, ...]) -> None:
+    with pytest.raises(MissingSymbol, match=r"dirt\(\?a - area\)"):
+        facts(area("a1", 0, 0), of=domain(*symbols))
+
+
+def test_gone_areas_are_remembered_as_they_were_but_clean() -> None:
+    before = frozenset(
+        {
+            Fact("dirt", ("a1",)),
+            Fact("dirt", ("a2",)),
+            Fact("size", ("a1",), "small"),
+            Fact("size", ("a2",), "big"),
+            Fact("near", ("a1", "a2")),
+        }
+    )
+    assert remembered(before, {"a1"}) == {Fact("size", ("a1",), "small"), Fact("near", ("a1", "a2"))}
+    assert remembered(before, set()) == frozenset()

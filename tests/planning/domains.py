@@ -1,0 +1,91 @@
+"""Small domains as text, and random tasks, for the tests of compiler and planners."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, StateVariable, Task
+from cleancli.language.diagnostics import Source
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Domain, OutcomeKind
+
+SECTION_4 = """
+domain d {
+  types      { area }
+  predicates { dirt(?a - area) scattered(?a - area) }
+  derived    { dirty := count ?a - area: dirt(?a) }
+  actions    { clean(?a - area) join(?a ?b - area) }
+  rule clean_scattered: clean(?a) { when dirt(?a), scattered(?a) then 0.5: not dirt(?a) rest: nothing }
+  rule clean_compact: clean(?a) { when dirt(?a), not scattered(?a) then 0.8: not dirt(?a) rest: nothing }
+  rule join: join(?a, ?b) {
+    when dirt(?a), dirt(?b), ?a != ?b
+    then 0.3: not dirt(?a), scattered(?b)
+         0.2: not dirt(?a), not scattered(?b)
+         0.5: nothing
+  }
+  default { 1: nothing }
+  reward { decrease(dirty) }
+}
+"""
+
+TWO_SCATTERED = "objects { a b - area } init { dirt(a), dirt(b), scattered(a), scattered(b) }"
+
+
+def domain(text: str) -> Domain:
+    """The checked domain of a text."""
+    return load_domain(Source("domain.nid", text))
+
+
+def task(text: str, problem: str) -> Task:
+    """The task of a domain's text (named d) and the inside of a problem's."""
+    checked = domain(text)
+    source = Source("problem.nid", f"problem p {{ domain = {checked.name} {problem} }}")
+    return ground(checked, load_problem(source, checked))
+
+
+def action(task: Task, text: str) -> int:
+    """The index of an action written like `join(a, b)`."""
+    return [str(a) for a in task.actions].index(text)
+
+
+def random_task(seed: int) -> Task:
+    """A task of 5 variables with 2 or 3 values and 6 actions; each has one rule per value of some variable."""
+    rng = np.random.default_rng(seed)
+    sizes = [int(n) for n in rng.integers(2, 4, size=5)]
+    variables = tuple(StateVariable("v", (str(i),), tuple("abc"[:n])) for i, n in enumerate(sizes))
+    rules = []
+    for action in range(6):
+        pivot = int(rng.integers(5))
+        for value in range(sizes[pivot]):
+            other = int(rng.integers(5))
+            condition = {pivot: frozenset({value})}
+            condition.setdefault(other, frozenset(range(sizes[other] - 1)))
+            rules.append(GroundRule(0, action, tuple(sorted(condition.items())), _outcomes(rng, sizes)))
+    return Task(
+        variables=variables,
+        initial=tuple(int(rng.integers(n)) for n in sizes),
+        actions=tuple(GroundAction(f"act{i}", (), None) for i in range(6)),
+        rules=tuple(rules),
+        counted=(
+            *(((v, frozenset({0})),) for v in range(4)),
+            ((0, frozenset({0})), (4, frozenset({0}))),
+            ((1, frozenset({1})), (2, frozenset({0, 1}))),
+        ),
+        counted_always=1,
+        horizon=5,
+        discount=0.9,
+    )
+
+
+def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome, ...]:
+    tenths = rng.multinomial(10, [0.3, 0.3, 0.2, 0.2])
+    outcomes = []
+    for index, share in enumerate(tenths):
+        chosen = sorted(rng.choice(len(sizes), size=2, replace=False)) if index < 2 else []
+        effects = tuple((int(v), int(rng.integers(sizes[v]))) for v in chosen)
+        kind = OutcomeKind.CHANGE if effects else OutcomeKind.NOISE
+        outcomes.append(GroundOutcome(float(Fraction(int(share), 10)), kind, effects))
+    return tuple(outcomes)

@@ -1,0 +1,51 @@
+"""Scenes on the simulated table, and motions carried to their end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from cleancli.scene.model import (
+    CameraSetup,
+    Container,
+    Group,
+    Rag,
+    Scattered,
+    Scene,
+    Surface,
+    SymbolThresholds,
+)
+from cleancli.world.robot import Robot, Status
+
+
+@pytest.fixture
+def scene() -> Callable[..., Scene]:
+    """A scene with the given dirt, and the container at the given edge."""
+
+    def make(*dirt: Group | Scattered, edge: str = "east") -> Scene:
+        return Scene(
+            name="trial",
+            surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
+            container=Container(edge, 0.0, 0.32, 0.16),
+            robot="gantry",
+            rag=Rag("wide", 0.12),
+            camera=CameraSetup(0.9, 640, 480, 525),
+            dirt=dirt,
+            symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),
+            seed=1,
+        )
+
+    return make
+
+
+@pytest.fixture
+def finish() -> Callable[[Robot], Status]:
+    """Poll a robot until its motion is over."""
+
+    def poll(robot: Robot) -> Status:
+        while (status := robot.poll()) is Status.RUNNING:
+            pass
+        return status
+
+    return poll
