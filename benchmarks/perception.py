@@ -5,19 +5,21 @@ Run from the repository's root: `python benchmarks/perception.py`. It needs pybu
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
 import cv2
 import numpy as np
 
+from cleancli.language.load import read_source
 from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import Observation, perceive
+from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.scene.read import read_scene
+from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 
+PROBLEMS = Path(__file__).parent.parent / "problems"
 LAYOUTS = ("two_groups", "scattered_40")
 SEEDS = 10
 
@@ -32,11 +34,14 @@ def main() -> None:
 
 
 def photographed(name: str) -> list[tuple[Scene, list[Frame]]]:
-    """Three frames of each of the layout's variants, with the tool withdrawn."""
-    scene = load(name)
+    """Three frames of each of a layout's variants, with the tool at rest."""
+    scene = load_scene(read_source(PROBLEMS / f"{name}.nid"))
     looks = []
     for seed in range(1, SEEDS + 1):
-        with PybulletTable(replace(scene, seed=seed), seed) as table:
+        with PybulletTable(scene, seed) as table:
+            table.withdraw()
+            while table.poll() is Status.RUNNING:
+                pass
             looks.append((scene, [table.observe() for _ in range(3)]))
     return looks
 

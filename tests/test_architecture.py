@@ -17,7 +17,9 @@ HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich"}
 
 def table() -> dict[str, tuple[set[str], set[str]]]:
     """Package -> (packages it may import, libraries it is the only place for)."""
-    rows = re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|([^|]*)\|$", (ROOT / "ARCHITECTURE.md").read_text(), re.M)
+    rows = re.findall(
+        r"^\| `(\w+)` \|[^|]*\|([^|]*)\|([^|]*)\|$", (ROOT / "ARCHITECTURE.md").read_text(), re.M
+    )
     return {
         name: (set(re.findall(r"`(\w+)`", allowed)), {w.strip() for w in only.split(",") if w.strip()})
         for name, allowed, only in rows

@@ -16,7 +16,9 @@ def test_wheel_plans_from_another_folder(tmp_path: Path) -> None:
     wheels = tmp_path / "wheels"
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
     subprocess.run(
-        [*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", wheels, ROOT], check=True, cwd=tmp_path
+        [*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", wheels, ROOT],
+        check=True,
+        cwd=tmp_path,
     )
     (wheel,) = wheels.glob("cleancli-*.whl")
     environment = tmp_path / "empty"

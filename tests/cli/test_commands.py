@@ -40,9 +40,9 @@ def test_help_answers_at_once(tmp_path: Path) -> None:
 
 
 def test_summaries_in_the_help_are_the_commands_own() -> None:
-    from cleancli.cli.main import SUMMARIES, cli
-
     import click
+
+    from cleancli.cli.main import SUMMARIES, cli
 
     context = click.Context(cli)
     for name, summary in SUMMARIES.items():
@@ -57,9 +57,11 @@ def bad_inputs() -> dict[str, tuple[str, str, list[str], list[str]]]:
     return {
         "unknown predicate": (
             "d.nid",
-            DOMAIN.replace("when dirt(?a), size(?a) = small, not", "when dirty(?a), size(?a) = small, not", 1),
+            DOMAIN.replace(
+                "when dirt(?a), size(?a) = small, not", "when dirty(?a), size(?a) = small, not", 1
+            ),
             plan,
-            ["d.nid:43:", "dirty", "did you mean", "dirt"],
+            ["d.nid:31:10:", "dirty", "did you mean", "dirt"],
         ),
         "wrong arity": (
             "d.nid",
@@ -69,16 +71,23 @@ def bad_inputs() -> dict[str, tuple[str, str, list[str], list[str]]]:
         ),
         "too much probability": (
             "d.nid",
-            DOMAIN.replace("         0.2: nothing\n         0.1: noise", "         0.3: nothing\n         0.1: noise"),
+            DOMAIN.replace(
+                "         0.2: nothing\n         0.1: noise", "         0.3: nothing\n         0.1: noise"
+            ),
             plan,
             ["d.nid:", "1.1", "0.1"],
         ),
-        "unclosed brace": ("d.nid", DOMAIN.replace("    0.1: noise\n  }\n\n  default", "    0.1: noise\n\n  default"), plan, ["d.nid:"]),
+        "unclosed brace": (
+            "d.nid",
+            DOMAIN.replace("    0.1: noise\n  }\n\n  default", "    0.1: noise\n\n  default"),
+            plan,
+            ["d.nid:"],
+        ),
         "container off the table": (
             "s.nid",
             SCENE.replace("offset = 0 cm", "offset = 40 cm"),
             scene,
-            ["s.nid:8:", "container", "edge"],
+            ["s.nid:7:38:", "container", "edge"],
         ),
         "binary file": ("d.nid", "\x00\x01\x02" * 100, plan, ["d.nid", "text"]),
     }
@@ -113,7 +122,10 @@ def test_check_reports_all_files(tmp_path: Path) -> None:
     found = json.loads(result.stdout)
     assert {entry["path"] for entry in found if entry["path"]} == {"bad.nid"}
     assert len(found) > 10
-    assert cleancli("check", "cleaning", "two_groups", "scattered_40", "three_areas", cwd=tmp_path).returncode == 0
+    assert (
+        cleancli("check", "cleaning", "two_groups", "scattered_40", "three_areas", cwd=tmp_path).returncode
+        == 0
+    )
 
 
 def test_plan_says_how_it_came_about(tmp_path: Path) -> None:
@@ -125,7 +137,9 @@ def test_plan_says_how_it_came_about(tmp_path: Path) -> None:
     assert data["value"] > 1.5
     assert 0 < data["coverage"] <= 1
     assert {"ground", "lower", "search"} <= data["seconds"].keys()
-    again = json.loads(cleancli("plan", "cleaning", "three_areas", "--seed", "3", "--json", cwd=tmp_path).stdout)
+    again = json.loads(
+        cleancli("plan", "cleaning", "three_areas", "--seed", "3", "--json", cwd=tmp_path).stdout
+    )
     assert again["plan"] == data["plan"]
     assert again["value"] == data["value"]
 
@@ -144,13 +158,16 @@ def test_learn_writes_only_when_told(tmp_path: Path) -> None:
     (tmp_path / "experience.jsonl").write_text(json.dumps(transition) + "\n", encoding="utf-8")
     shown = cleancli("learn", "mine.nid", "experience.jsonl", cwd=tmp_path)
     assert shown.returncode == 0, shown.stderr
-    assert "+    then 0.4545 [prior 0.4, seen 1]: not scattered(?a)" in shown.stdout
+    assert "+    then 0.4546 [prior 0.4, seen 1]: not scattered(?a)" in shown.stdout
     assert domain.read_text(encoding="utf-8") == DOMAIN
     assert cleancli("learn", "mine.nid", tmp_path, "--write", cwd=tmp_path).returncode == 0
     learned = domain.read_text(encoding="utf-8")
     assert learned != DOMAIN
     assert cleancli("learn", "mine.nid", tmp_path, "--write", cwd=tmp_path).returncode == 0
     assert domain.read_text(encoding="utf-8") == learned
+    shipped = cleancli("learn", "cleaning", tmp_path, "--write", cwd=tmp_path)
+    assert shipped.returncode == 2
+    assert "copy" in shipped.stderr
 
 
 def test_without_pybullet_only_the_table_is_missing(tmp_path: Path) -> None:
@@ -159,7 +176,9 @@ def test_without_pybullet_only_the_table_is_missing(tmp_path: Path) -> None:
     assert result.returncode == 4
     assert "pip install" in result.stderr
     assert "Traceback" not in result.stderr
-    planned = cleancli("plan", "cleaning", "three_areas", "--samples", "100", cwd=tmp_path, PYTHONPATH=str(tmp_path))
+    planned = cleancli(
+        "plan", "cleaning", "three_areas", "--samples", "100", cwd=tmp_path, PYTHONPATH=str(tmp_path)
+    )
     assert planned.returncode == 0, planned.stderr
 
 

@@ -1,7 +1,8 @@
-"""Grounding: what is pruned, what is kept, what is refused; and the exact meaning of the task that comes out."""
+"""Grounding: what is pruned, kept and refused; and the exact meaning of the task that comes out."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,9 @@ domain d {
 """
 
 RULES = """
-  rule wipe: wipe(?a) { when dirt(?a), size(?a) < big then 0.6: not dirt(?a) 0.3: size(?a) := small 0.1: noise }
+  rule wipe: wipe(?a) {
+    when dirt(?a), size(?a) < big then 0.6: not dirt(?a) 0.3: size(?a) := small 0.1: noise
+  }
   rule join: join(?a, ?b) { when near(?a, ?b), dirt(?a), dirt(?b), ?a != ?b then 1: not dirt(?a) }
   rule dry: dry(?a) { when wet(?a) then 1: not wet(?a) }
 """
@@ -102,6 +105,18 @@ def test_a_forall_over_what_can_change_is_refused() -> None:
     assert refused(rule, THREE) == [message]
 
 
+def test_rules_that_cover_one_state_are_refused_with_that_state() -> None:
+    domain = load_domain(Source("domain.nid", DECLARED % RULES))
+    wipe = domain.rules[0]
+    again = replace(wipe, name="again", condition=wipe.condition[:1])
+    source = Source("p.nid", f"problem p {{ domain = d {THREE} }}")
+    with pytest.raises(Refused) as error:
+        ground(replace(domain, rules=(*domain.rules, again)), load_problem(source, domain))
+    assert [f"{d.code} {d.message}" for d in error.value.diagnostics] == [
+        "E603 rules `wipe` and `again` both cover wipe(a) where dirt(a) holds"
+    ]
+
+
 def test_forall_reaches_every_binding_of_its_condition() -> None:
     rule = "rule wipe: wipe(?a) { when dirt(?a) then 1: forall ?b - area: near(?a, ?b) => not dirt(?b) }"
     found = task(rule, "objects { a b c - area } init { dirt(a), dirt(b), dirt(c), near(a, b), near(c, a),"
@@ -142,7 +157,9 @@ def test_a_join_over_static_facts_does_not_try_all_tuples() -> None:
 
 
 def test_dump_of_a_small_task() -> None:
-    assert dump(task(RULES, THREE)) == """\
+    assert (
+        dump(task(RULES, THREE))
+        == """\
 horizon 3
 discount 0.95
 variable dirt(a): false | true = true
@@ -168,3 +185,4 @@ counted dirt(a)
 counted dirt(b)
 counted always 0
 """
+    )

@@ -84,5 +84,5 @@ def test_permissions_and_links_stay(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_does_not_exist(tmp_path: Path) -> None:
-    with pytest.raises(Refused, match="E003"):
+    with pytest.raises(FileNotFoundError):
         replace_file(tmp_path / "none" / "a.nid", "text")

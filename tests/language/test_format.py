@@ -148,7 +148,7 @@ def test_shipped_problems_and_scenes(path: Path) -> None:
         scene = load_scene(source)
         assert load_scene(Source("printed", print_scene(scene))) == scene
     else:
-        domain = load_domain(read_source(find("domains", "cleaning")))
+        domain = load_domain(read_source(find("cleaning", "domains")))
         problem = load_problem(source, domain)
         assert load_problem(Source("printed", print_problem(problem)), domain) == problem
 

@@ -45,12 +45,15 @@ def test_a_shipped_file_is_found_by_its_name_a_path_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert find("domains", "cleaning").name == find("domains", "cleaning.nid").name == "cleaning.nid"
+    assert find("cleaning", "domains").name == find("cleaning.nid", "domains").name == "cleaning.nid"
     assert "two_groups" in shipped_names("problems")
+    (tmp_path / "cleaning").mkdir()
+    assert find("cleaning", "domains").is_file(), "a folder does not hide a shipped file"
+    (tmp_path / "cleaning").rmdir()
     (tmp_path / "cleaning").write_text("")
-    assert find("domains", "cleaning") == Path("cleaning")
+    assert find("cleaning", "domains") == Path("cleaning")
     with pytest.raises(Refused) as refused:
-        find("problems", "two_group")
+        find("two_group", "problems")
     assert "did you mean `two_groups`" in refused.value.diagnostics[0].help
 
 
@@ -82,14 +85,14 @@ def test_facts_are_canonical_and_commas_optional() -> None:
 
 def test_a_scene_needs_dirt_only_and_defaults_are_those_of_two_groups() -> None:
     short = load_scene(Source("s", "scene s { dirt { group { count = 1 at = (0 m, 0 m) radius = 1 cm } } }"))
-    full = load_scene(read_source(find("problems", "two_groups")))
+    full = load_scene(read_source(find("two_groups", "problems")))
     assert (short.surface, short.container, short.rag) == (full.surface, full.container, full.rag)
     assert (short.camera, short.symbols, short.domain) == (full.camera, full.symbols, full.domain)
     assert full.rag == Rag("wide", 0.12)
 
 
 def test_the_domain_of_a_file() -> None:
-    assert domain_named(read_source(find("problems", "three_areas"))).text == "cleaning"
+    assert domain_named(read_source(find("three_areas", "problems"))).text == "cleaning"
     assert _code(domain_named, Source("p", "problem p { }")) == "E407"
     assert _code(load_scene, read_source(HERE / "small.nid")) == "E106"
 

@@ -17,7 +17,8 @@ def weight_of_prior(estimator: str, examples: int) -> float:
 
 
 @pytest.mark.parametrize(
-    ("examples", "decreasing", "plain"), [(1, 0.91, 0.91), (4, 0.56, 0.71), (12, 0.19, 0.45), (50, 0.03, 0.17)]
+    ("examples", "decreasing", "plain"),
+    [(1, 0.91, 0.91), (4, 0.56, 0.71), (12, 0.19, 0.45), (50, 0.03, 0.17)],
 )
 def test_weight_of_the_prior_fades_faster(examples: int, decreasing: float, plain: float) -> None:
     assert weight_of_prior("decreasing-m", examples) == pytest.approx(decreasing, abs=0.006)

@@ -100,7 +100,9 @@ def test_only_the_learned_rule_changes_and_only_its_numbers(domain: Domain) -> N
         .replace("0.25: ", "0.2273 [prior 0.25, seen 0]: ")
         .replace("0.125 :", "0.1136 [prior 0.125, seen 0] :")
     )
-    assert sum(outcome.probability for outcome in load_domain(Source("tidy.nid", text)).rules[0].outcomes) == 1
+    assert (
+        sum(outcome.probability for outcome in load_domain(Source("tidy.nid", text)).rules[0].outcomes) == 1
+    )
 
 
 def test_learning_again_from_the_same_experience_changes_nothing(domain: Domain) -> None:

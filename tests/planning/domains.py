@@ -52,7 +52,7 @@ def action(task: Task, text: str) -> int:
 
 
 def random_task(seed: int) -> Task:
-    """A task of 5 variables with 2 or 3 values and 6 actions; each has one rule per value of some variable."""
+    """A task of 5 variables and 6 actions; an action has one rule per value of some variable."""
     rng = np.random.default_rng(seed)
     sizes = [int(n) for n in rng.integers(2, 4, size=5)]
     variables = tuple(StateVariable("v", (str(i),), tuple("abc"[:n])) for i, n in enumerate(sizes))

@@ -89,12 +89,14 @@ def test_the_reference_reproduces_the_authors_implementation() -> None:
     facts |= {Fact("near", ("a", "b")), Fact("traversal", ("b", "bin", "a"))}
     objects = (Object("a", "area"), Object("b", "area"))
     task = ground(domain, Problem("two", "benchmark", objects, frozenset(facts)))
-    push = [domains.action(task, a) for a in ("pushStraightAlong(b, a)", "pushStraight(a)", "pushStraight(a)")]
+    steps = ("pushStraightAlong(b, a)", "pushStraight(a)", "pushStraight(a)")
+    push = [domains.action(task, step) for step in steps]
     assert reference.value(task, push, independent_rules=True) == pytest.approx(1.4024, abs=5e-5)
 
 
 def test_samples_are_a_prefix_of_more_samples() -> None:
-    task = domains.random_task(3)
+    task = section_4(0.95)
+    task = replace(task, horizon=4)
     values = [prada(task, Options(samples, 7)).value for samples in (1, 5, 30, 200, 2000)]
     assert values == sorted(values)
     assert values[0] < values[-1]
@@ -122,6 +124,14 @@ def test_same_seed_same_plan_in_another_process() -> None:
     }
     here = prada(domains.random_task(5), Options(300, 11))
     assert outputs == {f"{names(here)} {here.value}\n"}
+
+
+def test_a_seeded_plan_stays_as_it_is() -> None:
+    plan = prada(domains.random_task(5), Options(300, 11))
+    assert (names(plan), round(plan.value, 9)) == (
+        ["act4()", "act5()", "act5()", "act2()", "act1()"],
+        0.39828351,
+    )
 
 
 def test_a_plan_for_the_shipped_problem() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import platform
 from contextlib import closing
 from importlib.metadata import version
@@ -31,14 +30,34 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 @click.argument("scene")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's]")
 @click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
-@click.option("--samples", type=click.IntRange(min=1), default=10_000, show_default=True,
-              help="Action sequences to draw for each plan.")
-@click.option("--commit", type=click.IntRange(min=1), default=2, show_default=True,
-              help="Actions of a plan to carry out before planning again (§4.2.4).")
-@click.option("--max-actions", type=click.IntRange(min=0), default=60, show_default=True,
-              help="Stop after so many actions.")
-@click.option("--runs", type=click.Path(file_okay=False, path_type=Path), default=Path("runs"), show_default=True,
-              help="Folder to make the run's folder in.")
+@click.option(
+    "--samples",
+    type=click.IntRange(min=1),
+    default=10_000,
+    show_default=True,
+    help="Action sequences to draw for each plan.",
+)
+@click.option(
+    "--commit",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Actions of a plan to carry out before planning again (§4.2.4).",
+)
+@click.option(
+    "--max-actions",
+    type=click.IntRange(min=0),
+    default=60,
+    show_default=True,
+    help="Stop after so many actions.",
+)
+@click.option(
+    "--runs",
+    type=click.Path(path_type=Path),
+    default=Path("runs"),
+    show_default=True,
+    help="Folder to make the run's folder in.",
+)
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
 @click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
 def command(

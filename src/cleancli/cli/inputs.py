@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics import Source
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.check import load_scene
@@ -14,20 +14,20 @@ from cleancli.shipped import find
 
 def open_domain(name_or_path: str) -> tuple[Path, Source, Domain]:
     """A domain with the file it came from; raises Refused."""
-    path = find("domains", name_or_path)
+    path = find(name_or_path, "domains")
     source = read_source(path)
     return path, source, load_domain(source)
 
 
 def open_scene(name_or_path: str) -> tuple[Source, Scene]:
     """A scene with its text; raises Refused with every mistake found."""
-    source = read_source(find("problems", name_or_path))
+    source = read_source(find(name_or_path, "problems"))
     return source, load_scene(source)
 
 
 def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
     """A problem of the domain, or a scene; raises Refused with every mistake found."""
-    source = read_source(find("problems", name_or_path))
+    source = read_source(find(name_or_path, "problems"))
     return load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
 
 
@@ -36,7 +36,7 @@ def check_file(name_or_path: str) -> None:
 
     A problem's domain is sought beside the problem before it is sought among the shipped ones.
     """
-    path = _find_any(name_or_path)
+    path = find(name_or_path, "domains", "problems")
     source = read_source(path)
     match kind_of(source):
         case "domain":
@@ -48,10 +48,3 @@ def check_file(name_or_path: str) -> None:
             beside = path.parent / f"{name}.nid"
             _, _, domain = open_domain(str(beside) if beside.exists() else name)
             load_problem(source, domain)
-
-
-def _find_any(name_or_path: str) -> Path:
-    try:
-        return find("domains", name_or_path)
-    except Refused:
-        return find("problems", name_or_path)

@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 
 from cleancli.cli.inputs import open_domain
+from cleancli.language.diagnostics import Source
 from cleancli.language.edit import apply_edits, write_atomically
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import decode
@@ -23,10 +23,20 @@ from cleancli.learning.match import outcomes_of
 @click.command("learn", short_help="Improve a domain's probabilities from recorded experience.")
 @click.argument("domain")
 @click.argument("experience", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--estimator", type=click.Choice(list(ESTIMATORS)), default="decreasing-m", show_default=True,
-              help="How counts and prior are combined: eq. 5 or eq. 4.")
-@click.option("--m", type=click.FloatRange(min=0), default=DEFAULT_M, show_default=True,
-              help="Weight of the prior, in examples.")
+@click.option(
+    "--estimator",
+    type=click.Choice(list(ESTIMATORS)),
+    default="decreasing-m",
+    show_default=True,
+    help="How counts and prior are combined: eq. 5 or eq. 4.",
+)
+@click.option(
+    "--m",
+    type=click.FloatRange(min=0),
+    default=DEFAULT_M,
+    show_default=True,
+    help="Weight of the prior, in examples.",
+)
 @click.option("--write", is_flag=True, help="Change the probabilities in the domain's file.")
 @click.option("--json", "as_data", is_flag=True, help="Print what was learned as JSON.")
 def command(
@@ -38,6 +48,8 @@ def command(
     number, so that learning again from the same experience changes nothing: give every file that shall count.
     """
     path, source, model = open_domain(domain)
+    if write and not Path(domain).is_file():
+        raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
     learned = learn(model, transitions, ESTIMATORS[estimator], m)
     text = apply_edits(source.text, edits(model, source.text, learned))
@@ -61,11 +73,15 @@ def _print(model: Domain, learned: Sequence[Learned], source: Source, text: str,
     ):
         click.echo(line)
     examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
-    click.echo(f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules")
+    click.echo(
+        f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules"
+    )
     for entry in learned:
         if entry.unexplained:
-            click.echo(f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
-                       " and no noise outcome to count them to")
+            click.echo(
+                f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
+                " and no noise outcome to count them to"
+            )
 
 
 def _as_data(model: Domain, entry: Learned) -> dict[str, object]:
@@ -74,7 +90,12 @@ def _as_data(model: Domain, entry: Learned) -> dict[str, object]:
         "examples": sum(entry.seen),
         "unexplained": entry.unexplained,
         "outcomes": [
-            {"kind": outcome.kind.value, "prior": float(prior), "probability": float(probability), "seen": seen}
+            {
+                "kind": outcome.kind.value,
+                "prior": float(prior),
+                "probability": float(probability),
+                "seen": seen,
+            }
             for outcome, prior, probability, seen in zip(
                 outcomes_of(model, entry.rule), entry.priors, entry.probabilities, entry.seen, strict=True
             )

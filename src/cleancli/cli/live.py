@@ -76,5 +76,3 @@ class _Lines:
         self._doing = doing
         if self._status is not None:
             self._status.update(doing)
-
-

@@ -22,13 +22,18 @@ from cleancli.scene.model import Scene
 @click.argument("domain")
 @click.argument("problem")
 @click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
-@click.option("--samples", type=click.IntRange(min=1), default=10_000, show_default=True,
-              help="Action sequences to draw (n in eq. 3).")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's, or 1]")
+@click.option(
+    "--samples",
+    type=click.IntRange(min=1),
+    default=10_000,
+    show_default=True,
+    help="Action sequences to draw (n in eq. 3).",
+)
+@click.option(
+    "--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's, or 1]"
+)
 @click.option("--json", "as_data", is_flag=True, help="Print the plan as JSON.")
-def command(
-    domain: str, problem: str, planner: str, samples: int, seed: int | None, as_data: bool
-) -> None:
+def command(domain: str, problem: str, planner: str, samples: int, seed: int | None, as_data: bool) -> None:
     """Plan with the rules of DOMAIN for PROBLEM.
 
     For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.

@@ -16,7 +16,17 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.events import Acted, Ended, Event, Looked, Moved, Planned, Situation, Started, StrokeEnded
+from cleancli.execution.events import (
+    Acted,
+    Ended,
+    Event,
+    Looked,
+    Moved,
+    Planned,
+    Situation,
+    Started,
+    StrokeEnded,
+)
 from cleancli.execution.pictures import Video, step_picture, write_png
 from cleancli.language.edit import replace_file
 from cleancli.learning.experience import encode

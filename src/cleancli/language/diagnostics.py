@@ -43,7 +43,7 @@ class Diagnostic:
     level: Level = Level.ERROR
 
 
-class Refused(Exception):  # noqa: N818 - a refusal is the program doing its work, not an error in it
+class Refused(Exception):
     """Input that can't be used; carries every diagnostic found and the sources they point into."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic], sources: Iterable[Source] = ()) -> None:

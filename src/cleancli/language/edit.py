@@ -43,14 +43,12 @@ def apply_edits(text: str, edits: Iterable[Edit]) -> str:
 def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:
     """Replace a file in one step, if it still reads as it did; see `replace_file`.
 
-    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist).
+    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist). Raises OSError where
+    it cannot be read or written.
     """
     old = expected_old_text.encode("utf-8") if expected_old_text is not None else None
-    try:
-        target = Path(path)
-        now = target.read_bytes() if target.exists() else None
-    except OSError as error:
-        raise Refused([Diagnostic("E003", f"cannot read `{path}`: {error.strerror}", None)]) from None
+    target = Path(path)
+    now = target.read_bytes() if target.exists() else None
     if now != old:
         what = "already exists" if old is None else "has changed on disk since it was read"
         raise Refused([Diagnostic("E006", f"`{path}` {what}", None, help="nothing was written")])
@@ -61,27 +59,24 @@ def replace_file(path: Path | str, text: str) -> None:
     """Write a UTF-8 file so that it holds the old text or the new one, whatever happens.
 
     Line ends are written as they are and permissions kept; a symlink stays and its target is replaced.
-    Refuses (E003) where the file cannot be written.
+    Raises OSError where the file cannot be written.
     """
+    target = Path(path).resolve()
+    mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
+    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+    temporary = Path(name)
     try:
-        target = Path(path).resolve()
-        mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-        temporary = Path(name)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(text.encode("utf-8"))
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.chmod(mode)
-            temporary.replace(target)
-        except BaseException:
-            with suppress(FileNotFoundError):
-                temporary.unlink()
-            raise
-        _sync_folder(target.parent)
-    except OSError as error:
-        raise Refused([Diagnostic("E003", f"cannot write `{path}`: {error.strerror}", None)]) from None
+        with os.fdopen(handle, "wb") as file:
+            file.write(text.encode("utf-8"))
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.chmod(mode)
+        temporary.replace(target)
+    except BaseException:
+        with suppress(FileNotFoundError):
+            temporary.unlink()
+        raise
+    _sync_folder(target.parent)
 
 
 def _default_mode() -> int:

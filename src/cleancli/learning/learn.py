@@ -53,9 +53,7 @@ def learn(
         )
         unexplained = sum(count for e, count in counts.items() if e.rule == rule and e.outcome is None)
         priors = prior_probabilities(outcomes)
-        estimates = [
-            estimator(seen[index], sum(seen), float(prior), m) for index, prior in enumerate(priors)
-        ]
+        estimates = [estimator(seen[index], sum(seen), float(prior), m) for index, prior in enumerate(priors)]
         learned.append(Learned(rule, priors, _rounded(estimates), seen, unexplained))
     return tuple(learned)
 
@@ -71,7 +69,9 @@ def edits(domain: Domain, text: str, learned: Sequence[Learned]) -> tuple[Edit, 
         outcomes = outcomes_of(domain, estimate.rule)
         for index, outcome in enumerate(outcomes):
             if not outcome.is_rest:
-                result.extend(_outcome_edits(outcome, text, estimate.probabilities[index], estimate.seen[index]))
+                result.extend(
+                    _outcome_edits(outcome, text, estimate.probabilities[index], estimate.seen[index])
+                )
     return tuple(result)
 
 

@@ -36,7 +36,7 @@ _CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
 
-class NoSkill(Exception):  # noqa: N818 - a fact about the robot, not an error in the program
+class NoSkill(Exception):
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:

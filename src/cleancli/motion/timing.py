@@ -73,7 +73,7 @@ def parametrise(poses: _Array, speeds: _Array, limits: Limits) -> Trajectory:
     kept = lengths > _SHORTEST
     corners, steps, lengths = np.concatenate((corners[:1], corners[1:][kept])), steps[kept], lengths[kept]
     directions = steps / lengths[:, None]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         quickest = (np.array(limits.speed) / np.abs(directions)).min(axis=1, initial=np.inf)
         rates = (np.array(limits.acceleration) / np.abs(directions)).min(axis=1, initial=np.inf)
     top = np.minimum(speeds[kept], quickest)
@@ -85,7 +85,7 @@ def _corner_speeds(directions: _Array, lengths: _Array, top: _Array, rates: _Arr
     """(n + 1,) speeds at the corners: nought at both ends, and never more than can be braked from in time."""
     passing = np.zeros(len(lengths) + 1)
     jumps = np.abs(np.diff(directions, axis=0))
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         bound = (limits.blend * np.array(limits.acceleration) / jumps).min(axis=1, initial=np.inf)
     passing[1:-1] = np.minimum(bound, np.minimum(top[:-1], top[1:]))
     for k in range(len(lengths)):

@@ -114,10 +114,11 @@ def _overlap(first: _Box, second: _Box) -> int:
 
 
 def _connect(picture: Picture, label: _Box, ellipse: _Box) -> None:
-    """A line from the middle of an ellipse's box to the nearest point of its label."""
+    """The shortest line between a label and the box of its ellipse."""
     x, y = (ellipse[0] + ellipse[2]) // 2, (ellipse[1] + ellipse[3]) // 2
-    nearest = min(max(x, label[0]), label[2]), min(max(y, label[1]), label[3])
-    cv2.line(picture, (x, y), nearest, _ELLIPSE, 1, cv2.LINE_AA)
+    end = min(max(x, label[0]), label[2]), min(max(y, label[1]), label[3])
+    start = min(max(end[0], ellipse[0]), ellipse[2]), min(max(end[1], ellipse[1]), ellipse[3])
+    cv2.line(picture, start, end, _ELLIPSE, 1, cv2.LINE_AA)
 
 
 def _write(picture: Picture, lines: Sequence[str], box: _Box) -> None:

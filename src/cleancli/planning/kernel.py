@@ -2,8 +2,8 @@
 
 Lang and Toussaint's factored inference: a belief is a product of marginals, one per state variable.
 Guaranteed by `lower`: indices are in range, and the rules of one action exclude each other, so the
-probability that a rule covers the state is simply that of its condition (docs/planning.md). Nothing is allocated per
-sample, and only what an action touched is computed again.
+probability that a rule covers the state is simply that of its condition (docs/planning.md). Nothing is
+allocated per sample, and only what an action touched is computed again.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from typing import Any
 from cleancli.world import parameters as par
 
 
-class MissingPhysics(Exception):  # noqa: N818 - says what is missing, as its name does
+class MissingPhysics(Exception):
     """pybullet isn't installed, so there is no table to simulate."""
 
     def __init__(self) -> None:

@@ -129,7 +129,9 @@ class PybulletTable:
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
         contained, remaining = int(inside.sum()), int(above.sum())
-        return Truth(remaining, contained, len(places) - remaining - contained, len(places), places, places[above])
+        return Truth(
+            remaining, contained, len(places) - remaining - contained, len(places), places, places[above]
+        )
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
