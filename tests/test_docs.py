@@ -1,4 +1,4 @@
-"""The commands that the documents show do what they say: each runs, in the order of the page, and succeeds."""
+"""The commands that the documents show do what they say: each runs, in the page's order, and succeeds."""
 
 from __future__ import annotations
 

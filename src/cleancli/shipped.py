@@ -29,8 +29,8 @@ def shipped_names(kind: str) -> tuple[str, ...]:
 def find(name_or_path: str, *kinds: str) -> Path:
     """A file that exists as it is given, else the shipped file of that name, with or without `.nid`.
 
-    `kinds` are the folders to seek a bare name in, in order. A folder that happens to have the name of a shipped
-    file does not hide it. Raises Refused (E001) that lists near names and all shipped ones.
+    `kinds` are the folders to seek a bare name in, in order. A folder that happens to have the name of a
+    shipped file does not hide it. Raises Refused (E001) that lists near names and all shipped ones.
     """
     path = Path(name_or_path)
     if path.is_file():

@@ -63,8 +63,8 @@ def within_reach(domain: Domain) -> Domain:
 def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> Generator[Event]:
     """Clean the table: look, plan, carry out the first actions, look again, until no dirt is seen.
 
-    Ends, always with `Ended`, when two looks in a row show no dirt, when the planner finds nothing worth doing,
-    when the robot cannot follow a path, or after `max_actions`.
+    Ends, always with `Ended`, when two looks in a row show no dirt, when the planner finds nothing worth
+    doing, when the robot cannot follow a path, or after `max_actions`.
     """
     episode = Episode(domain, scene, robot, options)
     yield from episode.withdraw()

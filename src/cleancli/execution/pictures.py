@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import av
@@ -26,13 +27,13 @@ TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 
 def step_picture(situation: Situation, started: Started | None, room: Picture) -> Picture:
     """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
-    seen = draw(situation.frame, situation.areas)
+    seen = draw(situation.frame, situation.areas, situation.state)
     title = f"0. first look: {len(situation.areas)} areas"
     if started is not None:
         title = f"{started.number}. {started.action}({', '.join(started.arguments)})"
         points = [(w.x, w.y) for w in started.path.waypoints if w.z <= 0]
         pixels = np.rint(project(situation.frame.camera, np.array(points))).astype(int)
-        for start, end in zip(pixels[:-1], pixels[1:], strict=True):
+        for start, end in pairwise(pixels):
             tip = TIP_LENGTH / max(TIP_LENGTH, float(np.linalg.norm(end - start)))
             cv2.arrowedLine(seen, _pair(start), _pair(end), STROKE_COLOUR, 2, cv2.LINE_AA, tipLength=tip)
     height = seen.shape[0]
@@ -48,7 +49,7 @@ def write_png(path: Path, picture: Picture) -> None:
 
 
 class Video:
-    """An H.264 file of pictures taken at even steps of robot time; readable up to where a crash cut it short."""
+    """An H.264 file of pictures at even steps of robot time; what a crash cuts short is readable up to there."""
 
     def __init__(self, path: Path) -> None:
         self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})

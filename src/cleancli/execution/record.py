@@ -1,7 +1,8 @@
 """The run folder: what happened, whole and readable, whenever the run stops.
 
-`run.json` is replaced atomically at the start and the end, `experience.jsonl` grows by one flushed line an action,
-and each action leaves a picture. The folder is made before anything moves, so a full disk is met early.
+`run.json` is replaced atomically at the start and the end, `experience.jsonl` grows by one flushed line an
+action, and each action leaves a picture. All of it is opened before anything moves, so that a folder which
+cannot be written is met early.
 """
 
 from __future__ import annotations
@@ -117,7 +118,9 @@ class Recorder:
         self._experience.write(encode(event.transition, extra) + "\n")
         self._experience.flush()
         os.fsync(self._experience.fileno())
-        assert self._situation is not None and self._started is not None and self._room is not None
+        assert self._situation is not None, "an episode looks before it acts"
+        assert self._started is not None
+        assert self._room is not None
         self._picture(event.number, self._situation, self._started, self._room)
         self._situation, self._started = event.situation, None
 

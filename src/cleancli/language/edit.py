@@ -43,8 +43,8 @@ def apply_edits(text: str, edits: Iterable[Edit]) -> str:
 def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:
     """Replace a file in one step, if it still reads as it did; see `replace_file`.
 
-    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist). Raises OSError where
-    it cannot be read or written.
+    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist). Raises OSError
+    where it cannot be read or written.
     """
     old = expected_old_text.encode("utf-8") if expected_old_text is not None else None
     target = Path(path)

@@ -1,4 +1,4 @@
-"""Transitions as they happened, and their file: one JSON object a line, symbols only (what perception reported)."""
+"""Transitions as they happened, and their file: one JSON object a line, of symbols that perception reported."""
 
 from __future__ import annotations
 
@@ -112,8 +112,8 @@ def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str])
 
 
 def _names(value: object, key: str) -> list[str]:
-    names = _typed(value, list, key)
-    if not all(isinstance(name, str) for name in names):
+    names = [name for name in _typed(value, list, key) if isinstance(name, str)]
+    if names != value:
         raise ValueError(f"{key} must list names")
     return names
 

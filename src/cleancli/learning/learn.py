@@ -40,7 +40,7 @@ def learn(
     estimator: Estimator = decreasing_m_estimate,
     m: float = DEFAULT_M,
 ) -> tuple[Learned, ...]:
-    """Estimates for every rule that the transitions give an example of, in the domain's order, default last."""
+    """Estimates for every rule that the transitions give an example of; domain's order, default last."""
     counts = Counter(explain(domain, transition) for transition in transitions)
     covered = {explanation.rule for explanation in counts}
     order = [index for index in (*range(len(domain.rules)), None) if index in covered]
@@ -67,17 +67,16 @@ def edits(domain: Domain, text: str, learned: Sequence[Learned]) -> tuple[Edit, 
     result = []
     for estimate in learned:
         outcomes = outcomes_of(domain, estimate.rule)
-        for index, outcome in enumerate(outcomes):
+        for outcome, probability, seen in zip(outcomes, estimate.probabilities, estimate.seen, strict=True):
             if not outcome.is_rest:
-                result.extend(
-                    _outcome_edits(outcome, text, estimate.probabilities[index], estimate.seen[index])
-                )
+                result.extend(_outcome_edits(outcome, text, probability, seen))
     return tuple(result)
 
 
 def _outcome_edits(outcome: Outcome, text: str, probability: Fraction, seen: int) -> list[Edit]:
     number, weight = outcome.probability_span, outcome.weight_span
-    assert number is not None and weight is not None, "a domain read from text knows its places"
+    assert number is not None, "a domain read from text knows its places"
+    assert weight is not None
     old = text[number.start : number.end]
     new = _decimal(probability)
     if outcome.seen is None:

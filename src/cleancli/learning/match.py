@@ -58,12 +58,12 @@ def prior_probabilities(outcomes: Sequence[Outcome]) -> tuple[Fraction, ...]:
         Fraction(0) if outcome.is_rest else (outcome.probability if outcome.prior is None else outcome.prior)
         for outcome in outcomes
     ]
-    left = 1 - sum(stated)
+    left = 1 - sum(stated, start=Fraction(0))
     return tuple(left if o.is_rest else prior for o, prior in zip(outcomes, stated, strict=True))
 
 
 def _keys_within(domain: Domain, transition: Transition, scope: set[str]) -> set[Key]:
-    """What to compare: changeable symbols for objects of the scope alone, wherever either state says something."""
+    """What to compare: changeable symbols for objects of the scope, wherever either state says something."""
     changeable = changeable_symbols(domain)
     return {
         (fact.symbol, fact.objects)

@@ -155,12 +155,12 @@ def _camera(settings: Settings, surface: Surface, findings: Findings) -> CameraS
 
 def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
     symbols = SymbolThresholds(
-        settings.length("link", 0.035),
-        settings.length("small", 0.05),
-        settings.length("medium", 0.10),
-        settings.number("density", 0.3, 0, 1),
+        settings.length("link", 0.05),
+        settings.length("small", 0.06),
+        settings.length("medium", 0.12),
+        settings.number("density", 0.14, 0, 1),
         settings.length("near", 0.20, zero=True),
-        settings.length("traversal", 0.06),
+        settings.length("traversal", 0.05),
     )
     settings.refuse_others()
     if symbols.medium <= symbols.small:

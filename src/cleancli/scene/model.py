@@ -66,7 +66,7 @@ class Scattered:
 
 @dataclass(frozen=True, slots=True)
 class SymbolThresholds:
-    """Where geometry becomes symbols (docs/symbols.md): all lengths in metres, `density` a share.
+    """Where geometry becomes symbols (docs/perception.md): all lengths in metres, `density` a share.
 
     `link`: dirt closer than this belongs to one area. `small`, `medium`: longest diameter up to which an area
     is small, medium. `density`: an area whose ellipse is covered by dirt to a smaller share is scattered.
