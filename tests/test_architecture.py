@@ -90,3 +90,13 @@ def test_heavy_libraries_stay_out(code: str, absent: set[str]) -> None:
     script = f"import sys; {code}; print(*(set({sorted(absent)!r}) & sys.modules.keys()))"
     result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert result.stdout.split() == []
+
+
+def test_only_reports_ask_where_the_lentils_truly_are() -> None:
+    askers = {
+        str(path.relative_to(PACKAGE))
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and node.attr == "truth"
+    }
+    assert askers == {"cli/execute.py"}

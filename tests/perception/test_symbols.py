@@ -8,9 +8,10 @@ from math import pi
 import pytest
 import synthetic
 
+from cleancli.language.diagnostics import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
 from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.symbols import MissingSymbol, lies_between, place_at_mouth, remembered, symbolize
+from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize
 
 
 def symbol(name: str, *types: str, **more: object) -> Symbol:
@@ -125,7 +126,6 @@ def test_what_the_domain_does_not_declare_is_left_out() -> None:
         symbol("dirt", "area"),
         symbol("near", "area"),
         symbol("scattered", "container"),
-        symbol("size", "area", values=("tiny", "huge")),
         symbol("traversal", "area", "area", "area"),
     )
     found = facts(*areas, of=odd)
@@ -137,8 +137,17 @@ def test_what_the_domain_does_not_declare_is_left_out() -> None:
     "symbols", [(SIZE,), (symbol("dirt", "container"),), (symbol("dirt", "area", values=("much", "little")),)]
 )
 def test_a_domain_without_dirt_is_refused(symbols: tuple[Symbol, ...]) -> None:
-    with pytest.raises(MissingSymbol, match=r"dirt\(\?a - area\)"):
+    with pytest.raises(Refused, match=r"E514.*dirt\(\?a - area\)"):
         facts(area("a1", 0, 0), of=domain(*symbols))
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [symbol("size", "area", values=("tiny", "huge")), symbol("weight", "area", values=("light", "heavy"))],
+)
+def test_a_function_that_cannot_be_seen_is_refused(odd: Symbol) -> None:
+    with pytest.raises(Refused, match="E515"):
+        facts(area("a1", 0, 0), of=domain(symbol("dirt", "area"), odd))
 
 
 def test_gone_areas_are_remembered_as_they_were_but_clean() -> None:

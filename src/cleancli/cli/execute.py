@@ -12,7 +12,7 @@ import click
 
 from cleancli import __version__
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.inputs import open_domain, open_scene
+from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.cli.live import show
 from cleancli.execution.events import Ended
 from cleancli.execution.loop import EpisodeOptions, clean
@@ -84,7 +84,11 @@ def command(
     with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
         folder = free_folder(runs, f"{setting.name}-seed{seed}")
         header = _header(options, domain_source, scene_source)
-        with Recorder(folder, header, table.picture, video) as recorder, show(as_data) as view:
+        with (
+            located_in(domain_source),
+            Recorder(folder, header, table.picture, video) as recorder,
+            show(as_data) as view,
+        ):
             for event in clean(model, setting, table, options):
                 recorder.write(event)
                 view.write(event)

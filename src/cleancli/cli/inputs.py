@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.shipped import find
+
+
+@contextmanager
+def located_in(*sources: Source) -> Iterator[None]:
+    """Show the lines of these texts with mistakes that later stages find in them."""
+    try:
+        yield
+    except Refused as refused:
+        raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None
 
 
 def open_domain(name_or_path: str) -> tuple[Path, Source, Domain]:

@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 
 import click
 
-from cleancli.cli.inputs import open_domain, open_problem
+from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.compiler.ground import ground
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.model import Domain, Problem
@@ -38,14 +38,14 @@ def command(domain: str, problem: str, planner: str, samples: int, seed: int | N
 
     For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.
     """
-    _, _, model = open_domain(domain)
+    _, source, model = open_domain(domain)
     given = open_problem(problem, model)
     seconds: dict[str, float] = {}
     if isinstance(given, Scene):
         seed = given.seed if seed is None else seed
-        with _timed(seconds, "look"):
+        with _timed(seconds, "look"), located_in(source):
             model, given = _problem_seen(model, given, seed)
-    with _timed(seconds, "ground"):
+    with _timed(seconds, "ground"), located_in(source):
         task = ground(model, given)
     result = PLANNERS[planner](task, Options(samples, 1 if seed is None else seed))
     seconds |= result.seconds

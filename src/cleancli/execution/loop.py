@@ -31,12 +31,15 @@ from cleancli.motion.actions import can_execute, tool_path
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
+from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered, symbolize
 from cleancli.perception.tracking import Stroke, track
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Robot, Status
+
+CLEAN = "no dirt is seen any more"
 
 FRAMES_PER_LOOK = 3
 """Frames whose dirty pixels must agree before they count (§3.1, "Noise removal")."""
@@ -64,31 +67,36 @@ def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -
     """Clean the table: look, plan, carry out the first actions, look again, until no dirt is seen.
 
     Ends, always with `Ended`, when two looks in a row show no dirt, when the planner finds nothing worth
-    doing, when the robot cannot follow a path, or after `max_actions`.
+    doing, when the robot cannot follow a path, when the camera shows no table, or after `max_actions`.
     """
     episode = Episode(domain, scene, robot, options)
+    try:
+        reason = yield from _until_clean(episode, options)
+    except NoSurface as error:
+        reason = str(error)
+    yield episode.ended(reason, clean=reason == CLEAN)
+
+
+def _until_clean(episode: Episode, options: EpisodeOptions) -> Generator[Event, None, str]:
+    """Returns why the episode is over."""
     yield from episode.withdraw()
     situation = yield from episode.look()
     while True:
         if not situation.areas:
             situation = yield from episode.look()
         if not situation.areas:
-            yield episode.ended("no dirt is seen any more", clean=True)
-            return
+            return CLEAN
         if episode.actions >= options.max_actions:
-            yield episode.ended(f"the limit of {options.max_actions} actions is reached")
-            return
+            return f"the limit of {options.max_actions} actions is reached"
         plan = yield from episode.plan(situation)
         if not plan.actions:
-            yield episode.ended("the planner finds nothing worth doing")
-            return
+            return "the planner finds nothing worth doing"
         for action in plan.actions[: min(options.commit, options.max_actions - episode.actions)]:
             if not {area.name for area in situation.areas}.issuperset(action.objects):
                 break
             after = yield from episode.act(action, situation)
             if after is None:
-                yield episode.ended(f"the robot could not carry out {action}")
-                return
+                return f"the robot could not carry out {action}"
             situation = after
 
 
@@ -175,7 +183,7 @@ class Episode:
         yield Acted(self.actions, _transition(action, before, after), seconds, after)
         return after
 
-    def ended(self, reason: str, clean: bool = False) -> Ended:
+    def ended(self, reason: str, clean: bool) -> Ended:
         """The closing event, with the account of time."""
         return Ended(reason, clean, self.actions, dict(self._seconds))
 

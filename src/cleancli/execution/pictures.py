@@ -49,7 +49,7 @@ def write_png(path: Path, picture: Picture) -> None:
 
 
 class Video:
-    """An H.264 file of pictures at even steps of robot time; what a crash cuts short is readable up to there."""
+    """An H.264 file of pictures at even steps of robot time; cut short by a crash, it can still be read."""
 
     def __init__(self, path: Path) -> None:
         self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})

@@ -1,4 +1,4 @@
-"""Transitions as they happened, and their file: one JSON object a line, of symbols that perception reported."""
+"""Transitions as they happened, and their file: a JSON object a line, of symbols that perception reported."""
 
 from __future__ import annotations
 

@@ -1,15 +1,16 @@
 """From geometry to symbols (§3.3.1): named areas become the objects and the state that rules speak of.
 
-docs/perception.md defines every symbol. A domain need not declare them all; what it does not declare, or
-declares for other types or values, is left out.
+docs/perception.md defines every symbol. A domain need not declare all of them; a predicate that it does not
+declare, or declares for other types, is left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations, permutations
 from math import hypot
 
+from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.ellipses import extent, gap
@@ -22,23 +23,17 @@ SIZES = ("small", "medium", "big")
 Point = tuple[float, float]
 
 
-class MissingSymbol(Exception):
-    """The domain lacks a symbol that cleaning cannot do without; `symbol` is how to declare it."""
-
-    def __init__(self, symbol: str) -> None:
-        self.symbol = symbol
-        super().__init__(f"the domain must declare {symbol}")
-
-
 def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tuple[Object, ...], State]:
-    """One object per named area, and all that is true of them. Raises MissingSymbol."""
+    """One object per named area, and all that is true of them.
+
+    Raises Refused (E514, E515) for a domain that perception cannot tell what it needs.
+    """
     declared = {symbol.name: symbol for symbol in domain.symbols}
-    if not _predicate(declared, "dirt", domain, AREA):
-        raise MissingSymbol("dirt(?a - area)")
+    _refuse_what_is_not_seen(declared, domain)
     facts = {Fact("dirt", (area.name,)) for area in areas}
     if _predicate(declared, "scattered", domain, AREA):
         facts |= {Fact("scattered", (a.name,)) for a in areas if is_scattered(a, scene.symbols)}
-    if (size := declared.get("size")) and _takes(size, domain, AREA) and set(SIZES) <= set(size.values):
+    if "size" in declared:
         facts |= {Fact("size", (area.name,), size_of(area, scene.symbols)) for area in areas}
     if _predicate(declared, "near", domain, AREA, AREA):
         facts |= set(_near(areas, declared["near"], scene.symbols))
@@ -48,6 +43,22 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         containers = [c.name for c in domain.constants if domain.is_a(c.type, CONTAINER)]
         facts |= set(_traversal_to(containers, areas, scene))
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
+
+
+def _refuse_what_is_not_seen(declared: Mapping[str, Symbol], domain: Domain) -> None:
+    """A state gives every function a value for every area, and cleaning is about dirt."""
+    mistakes = []
+    if not _predicate(declared, "dirt", domain, AREA):
+        message = f"the domain `{domain.name}` declares no `dirt(?a - area)`, which a scene needs"
+        mistakes.append(Diagnostic("E514", message, None, help="add it to `predicates`"))
+    for name, symbol in declared.items():
+        is_size = name == "size" and _takes(symbol, domain, AREA) and set(SIZES) <= set(symbol.values)
+        if not symbol.is_predicate and not is_size:
+            message = f"perception gives the function `{name}` of the domain `{domain.name}` no value"
+            advice = "a scene can tell `size(?a - area): small < medium < big`, and no other function"
+            mistakes.append(Diagnostic("E515", message, None, help=advice))
+    if mistakes:
+        raise Refused(mistakes)
 
 
 def remembered(before: State, gone: Set[str]) -> State:
@@ -97,7 +108,7 @@ def place_at_mouth(point: Point, scene: Scene) -> Point:
     return min(max(point[0], x0 + margin), x1 - margin), y0
 
 
-def _predicate(declared: dict[str, Symbol], name: str, domain: Domain, *types: str) -> bool:
+def _predicate(declared: Mapping[str, Symbol], name: str, domain: Domain, *types: str) -> bool:
     symbol = declared.get(name)
     return symbol is not None and symbol.is_predicate and _takes(symbol, domain, *types)
 

@@ -1,0 +1,76 @@
+"""What each stage makes of fixed files, word for word (the parser: tests/language/test_parse.py).
+
+CLEANCLI_REGENERATE=1 rewrites the expected texts; read the difference before keeping it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from pathlib import Path
+
+import pytest
+
+from cleancli.compiler.dump import dump
+from cleancli.compiler.ground import ground
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.edit import apply_edits
+from cleancli.language.format import print_domain
+from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Domain, Problem
+from cleancli.language.render import render
+from cleancli.learning.experience import decode
+from cleancli.learning.learn import edits, learn
+from cleancli.planning.plan import Options
+from cleancli.planning.table import PLANNERS
+
+FOLDER = Path(__file__).parent / "golden"
+
+
+def source(name: str) -> Source:
+    return Source(name, read_source(FOLDER / name).text)
+
+
+@pytest.fixture(scope="module")
+def domain() -> Domain:
+    return load_domain(source("domain.nid"))
+
+
+@pytest.fixture(scope="module")
+def problem(domain: Domain) -> Problem:
+    return load_problem(source("problem.nid"), domain)
+
+
+def check_golden(name: str, text: str) -> None:
+    path = FOLDER / name
+    if os.environ.get("CLEANCLI_REGENERATE"):
+        path.write_text(text, encoding="utf-8")
+    assert text == path.read_text(encoding="utf-8")
+
+
+def test_check() -> None:
+    with pytest.raises(Refused) as refused:
+        load_domain(source("mistakes.nid"))
+    check_golden("mistakes.txt", render(refused.value.diagnostics, refused.value.sources))
+
+
+def test_print(domain: Domain) -> None:
+    check_golden("domain.printed.nid", print_domain(domain))
+
+
+def test_compile(domain: Domain, problem: Problem) -> None:
+    check_golden("problem.task.txt", dump(ground(domain, problem)))
+
+
+def test_plan(domain: Domain, problem: Problem) -> None:
+    plan = PLANNERS["prada"](ground(domain, problem), Options(samples=2000, seed=7))
+    lines = [*(str(action) for action in plan.actions), f"value {plan.value:.6f}"]
+    check_golden("problem.plan.txt", "\n".join(lines) + "\n")
+
+
+def test_learn(domain: Domain) -> None:
+    text = source("domain.nid").text
+    learned = learn(domain, decode(source("experience.jsonl"), domain))
+    new = apply_edits(text, edits(domain, text, learned))
+    difference = difflib.unified_diff(text.splitlines(), new.splitlines(), "domain", "learned", lineterm="")
+    check_golden("domain.learned.txt", "\n".join(difference) + "\n")
