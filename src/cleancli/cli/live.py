@@ -11,6 +11,9 @@ from rich.status import Status
 
 from cleancli.execution.events import Acted, Ended, Event, Looked, Moved, Planned, Started
 
+SLOW = 2.0
+"""Seconds after which a person wonders what is going on."""
+
 
 class View(Protocol):
     """Something that is told every event."""
@@ -56,6 +59,10 @@ class _Lines:
                 steps = ", ".join(str(action) for action in plan.actions[:3])
                 more = f" and {len(plan.actions) - 3} more" if len(plan.actions) > 3 else ""
                 self._line(f"planned: {steps}{more}; value {plan.value:.2f} ({seconds:.2f} s)")
+                if (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
+                    self._line(
+                        f"(and {compiling:.0f} s for compiling the planner, which only the first run does)"
+                    )
             case Started(number, action, arguments):
                 self._now(f"{number}. {action}({', '.join(arguments)})")
             case Moved(clock):
@@ -76,3 +83,14 @@ class _Lines:
         self._doing = doing
         if self._status is not None:
             self._status.update(doing)
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Show in a terminal that something takes its time; elsewhere nothing."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    with console.status(what):
+        yield

@@ -10,6 +10,7 @@ from contextlib import closing, contextmanager
 import click
 
 from cleancli.cli.inputs import located_in, open_domain, open_problem
+from cleancli.cli.live import working
 from cleancli.compiler.ground import ground
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.model import Domain, Problem
@@ -43,11 +44,12 @@ def command(domain: str, problem: str, planner: str, samples: int, seed: int | N
     seconds: dict[str, float] = {}
     if isinstance(given, Scene):
         seed = given.seed if seed is None else seed
-        with _timed(seconds, "look"), located_in(source):
+        with _timed(seconds, "look"), located_in(source), working("looking at the table"):
             model, given = _problem_seen(model, given, seed)
     with _timed(seconds, "ground"), located_in(source):
         task = ground(model, given)
-    result = PLANNERS[planner](task, Options(samples, 1 if seed is None else seed))
+    with working("planning (the first run compiles the planner)"):
+        result = PLANNERS[planner](task, Options(samples, 1 if seed is None else seed))
     seconds |= result.seconds
     if as_data:
         click.echo(json.dumps(_as_data(given, result, seconds), indent=2))

@@ -33,7 +33,7 @@ class Looked:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A plan was made, for `situation`; `seconds` of planning, grounding included."""
+    """A plan was made for `situation`; `seconds` of grounding and planning, loading the kernel aside."""
 
     situation: Situation
     plan: Plan
