@@ -9,7 +9,7 @@ from typing import Protocol
 from rich.console import Console
 from rich.status import Status
 
-from cleancli.execution.events import Acted, Ended, Event, Looked, Moved, Planned, Started
+from cleancli.execution.events import Ended, Event, Looked, Moved, Planned, Started, StrokeEnded
 
 SLOW = 2.0
 """Seconds after which a person wonders what is going on."""
@@ -68,9 +68,9 @@ class _Lines:
             case Moved(clock):
                 if self._status is not None:
                     self._status.update(f"{self._doing}, {clock:.1f} s of robot time")
-            case Acted(number, transition, seconds):
-                name = f"{transition.action}({', '.join(transition.arguments)})"
-                self._line(f"{number:3}. {name} done in {seconds:.1f} s of robot time")
+            case StrokeEnded(_, clock):
+                self._line(f"  {self._doing}, done at {clock:.1f} s of robot time")
+                self._now("withdrawing the tool")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:
