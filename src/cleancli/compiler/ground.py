@@ -205,7 +205,9 @@ def _task(domain: Domain, problem: Problem, found: Sequence[Instance], numbering
         for instance in found
     ]
     counts = {count.name: numbering.counted(count) for count in domain.counts}
-    counted = counts[domain.reward]
+    rewarded = domain.reward[0].count
+    assert rewarded is not None
+    counted = counts[rewarded]
     return Task(
         variables=numbering.variables,
         initial=numbering.initial,
@@ -213,7 +215,7 @@ def _task(domain: Domain, problem: Problem, found: Sequence[Instance], numbering
         rules=tuple(sorted(rules, key=lambda rule: (rule.action, rule.rule))),
         counted=tuple(condition for condition in counted if condition),
         counted_always=sum(not condition for condition in counted),
-        horizon=_horizon(problem.horizon or Horizon(1, domain.reward), counts, numbering),
+        horizon=_horizon(problem.horizon or Horizon(1, rewarded), counts, numbering),
         discount=problem.discount,
     )
 

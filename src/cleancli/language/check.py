@@ -12,7 +12,7 @@ from cleancli.language import syntax
 from cleancli.language.conditions import Scope, check_condition
 from cleancli.language.declarations import Declarations, Once, declare, read_variables, sections_of
 from cleancli.language.findings import Findings
-from cleancli.language.model import Count, Domain, Outcome, OutcomeKind
+from cleancli.language.model import Count, Domain, Outcome, OutcomeKind, RewardKind, RewardTerm
 from cleancli.language.rules import check_default, check_rules, known_counts
 
 
@@ -81,10 +81,10 @@ def _default(node: syntax.DomainNode, scope: Scope) -> tuple[Outcome, ...]:
     return (Outcome(Fraction(1), OutcomeKind.NOTHING),)
 
 
-def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) -> str:
+def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) -> tuple[RewardTerm, ...]:
     for section in sections_of(node.sections, syntax.Reward):
         known_counts([count.name for count in counts], section.count, scope)
-        return section.count.text
+        return (RewardTerm(Fraction(1), RewardKind.DECREASE, section.count.text),)
     if "reward" not in scope.declared.unsure:
         scope.findings.error(
             "E219",
@@ -92,4 +92,4 @@ def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) ->
             node.name.span,
             help="add for example `reward { decrease(dirty_areas) }`",
         )
-    return ""
+    return ()

@@ -50,7 +50,7 @@ def print_domain(domain: Domain) -> str:
         _block("actions", [_action(action) for action in domain.actions]),
         *(_rule(rule, symbols) for rule in domain.rules),
         _block("default", [print_outcome(outcome, symbols) for outcome in domain.default]),
-        _block("reward", [f"decrease({domain.reward})"]),
+        _block("reward", [f"decrease({domain.reward[0].count})"]),
     ]
     return f"domain {domain.name} {{\n" + "\n".join(block for block in blocks if block) + "}\n"
 

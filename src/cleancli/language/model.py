@@ -14,8 +14,8 @@ from fractions import Fraction
 
 from cleancli.language.diagnostics import Span
 
-Value = bool | str
-"""A value of a symbol: a truth value of a predicate, or a named value of a function."""
+Value = bool | int | str
+"""A value of a symbol: a truth value of a predicate, a named value or an integer of a function."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -47,16 +47,20 @@ class Type:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A declared predicate (`values` is (False, True)) or function (its values in declared order)."""
+    """A declared predicate (`values` is (False, True)) or function (its values in rising order).
+
+    Values are all names, or consecutive integers. `static`: no rule may change it.
+    """
 
     name: str
     parameters: tuple[Variable, ...]
     values: tuple[Value, ...] = (False, True)
     symmetric: bool = False
+    static: bool = False
 
     @property
     def is_predicate(self) -> bool:
-        return self.values == (False, True)
+        return isinstance(self.values[0], bool)
 
     def canonical(self, objects: tuple[str, ...]) -> tuple[str, ...]:
         """The objects in the order under which a state stores them (sorted when symmetric)."""
@@ -65,7 +69,10 @@ class Symbol:
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """Holds where the symbol's value for these terms is one of `values` (never all, never none)."""
+    """Holds where the symbol's value for these terms is one of `values` (never all, never none).
+
+    The symbol may be a derived predicate.
+    """
 
     symbol: str
     terms: tuple[Term, ...]
@@ -81,8 +88,39 @@ class Equality:
     equal: bool
 
 
-Condition = tuple[Literal | Equality, ...]
+@dataclass(frozen=True, slots=True)
+class Quantified:
+    """Holds where some binding of `variables` satisfies the conjunction (`exists`), or none does.
+
+    `forall ?x - t: guard => literal` is read as: no binding satisfies the guard and the literal's opposite.
+    """
+
+    exists: bool
+    variables: tuple[Variable, ...]
+    condition: tuple[Literal | Equality, ...]
+
+
+Condition = tuple[Literal | Equality | Quantified, ...]
 """A conjunction; empty means true."""
+
+
+@dataclass(frozen=True, slots=True)
+class DerivedPredicate:
+    """A predicate that follows from others: it holds where `condition` does, or is the transitive closure of
+    the predicate of two parameters that `closure` names. Definitions are not cyclic."""
+
+    name: str
+    parameters: tuple[Variable, ...]
+    condition: Condition = ()
+    closure: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A deictic reference: the rule applies only where exactly one binding of the variables fits."""
+
+    variables: tuple[Variable, ...]
+    condition: tuple[Literal | Equality, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,12 +133,21 @@ class Assign:
 
 
 @dataclass(frozen=True, slots=True)
+class Shift:
+    """An effect: an integer function rises by `amount` (falls, if negative), but not beyond its bounds."""
+
+    symbol: str
+    terms: tuple[Term, ...]
+    amount: int
+
+
+@dataclass(frozen=True, slots=True)
 class ForAll:
     """An effect on every binding of `variables` that satisfies `condition` before the action."""
 
     variables: tuple[Variable, ...]
-    condition: Condition
-    effects: tuple[Assign, ...]
+    condition: tuple[Literal | Equality, ...]
+    effects: tuple[Assign | Shift, ...]
 
 
 class OutcomeKind(enum.Enum):
@@ -116,15 +163,19 @@ class Outcome:
     """One possible result of a rule.
 
     `probability_span` covers the probability's own token, `weight_span` that token with its
-    `[prior p, seen n]`, if it has one; `is_rest` means that the text says `rest` and no number.
+    `[prior p, seen n]`, if it has one; `is_rest` means that the text says `rest` and no number. `parameter`
+    names the shared parameter that the text says instead of a number; its marks are then the parameter's. The
+    learner does not touch what is `fixed`.
     """
 
     probability: Fraction
     kind: OutcomeKind
-    effects: tuple[Assign | ForAll, ...] = ()
+    effects: tuple[Assign | Shift | ForAll, ...] = ()
     prior: Fraction | None = None
     seen: int | None = None
     is_rest: bool = False
+    parameter: str | None = None
+    fixed: bool = False
     probability_span: Span | None = field(default=None, compare=False)
     weight_span: Span | None = field(default=None, compare=False)
 
@@ -138,16 +189,32 @@ class Rule:
     variables: tuple[Variable, ...]
     condition: Condition
     outcomes: tuple[Outcome, ...]
+    references: tuple[Reference, ...] = ()
     span: Span | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
+class Parameter:
+    """A probability that outcomes share by its name; the other fields are as in `Outcome`."""
+
+    name: str
+    probability: Fraction
+    prior: Fraction | None = None
+    seen: int | None = None
+    fixed: bool = False
+    probability_span: Span | None = field(default=None, compare=False)
+    weight_span: Span | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
-    """A declared action; `duration` in seconds of robot time, None where the file does not say."""
+    """A declared action; `duration` in seconds of robot time, None where the file does not say; `cost` is in
+    units of reward."""
 
     name: str
     parameters: tuple[Variable, ...]
     duration: float | None = None
+    cost: Fraction = Fraction(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +226,28 @@ class Count:
     condition: Condition
 
 
+class RewardKind(enum.Enum):
+    """What a step pays: how much a count has fallen (eq. 2), a count's value after the step, 1 when the
+    problem's goal has come to hold (-1 when it is lost), or the action's cost."""
+
+    DECREASE = "decrease"
+    COUNT = "count"
+    GOAL = "goal"
+    COST = "cost"
+
+
+@dataclass(frozen=True, slots=True)
+class RewardTerm:
+    """A share of the reward: `weight` times what `kind` says; `count` is named for the first two kinds."""
+
+    weight: Fraction
+    kind: RewardKind
+    count: str | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Domain:
-    """A whole domain, in the order of the file; `reward` names the count whose decrease pays (eq. 2)."""
+    """A whole domain, in the order of the file, what it includes first; `reward` is the sum of its terms."""
 
     name: str
     types: tuple[Type, ...]
@@ -171,7 +257,9 @@ class Domain:
     actions: tuple[Action, ...]
     rules: tuple[Rule, ...]
     default: tuple[Outcome, ...]
-    reward: str
+    reward: tuple[RewardTerm, ...]
+    derived: tuple[DerivedPredicate, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
 
     def is_a(self, type_name: str, ancestor: str) -> bool:
         """Whether `type_name` is `ancestor` or below it."""
@@ -207,7 +295,11 @@ class Horizon:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What to plan for; `objects` are the problem's own, without the constants of the domain it names."""
+    """What to plan for; `objects` are the problem's own, without the constants of the domain it names.
+
+    An empty `goal` is none. `planner`, `samples` and `seed` are what the file asks for, None where it does
+    not.
+    """
 
     name: str
     domain: str
@@ -215,3 +307,7 @@ class Problem:
     state: State
     horizon: Horizon | None = None
     discount: float = 0.95
+    goal: Condition = ()
+    planner: str | None = None
+    samples: int | None = None
+    seed: int | None = None

@@ -42,7 +42,7 @@ def _rule(node: syntax.RuleNode, scope: Scope) -> Rule | None:
     outcomes = check_outcomes(node.outcomes, node.name.span, inner)
     if len(variables) != len(action.parameters) or not complete:
         return None
-    rule = Rule(node.name.text, action.name, variables, condition, outcomes, node.name.span)
+    rule = Rule(node.name.text, action.name, variables, condition, outcomes, span=node.name.span)
     if witness([condition], scope.declared) is None:
         place = node.condition.span if node.condition is not None else node.span
         scope.findings.error(
@@ -159,8 +159,8 @@ def _outcome(node: syntax.OutcomeNode, rest: Fraction, scope: Scope) -> Outcome:
         prior,
         seen,
         is_rest,
-        chance.span,
-        node.weight.span,
+        probability_span=chance.span,
+        weight_span=node.weight.span,
     )
 
 
