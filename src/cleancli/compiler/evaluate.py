@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from cleancli.language.model import (
     Assign,
     Condition,
+    DerivedPredicate,
     Domain,
     Equality,
     Fact,
@@ -19,7 +20,9 @@ from cleancli.language.model import (
     Literal,
     Object,
     Outcome,
+    Quantified,
     Rule,
+    Shift,
     State,
     Symbol,
     Term,
@@ -43,14 +46,19 @@ class StateView:
     """A domain's symbols over one complete state, for asking what holds."""
 
     def __init__(self, domain: Domain, objects: Sequence[Object], state: State) -> None:
-        self._domain = domain
+        self._rules = domain.rules
         self._symbols: dict[str, Symbol] = {symbol.name: symbol for symbol in domain.symbols}
-        self._objects = (*domain.constants, *objects)
+        self._derived = {derived.name: derived for derived in domain.derived}
+        everything = (*domain.constants, *objects)
+        self._objects = {
+            type_.name: tuple(o.name for o in everything if domain.is_a(o.type, type_.name))
+            for type_ in domain.types
+        }
         self._values = values_of(state)
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for."""
-        names = tuple(_name(term, binding) for term in terms)
+        names = names_of(terms, binding)
         return symbol, self._symbols[symbol].canonical(names)
 
     def value(self, key: Key) -> Value | None:
@@ -58,44 +66,123 @@ class StateView:
         default = False if self._symbols[key[0]].is_predicate else None
         return self._values.get(key, default)
 
+    def actual(self, literal: Literal, binding: Binding) -> Value | None:
+        """The value of the literal's symbol, which may be a derived predicate."""
+        derived = self._derived.get(literal.symbol)
+        if derived is not None:
+            return self._follows(derived, names_of(literal.terms, binding))
+        return self.value(self.key(literal.symbol, literal.terms, binding))
+
     def holds(self, condition: Condition, binding: Binding) -> bool:
-        """Whether every literal and equality of a fully bound condition holds."""
+        """Whether every part of a condition holds, whose own variables are all bound."""
         return all(self._holds(part, binding) for part in condition)
 
-    def _holds(self, part: Literal | Equality, binding: Binding) -> bool:
+    def _holds(self, part: Literal | Equality | Quantified, binding: Binding) -> bool:
         match part:
             case Equality(left, right, equal):
-                return (_name(left, binding) == _name(right, binding)) is equal
-            case Literal(symbol, terms, values):
-                return self.value(self.key(symbol, terms, binding)) in values
+                return (name_of(left, binding) == name_of(right, binding)) is equal
+            case Literal():
+                return self.actual(part, binding) in part.values
+            case Quantified(exists, variables, condition):
+                found = next(self.extensions(variables, condition, binding), None)
+                return (found is not None) is exists
 
-    def covering_rule(self, action: str, arguments: Sequence[str]) -> int | None:
-        """Index of the one rule that covers these arguments here (rules exclude each other, §3.3.2)."""
-        for index, rule in enumerate(self._domain.rules):
-            if rule.action == action and self.holds(rule.condition, bind(rule, arguments)):
-                return index
+    def extensions(
+        self, variables: Sequence[Variable], condition: Condition, binding: Binding
+    ) -> Iterator[Binding]:
+        """Every extension of `binding` by the variables that satisfies the condition, in order of objects."""
+        for names in itertools.product(*(self._objects[variable.type] for variable in variables)):
+            extended = {**binding, **dict(zip(variables, names, strict=True))}
+            if self.holds(condition, extended):
+                yield extended
+
+    def _follows(self, derived: DerivedPredicate, objects: tuple[str, ...]) -> bool:
+        if derived.closure is None:
+            binding = dict(zip(derived.parameters, objects, strict=True))
+            return self.holds(derived.condition, binding)
+        start, goal = objects
+        return goal in self._reached(derived.closure, start)
+
+    def _reached(self, predicate: str, start: str) -> set[str]:
+        """The objects that one or more steps of a predicate of two parameters lead to."""
+        source, target = parameters_of(predicate, self._symbols, self._derived)
+        reached: set[str] = set()
+        frontier = [start]
+        while frontier:
+            one = frontier.pop()
+            if one in self._objects[source.type]:
+                binding = {source: one}
+                step = (Literal(predicate, (source, target), frozenset({True})),)
+                steps = {extended[target] for extended in self.extensions((target,), step, binding)}
+                frontier += sorted(steps - reached)
+                reached |= steps
+        return reached
+
+    def covering(self, action: str, arguments: Sequence[str]) -> tuple[int, Binding] | None:
+        """Index and binding of the one rule that covers these arguments here (§3.3.2); None for none.
+
+        The binding includes the variables of the rule's deictic references.
+        """
+        for index, rule in enumerate(self._rules):
+            if rule.action == action:
+                binding = self._covers(rule, bind(rule, arguments))
+                if binding is not None:
+                    return index, binding
         return None
 
+    def _covers(self, rule: Rule, binding: Binding) -> Binding | None:
+        if not self.holds(rule.condition, binding):
+            return None
+        for reference in rule.references:
+            found = list(
+                itertools.islice(self.extensions(reference.variables, reference.condition, binding), 2)
+            )
+            if len(found) != 1:
+                return None
+            binding = found[0]
+        return binding
+
     def changes(self, outcome: Outcome, binding: Binding) -> dict[Key, Value]:
-        """What the outcome sets when its rule is applied in this state."""
+        """What the outcome sets when its rule is applied in this state; a number without value stays so."""
         changes: dict[Key, Value] = {}
         for effect in outcome.effects:
             match effect:
-                case Assign(symbol, terms, value):
-                    changes[self.key(symbol, terms, binding)] = value
-                case ForAll(variables, condition, assigns):
-                    for inner in self._extensions(variables, binding):
-                        if self.holds(condition, inner):
-                            changes |= {self.key(a.symbol, a.terms, inner): a.value for a in assigns}
+                case ForAll(variables, condition, effects):
+                    for inner in self.extensions(variables, condition, binding):
+                        changes |= self._set(effects, inner)
+                case _:
+                    changes |= self._set((effect,), binding)
         return changes
 
-    def _extensions(self, variables: Sequence[Variable], binding: Binding) -> Iterator[Binding]:
-        candidates = [
-            [o.name for o in self._objects if self._domain.is_a(o.type, variable.type)]
-            for variable in variables
-        ]
-        for names in itertools.product(*candidates):
-            yield {**binding, **dict(zip(variables, names, strict=True))}
+    def _set(self, effects: Sequence[Assign | Shift], binding: Binding) -> dict[Key, Value]:
+        result: dict[Key, Value] = {}
+        for effect in effects:
+            key = self.key(effect.symbol, effect.terms, binding)
+            if isinstance(effect, Assign):
+                result[key] = effect.value
+            elif (before := self.value(key)) is not None:
+                result[key] = shifted(self._symbols[effect.symbol], before, effect.amount)
+        return result
+
+
+def shifted(symbol: Symbol, before: Value, amount: int) -> Value:
+    """The value of an integer function after a shift, which stops at the function's bounds."""
+    low, high = symbol.values[0], symbol.values[-1]
+    assert isinstance(before, int), "the checker lets only integer functions shift"
+    assert isinstance(low, int)
+    assert isinstance(high, int)
+    return min(max(before + amount, low), high)
+
+
+def parameters_of(
+    predicate: str, symbols: Mapping[str, Symbol], derived: Mapping[str, DerivedPredicate]
+) -> tuple[Variable, ...]:
+    """The parameters of a declared or derived predicate, under names of their own.
+
+    The names are numbers, so that `p(?a, ?a)` has two parameters too.
+    """
+    found = symbols[predicate].parameters if predicate in symbols else derived[predicate].parameters
+    return tuple(Variable(str(index), parameter.type) for index, parameter in enumerate(found))
 
 
 def bind(rule: Rule, arguments: Sequence[str]) -> Binding:
@@ -124,5 +211,11 @@ def canonical_state(domain: Domain, facts: Sequence[Fact]) -> State:
     )
 
 
-def _name(term: Term, binding: Binding) -> str:
+def name_of(term: Term, binding: Binding) -> str:
+    """The object that a bound term stands for."""
     return binding[term] if isinstance(term, Variable) else term.name
+
+
+def names_of(terms: Sequence[Term], binding: Binding) -> tuple[str, ...]:
+    """The objects that bound terms stand for."""
+    return tuple(name_of(term, binding) for term in terms)
