@@ -1,4 +1,4 @@
-"""Why an action applies or does not: what covers it, every literal that fails, references without one answer."""
+"""Why an action applies or does not: what covers it, each literal that fails, references that are unclear."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from scipy import stats
 
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import RewardCondition, Task
 from cleancli.compiler.transition import covering_rule, exact_value, reward, sample, successors
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -64,7 +64,9 @@ def test_only_what_can_change_becomes_a_variable() -> None:
     ]
     assert [str(action) for action in found.actions] == ["join(a, b)", "join(b, a)", "wipe(a)", "wipe(b)"]
     assert found.horizon == 3
-    assert (found.counted, found.counted_always) == ((((0, frozenset({1})),), ((1, frozenset({1})),)), 0)
+    dirty = [((0, frozenset({1})),), ((1, frozenset({1})),)]
+    assert found.rewards == tuple(RewardCondition(condition, 1.0, 0.0) for condition in dirty)
+    assert found.initial_count == 2
 
 
 def test_outcomes_keep_their_places_when_their_effects_vanish() -> None:
@@ -89,9 +91,9 @@ def test_parameters_may_coincide_unless_the_rule_says_otherwise() -> None:
     assert task(RULES, problem).actions == ()
 
 
-def test_a_condition_that_always_holds_is_counted_apart() -> None:
+def test_a_condition_that_always_holds_pays_nothing_for_its_end() -> None:
     found = task(RULES, "objects { a - area } init { dirt(a), size(a) = big } horizon = 1 + dirty")
-    assert (found.counted, found.counted_always, found.horizon) == ((), 1, 2)
+    assert (found.rewards, found.initial_count, found.horizon) == ((), 1, 2)
 
 
 def test_conflicting_effects_are_refused_once_per_outcome() -> None:
@@ -99,10 +101,24 @@ def test_conflicting_effects_are_refused_once_per_outcome() -> None:
     assert refused(rule, THREE) == ["E602 for join(a, a), one outcome gives size(a) two values"]
 
 
-def test_a_forall_over_what_can_change_is_refused() -> None:
+def test_a_forall_over_what_can_change_has_a_case_for_each_answer() -> None:
+    rule = "rule wipe: wipe(?a) { when dirt(?a) then 1: wet(?a), forall ?b - area: wet(?b) => not dirt(?b) }"
+    two = "objects { a b - area } init { dirt(a), dirt(b), size(a) = small, size(b) = small }"
+    found = task(rule, two)
+    conditions = [{v: set(values) for v, values in r.condition} for r in found.rules if r.action == 0]
+    assert [str(v.symbol) for v in found.variables] == ["dirt", "dirt", "wet", "wet"]
+    assert sorted(conditions, key=str) == sorted(
+        ({0: {1}, 2: {i}, 3: {j}} for i in range(2) for j in range(2)), key=str
+    )
+
+
+def test_a_forall_that_asks_for_what_it_ends_needs_no_cases() -> None:
     rule = "rule wipe: wipe(?a) { when dirt(?a) then 1: forall ?b - area: dirt(?b) => not dirt(?b) }"
-    message = "E601 the condition of a forall must stay as it is, but rules can change `dirt`"
-    assert refused(rule, THREE) == [message]
+    found = task(rule, THREE)
+    assert [(r.condition, r.outcomes[0].effects) for r in found.rules] == [
+        (((0, frozenset({1})),), ((0, 0), (1, 0))),
+        (((1, frozenset({1})),), ((0, 0), (1, 0))),
+    ]
 
 
 def test_rules_that_cover_one_state_are_refused_with_that_state() -> None:
@@ -132,7 +148,8 @@ def test_successors_are_a_distribution_and_rewards_count_the_decrease() -> None:
         assert sum(p for p, _ in successors(found, found.initial, action)) == pytest.approx(1)
     wipe_b = [str(a) for a in found.actions].index("wipe(b)")
     assert successors(found, found.initial, wipe_b) == ((0.6, (1, 0, 1)), (0.3, (1, 1, 0)), (0.1, (1, 1, 1)))
-    assert reward(found, found.initial, (1, 0, 1)) == 1.0
+    assert reward(found, found.initial, wipe_b, (1, 0, 1)) == 1.0
+    assert reward(found, found.initial, None, found.initial) == 0.0
     assert covering_rule(found, (1, 0, 1), wipe_b) is None
     assert successors(found, (1, 0, 1), wipe_b) == ((1.0, (1, 0, 1)),)
     assert exact_value(found, [wipe_b, wipe_b]) == pytest.approx(0.6 + 0.95 * 0.24)
@@ -181,8 +198,7 @@ action wipe(b)
     0.6: not dirt(b)
     0.3: size(b) := small
     0.1: noise
-counted dirt(a)
-counted dirt(b)
-counted always 0
+reward 1 when dirt(a) ends
+reward 1 when dirt(b) ends
 """
     )

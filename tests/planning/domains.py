@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, StateVariable, Task
+from cleancli.compiler.task import (
+    GroundAction,
+    GroundOutcome,
+    GroundRule,
+    RewardCondition,
+    StateVariable,
+    Task,
+)
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, OutcomeKind
@@ -51,6 +59,11 @@ def action(task: Task, text: str) -> int:
     return [str(a) for a in task.actions].index(text)
 
 
+def decrease(*condition: tuple[int, frozenset[int]]) -> RewardCondition:
+    """A condition that pays 1 when it ends."""
+    return RewardCondition(condition, 1.0, 0.0)
+
+
 def random_task(seed: int) -> Task:
     """A task of 5 variables and 6 actions; an action has one rule per value of some variable."""
     rng = np.random.default_rng(seed)
@@ -69,15 +82,29 @@ def random_task(seed: int) -> Task:
         initial=tuple(int(rng.integers(n)) for n in sizes),
         actions=tuple(GroundAction(f"act{i}", (), None) for i in range(6)),
         rules=tuple(rules),
-        counted=(
-            *(((v, frozenset({0})),) for v in range(4)),
-            ((0, frozenset({0})), (4, frozenset({0}))),
-            ((1, frozenset({1})), (2, frozenset({0, 1}))),
+        rewards=(
+            *(decrease((v, frozenset({0}))) for v in range(4)),
+            decrease((0, frozenset({0})), (4, frozenset({0}))),
+            decrease((1, frozenset({1})), (2, frozenset({0, 1}))),
         ),
-        counted_always=1,
+        constant_reward=0.0,
+        goal=(),
+        initial_count=4,
         horizon=5,
         discount=0.9,
     )
+
+
+def weighted_task(seed: int) -> Task:
+    """The same with costs, with weights, and with conditions that are paid while they hold."""
+    task = random_task(seed)
+    rng = np.random.default_rng([seed, 1])
+    rewards = [
+        replace(r, decrease=float(rng.normal()), state=float(rng.normal()) * (index % 2))
+        for index, r in enumerate(task.rewards)
+    ]
+    actions = [replace(a, cost=float(rng.uniform(0, 0.3))) for a in task.actions]
+    return replace(task, rewards=tuple(rewards), actions=tuple(actions), constant_reward=float(rng.normal()))
 
 
 def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome, ...]:

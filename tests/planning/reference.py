@@ -14,14 +14,17 @@ CUT = 0.03
 
 
 def value(task: Task, actions: Sequence[int], *, independent_rules: bool = False) -> float:
-    """Discounted decrease of the expected count; `independent_rules` multiplies by 1 - φ of the other rules,
-    as libPRADA does."""
+    """Discounted reward, where nothing is done after the actions; `independent_rules` multiplies by 1 - φ of
+    the other rules, as libPRADA does."""
     belief = initial(task)
     total = 0.0
-    for step, action in enumerate(actions):
-        after = update(task, belief, action, independent_rules=independent_rules)
-        total += task.discount**step * (expected_count(task, belief) - expected_count(task, after))
-        belief = after
+    for step in range(max(len(actions), task.horizon)):
+        reward = 0.0
+        if step < len(actions):
+            after = update(task, belief, actions[step], independent_rules=independent_rules)
+            reward = decreasing(task, belief) - decreasing(task, after) - task.actions[actions[step]].cost
+            belief = after
+        total += task.discount**step * (reward + standing(task, belief))
     return total
 
 
@@ -63,5 +66,9 @@ def sets(rule: GroundRule, variable: int) -> float:
     return sum(outcome.probability for outcome in rule.outcomes if variable in dict(outcome.effects))
 
 
-def expected_count(task: Task, belief: Belief) -> float:
-    return task.counted_always + sum(probability(belief, condition) for condition in task.counted)
+def decreasing(task: Task, belief: Belief) -> float:
+    return sum(r.decrease * probability(belief, r.condition) for r in task.rewards)
+
+
+def standing(task: Task, belief: Belief) -> float:
+    return task.constant_reward + sum(r.state * probability(belief, r.condition) for r in task.rewards)

@@ -7,48 +7,55 @@ sum to 1, and the problem's facts are complete and canonical.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
+from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
+from cleancli.compiler.condition import Conditions
+from cleancli.compiler.count import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.evaluate import Key
-from cleancli.compiler.instance import (
-    Instance,
-    Requirement,
-    changeable_forall,
-    conflicting_effects,
-    instances,
-    requirement,
-)
+from cleancli.compiler.formula import Requirement
+from cleancli.compiler.instance import instances
 from cleancli.compiler.join import Universe
+from cleancli.compiler.numbering import Numbering
+from cleancli.compiler.reach import Reach
+from cleancli.compiler.rewards import costs_of, rewards_of
 from cleancli.compiler.task import (
     GroundAction,
-    GroundCondition,
     GroundOutcome,
     GroundRule,
-    StateVariable,
     Task,
-    condition_order,
-    holds,
     literal_text,
 )
 from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.model import Count, Domain, Horizon, OutcomeKind, Problem, Value
-
-Possible = Mapping[Key, frozenset[Value]]
-"""The values a key may ever take; a key that is missing keeps its initial value."""
+from cleancli.language.model import Domain, Outcome, OutcomeKind, Problem, Rule
 
 
 def ground(domain: Domain, problem: Problem) -> Task:
     """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md."""
     universe = Universe(domain, problem)
-    _refuse(changeable_forall(domain, universe))
-    possible, reachable = _reachable(instances(domain, universe), universe)
-    _refuse(conflicting_effects(domain, reachable))
-    simplified = [_simplified(instance, possible) for instance in reachable]
-    useful = _without_idle_actions(simplified, domain)
-    numbering = Numbering(possible, universe)
+    _refuse(refuse_too_many(domain, problem, universe))
+    conditions = Conditions(universe)
+    reach = Reach(instances(domain, conditions), universe)
+    cases = _cases(domain, reach, conditions)
+    _refuse(_conflicting_effects(domain, cases))
+    useful = _without_idle_actions([_simplified(case, reach) for case in cases], domain)
+    numbering = Numbering(reach.changing, universe)
     _refuse(_overlaps(domain, useful, numbering))
-    return _task(domain, problem, useful, numbering)
+    rewards = rewards_of(domain, problem, conditions, numbering, reach.known)
+    actions = _ground_actions(domain, useful)
+    return Task(
+        variables=numbering.variables,
+        initial=numbering.initial,
+        actions=actions,
+        rules=_ground_rules(domain, useful, actions, numbering),
+        rewards=rewards.rewards,
+        constant_reward=rewards.constant_reward,
+        goal=rewards.goal,
+        initial_count=rewards.initial_count,
+        horizon=rewards.horizon,
+        discount=problem.discount,
+    )
 
 
 def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
@@ -57,116 +64,77 @@ def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
         raise Refused(found)
 
 
-def _reachable(candidates: Sequence[Instance], universe: Universe) -> tuple[Possible, list[Instance]]:
-    """The least fixpoint in which a value once possible stays so, and the instances that apply in it.
-
-    Every state that actions can reach is inside it, so what it leaves out changes no plan's value.
-    """
-    possible: dict[Key, frozenset[Value]] = {}
-    pending, reachable = list(candidates), []
-    while True:
-        applicable = [i for i in pending if _can_hold(i.required, possible, universe)]
-        if not applicable:
-            break
-        for changes in itertools.chain.from_iterable(instance.changes for instance in applicable):
-            for key, values in changes.items():
-                possible[key] = possible.get(key, frozenset({universe.initial(key)})) | values
-        reachable += applicable
-        applied = {(instance.rule, instance.objects) for instance in applicable}
-        pending = [i for i in pending if (i.rule, i.objects) not in applied]
-    changing = {key: values for key, values in possible.items() if len(values) > 1}
-    return changing, sorted(reachable, key=lambda instance: (instance.rule, instance.objects))
+def _cases(domain: Domain, reach: Reach, conditions: Conditions) -> list[Case]:
+    found: list[Case] = []
+    for instance in reach.instances:
+        try:
+            found += cases_of(instance, conditions, reach.known)
+        except TooManyCases:
+            raise Refused([too_many_cases(domain, instance, conditions, reach.known)]) from None
+        if len(found) > RULE_LIMIT:
+            raise Refused([too_many_cases_in_all(domain, found)])
+    return found
 
 
-def _can_hold(required: Requirement, possible: Possible, universe: Universe) -> bool:
-    return all(values & _values(key, possible, universe) for key, values in required.items())
+def _conflicting_effects(domain: Domain, found: Iterable[Case]) -> Iterator[Diagnostic]:
+    """E602 for each outcome that gives one key two values, shown by the first such case."""
+    reported = set()
+    for case in found:
+        rule = domain.rules[case.rule]
+        for position, changes in enumerate(case.changes):
+            conflicts = [key for key, values in changes.items() if len(values) > 1]
+            if conflicts and (case.rule, position) not in reported:
+                reported.add((case.rule, position))
+                yield _conflict(rule, rule.outcomes[position], case.objects, min(conflicts))
 
 
-def _values(key: Key, possible: Possible, universe: Universe) -> frozenset[Value]:
-    return possible.get(key) or frozenset({universe.initial(key)})
-
-
-def _simplified(instance: Instance, possible: Possible) -> Instance:
-    """Without literals that always hold, and without effects that assign what is there anyway."""
-    required = {
-        key: values & possible[key]
-        for key, values in instance.required.items()
-        if key in possible and not possible[key] <= values
-    }
-    changes = tuple(
-        {key: values for key, values in change.items() if key in possible and required.get(key) != values}
-        for change in instance.changes
+def _conflict(rule: Rule, outcome: Outcome, objects: tuple[str, ...], key: Key) -> Diagnostic:
+    action = f"{rule.action}({', '.join(objects)})"
+    return Diagnostic(
+        "E602",
+        f"for {action}, one outcome gives {key[0]}({', '.join(key[1])}) two values",
+        outcome.probability_span or rule.span,
+        label=f"in this outcome of rule `{rule.name}`",
+        help="parameters may stand for the same object; if they must not, ask for it: `?a != ?b`",
     )
-    return replace(instance, required=required, changes=changes)
 
 
-def _without_idle_actions(found: Sequence[Instance], domain: Domain) -> list[Instance]:
-    """The instances of those actions that can change something by at least one of their rules."""
-
-    def action(instance: Instance) -> tuple[str, tuple[str, ...]]:
-        return domain.rules[instance.rule].action, instance.objects
-
-    useful = {action(instance) for instance in found if any(instance.changes)}
-    return [instance for instance in found if action(instance) in useful]
-
-
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """Where a key went: its variable's index and, per value, the value's index."""
-
-    variable: int
-    value: Mapping[Value, int]
-
-
-class Numbering:
-    """Numbers for the keys that can change and for their values, sorted by symbol and objects."""
-
-    def __init__(self, possible: Possible, universe: Universe) -> None:
-        self.universe, self.possible = universe, possible
-        keys = sorted(possible)
-        self.variables = tuple(
-            StateVariable(*key, tuple(v for v in universe.symbols[key[0]].values if v in possible[key]))
-            for key in keys
-        )
-        self._places = {
-            key: _Place(index, {value: place for place, value in enumerate(variable.values)})
-            for index, (key, variable) in enumerate(zip(keys, self.variables, strict=True))
+def _simplified(case: Case, reach: Reach) -> Case:
+    """Without effects that assign what is there anyway."""
+    changes = tuple(
+        {
+            key: values
+            for key, values in change.items()
+            if len(reach.known(key)) > 1 and case.required.get(key) != values
         }
-        self.initial = tuple(self._places[key].value[universe.initial(key)] for key in keys)
-
-    def condition(self, required: Requirement) -> GroundCondition:
-        """A simplified requirement in numbers."""
-        places = ((self._places[key], values) for key, values in required.items())
-        numbered = ((place.variable, frozenset(place.value[v] for v in values)) for place, values in places)
-        return tuple(sorted(numbered, key=lambda pair: pair[0]))
-
-    def effects(self, changes: Mapping[Key, frozenset[Value]]) -> tuple[tuple[int, int], ...]:
-        """An outcome's changes in numbers."""
-        places = ((self._places[key], values) for key, values in changes.items())
-        return tuple(sorted((place.variable, place.value[v]) for place, values in places for v in values))
-
-    def counted(self, count: Count) -> tuple[GroundCondition, ...]:
-        """What each binding of the count asks for; bindings that can never satisfy it are left out."""
-        found = []
-        for binding in self.universe.extensions(count.variables, count.condition, {}):
-            required = requirement(count.condition, binding, self.universe)
-            if required is not None and _can_hold(required, self.possible, self.universe):
-                simplified = _simplified(Instance(0, (), required, ()), self.possible)
-                found.append(self.condition(simplified.required))
-        return tuple(sorted(found, key=condition_order))
+        for change in case.changes
+    )
+    return replace(case, changes=changes)
 
 
-def _overlaps(domain: Domain, found: Sequence[Instance], numbering: Numbering) -> Iterator[Diagnostic]:
+def _without_idle_actions(found: Sequence[Case], domain: Domain) -> list[Case]:
+    """The cases of those actions that can change something by at least one of their rules."""
+
+    def action(case: Case) -> tuple[str, tuple[str, ...]]:
+        return domain.rules[case.rule].action, case.objects
+
+    useful = {action(case) for case in found if any(case.changes)}
+    return [case for case in found if action(case) in useful]
+
+
+def _overlaps(domain: Domain, found: Sequence[Case], numbering: Numbering) -> Iterator[Diagnostic]:
     """E603 for each pair of rules that cover one state of an action, with what such a state has in common."""
     reported = set()
-    by_action: dict[tuple[str, tuple[str, ...]], list[Instance]] = {}
+    by_action: dict[tuple[str, tuple[str, ...]], list[Case]] = {}
     for instance in found:
         by_action.setdefault((domain.rules[instance.rule].action, instance.objects), []).append(instance)
     for (action, objects), rivals in sorted(by_action.items()):
         for first, second in itertools.combinations(rivals, 2):
             pair = (first.rule, second.rule)
+            if first.rule == second.rule or pair in reported:
+                continue  # cases of one rule exclude each other
             shared = _both(first.required, second.required)
-            if shared is not None and pair not in reported:
+            if shared is not None:
                 reported.add(pair)
                 names = domain.rules[first.rule].name, domain.rules[second.rule].name
                 state = ", ".join(
@@ -192,52 +160,33 @@ def _both(first: Requirement, second: Requirement) -> Requirement | None:
     return {key: frozenset({min(values, key=str)}) for key, values in zip(keys, shared, strict=True)}
 
 
-def _task(domain: Domain, problem: Problem, found: Sequence[Instance], numbering: Numbering) -> Task:
-    actions = _ground_actions(domain, found)
+def _ground_rules(
+    domain: Domain, found: Iterable[Case], actions: Sequence[GroundAction], numbering: Numbering
+) -> tuple[GroundRule, ...]:
     position = {(action.name, action.objects): index for index, action in enumerate(actions)}
     rules = [
         GroundRule(
-            instance.rule,
-            position[domain.rules[instance.rule].action, instance.objects],
-            numbering.condition(instance.required),
-            _outcomes(domain, instance, numbering),
+            case.rule,
+            position[domain.rules[case.rule].action, case.objects],
+            numbering.condition(case.required),
+            _outcomes(domain, case, numbering),
         )
-        for instance in found
+        for case in found
     ]
-    counts = {count.name: numbering.counted(count) for count in domain.counts}
-    rewarded = domain.reward[0].count
-    assert rewarded is not None
-    counted = counts[rewarded]
-    return Task(
-        variables=numbering.variables,
-        initial=numbering.initial,
-        actions=actions,
-        rules=tuple(sorted(rules, key=lambda rule: (rule.action, rule.rule))),
-        counted=tuple(condition for condition in counted if condition),
-        counted_always=sum(not condition for condition in counted),
-        horizon=_horizon(problem.horizon or Horizon(1, rewarded), counts, numbering),
-        discount=problem.discount,
-    )
+    return tuple(sorted(rules, key=lambda rule: (rule.action, rule.rule)))
 
 
-def _ground_actions(domain: Domain, found: Iterable[Instance]) -> tuple[GroundAction, ...]:
+def _ground_actions(domain: Domain, found: Iterable[Case]) -> tuple[GroundAction, ...]:
     durations = {action.name: action.duration for action in domain.actions}
-    names = sorted({(domain.rules[instance.rule].action, instance.objects) for instance in found})
-    return tuple(GroundAction(name, objects, durations[name]) for name, objects in names)
+    costs = costs_of(domain)
+    names = sorted({(domain.rules[case.rule].action, case.objects) for case in found})
+    return tuple(GroundAction(name, objects, durations[name], costs[name]) for name, objects in names)
 
 
-def _outcomes(domain: Domain, instance: Instance, numbering: Numbering) -> tuple[GroundOutcome, ...]:
+def _outcomes(domain: Domain, case: Case, numbering: Numbering) -> tuple[GroundOutcome, ...]:
     ground_outcomes = []
-    for outcome, changes in zip(domain.rules[instance.rule].outcomes, instance.changes, strict=True):
+    for outcome, changes in zip(domain.rules[case.rule].outcomes, case.changes, strict=True):
         effects = numbering.effects(changes)
         kind = outcome.kind if effects or outcome.kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
         ground_outcomes.append(GroundOutcome(float(outcome.probability), kind, effects))
     return tuple(ground_outcomes)
-
-
-def _horizon(
-    horizon: Horizon, counts: Mapping[str, tuple[GroundCondition, ...]], numbering: Numbering
-) -> int:
-    """The plan length (§4.2.2): a constant, plus how much the named count is in the initial state."""
-    conditions = counts[horizon.count] if horizon.count is not None else ()
-    return horizon.constant + sum(holds(condition, numbering.initial) for condition in conditions)

@@ -6,117 +6,116 @@ Guaranteed by the checker: names, arities and types fit, and every variable is b
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cleancli.compiler.condition import ClosureTooLargeError, Conditions
 from cleancli.compiler.evaluate import Binding, Key
-from cleancli.compiler.join import Universe
-from cleancli.language.diagnostics import Diagnostic
-from cleancli.language.model import (
-    Assign,
-    Condition,
-    Domain,
-    ForAll,
-    Literal,
-    Outcome,
-    Rule,
-    Value,
-)
-
-Requirement = Mapping[Key, frozenset[Value]]
-"""The values that a condition allows to each key it speaks of; no set is empty."""
+from cleancli.compiler.formula import ALWAYS, Formula, conjunction, negation
+from cleancli.language.diagnostics import Diagnostic, Refused, Span
+from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
 
 Changes = Mapping[Key, frozenset[Value]]
 """The values that an outcome assigns; more than one value for a key is a conflict (E602)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Instance:
-    """A rule (its index in the domain) for some objects, with one `changes` per outcome.
+class StateEffect:
+    """An effect of an outcome (its position in the rule) that depends on the state before the action: whether
+    it happens (`when`), or, if it shifts a number, what it assigns."""
 
-    An outcome of probability 0 never happens, and so changes nothing.
+    outcome: int
+    key: Key
+    effect: Assign | Shift
+    when: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """A rule (its index in the domain) for some objects and one binding of its references.
+
+    `changes` has one entry per outcome, of what does not depend on the state; `effects` is the rest. An
+    outcome of probability 0 never happens, and so changes nothing.
     """
 
     rule: int
     objects: tuple[str, ...]
-    required: Requirement
+    condition: Formula
     changes: tuple[Changes, ...]
+    effects: tuple[StateEffect, ...]
 
 
-def instances(domain: Domain, universe: Universe) -> tuple[Instance, ...]:
-    """Every instance whose condition the unchangeable facts do not rule out, by rule and objects."""
-    found = []
+def instances(domain: Domain, conditions: Conditions) -> tuple[Instance, ...]:
+    """Every instance whose condition the unchangeable facts do not rule out, by rule and objects.
+
+    Raises `Refused` (E606) where a closure has too many paths.
+    """
+    found: list[Instance] = []
     for index, rule in enumerate(domain.rules):
-        for binding in universe.extensions(rule.variables, rule.condition, {}):
-            required = requirement(rule.condition, binding, universe)
-            if required is not None:
-                changes = tuple(_changes(outcome, binding, universe) for outcome in rule.outcomes)
-                objects = tuple(binding[variable] for variable in rule.variables)
-                found.append(Instance(index, objects, required, changes))
+        try:
+            found += _instances_of(index, rule, conditions)
+        except ClosureTooLargeError as error:
+            raise Refused([closure_refused(error, rule.span, f"in rule `{rule.name}`")]) from None
     return tuple(sorted(found, key=lambda instance: (instance.rule, instance.objects)))
 
 
-def requirement(condition: Condition, binding: Binding, universe: Universe) -> Requirement | None:
-    """What the condition's changeable literals ask for; None where two of them contradict each other."""
-    required: dict[Key, frozenset[Value]] = {}
-    for part in condition:
-        if isinstance(part, Literal) and not universe.is_static(part):
-            key = universe.key(part.symbol, part.terms, binding)
-            required[key] = required.get(key, part.values) & part.values
-    return required if all(required.values()) else None
-
-
-def changeable_forall(domain: Domain, universe: Universe) -> Iterator[Diagnostic]:
-    """E601 for each `forall` whose condition a rule can change: its effects would depend on the state."""
-    for rule, outcome in [(r, o) for r in domain.rules for o in r.outcomes]:
-        conditions = (effect.condition for effect in outcome.effects if isinstance(effect, ForAll))
-        for part in (part for condition in conditions for part in condition):
-            if isinstance(part, Literal) and not universe.is_static(part):
-                yield Diagnostic(
-                    "E601",
-                    f"the condition of a forall must stay as it is, but rules can change `{part.symbol}`",
-                    outcome.probability_span or rule.span,
-                    label=f"in this outcome of rule `{rule.name}`",
-                    help=f"leave `{part.symbol}` out where that does no harm, or write one rule per case",
-                )
-
-
-def conflicting_effects(domain: Domain, found: Iterable[Instance]) -> Iterator[Diagnostic]:
-    """E602 for each outcome that gives one key two values, shown by the first such instance."""
-    reported = set()
-    for instance in found:
-        rule = domain.rules[instance.rule]
-        for position, changes in enumerate(instance.changes):
-            conflicts = sorted(key for key, values in changes.items() if len(values) > 1)
-            if conflicts and (instance.rule, position) not in reported:
-                reported.add((instance.rule, position))
-                yield _conflict(rule, rule.outcomes[position], instance.objects, conflicts[0])
-
-
-def _conflict(rule: Rule, outcome: Outcome, objects: tuple[str, ...], key: Key) -> Diagnostic:
-    action = f"{rule.action}({', '.join(objects)})"
+def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) -> Diagnostic:
+    """E606, with the objects that too many paths lie between."""
     return Diagnostic(
-        "E602",
-        f"for {action}, one outcome gives {key[0]}({', '.join(key[1])}) two values",
-        outcome.probability_span or rule.span,
-        label=f"in this outcome of rule `{rule.name}`",
-        help="parameters may stand for the same object; if they must not, ask for it: `?a != ?b`",
+        "E606",
+        f"there are too many ways in which `{error}` may come to hold",
+        span,
+        label=label,
+        help="a closure over what rules can change is written out path by path: take fewer objects",
     )
 
 
-def _changes(outcome: Outcome, binding: Binding, universe: Universe) -> Changes:
-    values: dict[Key, set[Value]] = defaultdict(set)
-    if outcome.probability > 0:
-        for assign, extended in _assigns(outcome, binding, universe):
-            values[universe.key(assign.symbol, assign.terms, extended)].add(assign.value)
-    return {key: frozenset(assigned) for key, assigned in values.items()}
+def _instances_of(index: int, rule: Rule, conditions: Conditions) -> Iterator[Instance]:
+    for binding, formula in conditions.extensions(rule.variables, rule.condition, {}):
+        objects = tuple([binding[variable] for variable in rule.variables])
+        for bound, whole in _references(rule.references, binding, formula, conditions):
+            changes: list[Changes] = []
+            effects: list[StateEffect] = []
+            for position, outcome in enumerate(rule.outcomes):
+                assigned: dict[Key, set[Value]] = defaultdict(set)
+                for effect in _effects(position, outcome, bound, conditions):
+                    if isinstance(effect.effect, Assign) and effect.when.always:
+                        assigned[effect.key].add(effect.effect.value)
+                    else:
+                        effects.append(effect)
+                changes.append({key: frozenset(values) for key, values in assigned.items()})
+            yield Instance(index, objects, whole, tuple(changes), tuple(effects))
 
 
-def _assigns(outcome: Outcome, binding: Binding, universe: Universe) -> Iterator[tuple[Assign, Binding]]:
+def _references(
+    references: Sequence[Reference], binding: Binding, formula: Formula, conditions: Conditions
+) -> Iterator[tuple[Binding, Formula]]:
+    """Every binding of the references, with the condition that each alone fits where it is the answer."""
+    if not references:
+        yield binding, formula
+        return
+    first, *others = references
+    fitting = list(conditions.extensions(first.variables, first.condition, binding))
+    for index, (extended, fits) in enumerate(fitting):
+        rivals = (rival for place, (_, rival) in enumerate(fitting) if place != index)
+        alone = (negation(rival, conditions.all_values) for rival in rivals)
+        whole = conjunction((formula, fits, *alone))
+        if whole is not None:
+            yield from _references(others, extended, whole, conditions)
+
+
+def _effects(
+    position: int, outcome: Outcome, binding: Binding, conditions: Conditions
+) -> Iterator[StateEffect]:
+    if outcome.probability == 0:
+        return
     for effect in outcome.effects:
         match effect:
-            case Assign():
-                yield effect, binding
             case ForAll(variables, condition, effects):
-                for extended in universe.extensions(variables, condition, binding):
-                    yield from ((assign, extended) for assign in effects)
+                for extended, formula in conditions.extensions(variables, condition, binding):
+                    for inner in effects:
+                        key = conditions.universe.key(inner.symbol, inner.terms, extended)
+                        yield StateEffect(position, key, inner, formula)
+            case _:
+                key = conditions.universe.key(effect.symbol, effect.terms, binding)
+                yield StateEffect(position, key, effect, ALWAYS)

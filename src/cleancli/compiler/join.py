@@ -7,21 +7,34 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from cleancli.compiler.evaluate import Binding, Key, changeable_symbols, values_of
+from cleancli.compiler.evaluate import (
+    Binding,
+    Key,
+    changeable_symbols,
+    name_of,
+    names_of,
+    parameters_of,
+    values_of,
+)
 from cleancli.language.model import (
     Condition,
+    DerivedPredicate,
     Domain,
     Equality,
     Fact,
     Literal,
+    Object,
     Problem,
+    Quantified,
     Symbol,
     Term,
     Value,
     Variable,
 )
+
+Part = Literal | Equality | Quantified
 
 _Row = tuple[str, ...]
 
@@ -31,7 +44,8 @@ class Universe:
 
     def __init__(self, domain: Domain, problem: Problem) -> None:
         self.symbols: Mapping[str, Symbol] = {symbol.name: symbol for symbol in domain.symbols}
-        self.changeable = changeable_symbols(domain)
+        self.derived: Mapping[str, DerivedPredicate] = {derived.name: derived for derived in domain.derived}
+        self.changeable = _changeable(domain)
         objects = (*domain.constants, *problem.objects)
         self._objects = {
             type_.name: tuple(sorted({o.name for o in objects if domain.is_a(o.type, type_.name)}))
@@ -40,10 +54,11 @@ class Universe:
         self._values = values_of(problem.state)
         self._rows = self._rows_by_value(problem.state)
         self._indices: dict[tuple[str, frozenset[Value], tuple[int, ...]], dict[_Row, list[_Row]]] = {}
+        self._follows: dict[tuple[str, _Row], bool] = {}
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for, all of them bound."""
-        return symbol, self.symbols[symbol].canonical(tuple(_name(term, binding) for term in terms))
+        return symbol, self.symbols[symbol].canonical(tuple([name_of(term, binding) for term in terms]))
 
     def initial(self, key: Key) -> Value:
         """The value in the initial state; a predicate that is not listed is false."""
@@ -54,20 +69,46 @@ class Universe:
     ) -> Iterator[dict[Variable, str]]:
         """Every extension of `binding` by `variables` that satisfies the unchangeable part of the condition.
 
-        Unchangeable are equalities and literals of symbols that no outcome sets. Each extension comes once.
+        Unchangeable are equalities, literals of symbols that no outcome sets, and what is made of these. Each
+        extension comes once.
         """
-        tests = [part for part in condition if isinstance(part, Equality) or self.is_static(part)]
-        return self._extend(dict(binding), [v for v in variables if v not in binding], tests)
+        return (found for found in self.search(variables, condition, binding) if found is not None)
 
-    def is_static(self, literal: Literal) -> bool:
-        """Whether no outcome of any rule can change the literal's symbol."""
-        return literal.symbol not in self.changeable
+    def search(
+        self, variables: Sequence[Variable], condition: Condition, binding: Binding
+    ) -> Iterator[dict[Variable, str] | None]:
+        """As `extensions`, with a None for each dead end: the length is what the search costs."""
+        tests = [part for part in condition if self.is_static(part)]
+        outer = {variable: name for variable, name in binding.items() if variable not in variables}
+        return self._extend(outer, list(variables), tests)
+
+    def is_static(self, part: Part) -> bool:
+        """Whether no outcome of any rule can change if the part holds."""
+        match part:
+            case Literal(symbol):
+                return symbol not in self.changeable
+            case Equality():
+                return True
+            case Quantified(condition=condition):
+                return all(self.is_static(inner) for inner in condition)
+
+    def objects(self, type_name: str) -> tuple[str, ...]:
+        """Names of the objects of a type, sorted."""
+        return self._objects[type_name]
+
+    def widest(self, literal: Literal, bound: Collection[Variable]) -> int | None:
+        """The most object tuples that a literal leaves; None where facts do not list what it holds for."""
+        if not self._lists_rows(literal):
+            return None
+        index = self._index(literal, bound)
+        return max((len(rows) for rows in index.values()), default=0)
 
     def _extend(
-        self, binding: dict[Variable, str], free: list[Variable], tests: list[Literal | Equality]
-    ) -> Iterator[dict[Variable, str]]:
+        self, binding: dict[Variable, str], free: list[Variable], tests: list[Part]
+    ) -> Iterator[dict[Variable, str] | None]:
         decided = [test for test in tests if _is_bound(test, binding)]
-        if not all(self._holds(test, binding) for test in decided):
+        if not all(self.holds(test, binding) for test in decided):
+            yield None
             return
         if not free:
             yield binding
@@ -78,13 +119,13 @@ class Universe:
             yield from self._extend(extended, [v for v in free if v not in extended], open_tests)
 
     def _next_bindings(
-        self, binding: dict[Variable, str], free: list[Variable], tests: list[Literal | Equality]
+        self, binding: dict[Variable, str], free: list[Variable], tests: list[Part]
     ) -> Iterator[dict[Variable, str]]:
         """Bindings of some free variables: by the literal with fewest matches, or of one by its type."""
         joins = [
             (self._matches(test, binding), test)
             for test in tests
-            if isinstance(test, Literal) and False not in test.values  # facts do not list what is false
+            if isinstance(test, Literal) and self._lists_rows(test)
         ]
         smallest = min(joins, key=lambda join: len(join[0]), default=None)
         if smallest is None or len(smallest[0]) > len(self._objects[free[0].type]):
@@ -107,13 +148,19 @@ class Universe:
                 return None
         return more
 
+    def _lists_rows(self, literal: Literal) -> bool:
+        """Whether facts list where it holds: not what is false, and not what only follows from facts."""
+        return False not in literal.values and literal.symbol not in self.derived
+
     def _matches(self, literal: Literal, binding: Binding) -> Sequence[_Row]:
         """Object tuples for which the literal holds, given the variables that are bound."""
-        known = tuple(
-            position
-            for position, term in enumerate(literal.terms)
-            if not isinstance(term, Variable) or term in binding
-        )
+        known = _known(literal, binding)
+        index = self._index(literal, binding)
+        return index.get(tuple(name_of(literal.terms[p], binding) for p in known), ())
+
+    def _index(self, literal: Literal, bound: Collection[Variable]) -> dict[_Row, list[_Row]]:
+        """Object tuples for which the literal holds, by the objects of its known terms."""
+        known = _known(literal, bound)
         name = (literal.symbol, literal.values, known)
         if name not in self._indices:
             index: dict[_Row, list[_Row]] = defaultdict(list)
@@ -121,14 +168,46 @@ class Universe:
             for row in sorted(rows):
                 index[tuple(row[position] for position in known)].append(row)
             self._indices[name] = dict(index)
-        return self._indices[name].get(tuple(_name(literal.terms[p], binding) for p in known), ())
+        return self._indices[name]
 
-    def _holds(self, test: Literal | Equality, binding: Binding) -> bool:
+    def holds(self, test: Part, binding: Binding) -> bool:
+        """Whether an unchangeable part holds, whose own variables are all bound."""
         match test:
             case Equality(left, right, equal):
-                return (_name(left, binding) == _name(right, binding)) is equal
+                return (name_of(left, binding) == name_of(right, binding)) is equal
+            case Literal(symbol, terms, values) if symbol in self.derived:
+                return self._derives(self.derived[symbol], names_of(terms, binding)) in values
             case Literal(symbol, terms, values):
                 return self.initial(self.key(symbol, terms, binding)) in values
+            case Quantified(exists, variables, condition):
+                return (next(self.extensions(variables, condition, binding), None) is not None) is exists
+
+    def _derives(self, derived: DerivedPredicate, objects: _Row) -> bool:
+        known = self._follows.get((derived.name, objects))
+        if known is None:
+            if derived.closure is None:
+                binding = dict(zip(derived.parameters, objects, strict=True))
+                known = next(self.extensions((), derived.condition, binding), None) is not None
+            else:
+                known = objects[1] in self._reached(derived.closure, objects[0])
+            self._follows[derived.name, objects] = known
+        return known
+
+    def _reached(self, predicate: str, start: str) -> set[str]:
+        """The objects that one or more steps of an unchangeable predicate lead to."""
+        reached: set[str] = set()
+        frontier = [start]
+        while frontier:
+            one = frontier.pop()
+            steps = {two for two in self.steps(predicate, one) if self.holds(step(predicate, one, two), {})}
+            frontier += sorted(steps - reached)
+            reached |= steps
+        return reached
+
+    def steps(self, predicate: str, start: str) -> tuple[str, ...]:
+        """The objects that a predicate of two parameters may relate `start` to, by their types."""
+        source, target = parameters_of(predicate, self.symbols, self.derived)
+        return self._objects[target.type] if start in self._objects[source.type] else ()
 
     def _rows_by_value(self, state: frozenset[Fact]) -> dict[tuple[str, Value], list[_Row]]:
         """Object tuples by symbol and value; a symmetric fact stands in every order of its objects."""
@@ -140,10 +219,46 @@ class Universe:
         return dict(rows)
 
 
-def _is_bound(test: Literal | Equality, binding: Binding) -> bool:
-    terms = test.terms if isinstance(test, Literal) else (test.left, test.right)
-    return all(not isinstance(term, Variable) or term in binding for term in terms)
+def step(predicate: str, source: str, target: str) -> Literal:
+    """A predicate of two parameters for two objects; their types play no part."""
+    return Literal(predicate, (Object(source, ""), Object(target, "")), frozenset({True}))
 
 
-def _name(term: Term, binding: Binding) -> str:
-    return binding[term] if isinstance(term, Variable) else term.name
+def _changeable(domain: Domain) -> frozenset[str]:
+    """Names of the symbols that outcomes set, and of the derived predicates that depend on them."""
+    changeable = set(changeable_symbols(domain))
+    while True:
+        follow = {d.name for d in domain.derived if not changeable.isdisjoint(_mentioned(d))}
+        if follow <= changeable:
+            return frozenset(changeable)
+        changeable |= follow
+
+
+def _mentioned(derived: DerivedPredicate) -> set[str]:
+    inner = [q for part in derived.condition if isinstance(part, Quantified) for q in part.condition]
+    found = {part.symbol for part in (*derived.condition, *inner) if isinstance(part, Literal)}
+    return found if derived.closure is None else {derived.closure}
+
+
+def _known(literal: Literal, bound: Collection[Variable]) -> tuple[int, ...]:
+    """Positions of the literal's terms that are objects or bound."""
+    return tuple(
+        position
+        for position, term in enumerate(literal.terms)
+        if not isinstance(term, Variable) or term in bound
+    )
+
+
+def _is_bound(test: Part, binding: Binding) -> bool:
+    return all(term in binding for term in free_variables(test))
+
+
+def free_variables(part: Part) -> list[Variable]:
+    """The variables that a part needs to have bound from outside."""
+    match part:
+        case Literal(terms=terms):
+            return [term for term in terms if isinstance(term, Variable)]
+        case Equality(left, right):
+            return [term for term in (left, right) if isinstance(term, Variable)]
+        case Quantified(variables=own, condition=condition):
+            return [v for inner in condition for v in free_variables(inner) if v not in own]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.compiler.task import GroundRule, Task
+from cleancli.compiler.transition import standing
 
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
@@ -21,11 +22,11 @@ Bools = NDArray[np.bool_]
 
 
 class Tables(NamedTuple):
-    """Arrays of a task with V variables, S slots, A actions, R rules, C counted conditions and F factors.
+    """Arrays of a task with V variables, S slots, A actions, R rules, C reward conditions and F factors.
 
     A factor is the probability that a variable has one of some values: a sum of slots, shared by all
     conditions that ask for it. A condition is a product of factors; conditions 0..R-1 are the rules', the
-    other C the counted ones. (A named tuple and no dataclass, because compiled code takes it as it is.)
+    other C those of the reward. (A named tuple and no dataclass, because compiled code takes it as it is.)
     """
 
     slot_start: Ints  # (V + 1,) slots of each variable
@@ -50,6 +51,10 @@ class Tables(NamedTuple):
     touched_condition: Ints  # (n,) conditions with one of those factors, ascending, so rules come first
     touched_action_start: Ints  # (A + 1,)
     touched_action: Ints  # (n,) actions with one of those rules
+    cost: Floats  # (A,) what the reward of a step loses by each action
+    decrease: Floats  # (C,) what each reward condition pays when it ends
+    state: Floats  # (C,) what each reward condition pays after a step in which it holds
+    standing: Floats  # (1,) what doing nothing in the initial state is paid
 
 
 def lower(task: Task) -> Tables:
@@ -57,7 +62,7 @@ def lower(task: Task) -> Tables:
     slot_start = np.cumsum([0, *(len(variable.values) for variable in task.variables)]).astype(np.int32)
     initial = np.zeros(int(slot_start[-1]))
     initial[slot_start[:-1] + np.asarray(task.initial, dtype=np.int32)] = 1.0
-    conditions = [*(rule.condition for rule in task.rules), *task.counted]
+    conditions = [*(rule.condition for rule in task.rules), *(reward.condition for reward in task.rewards)]
     factors = sorted({_factor(pair) for condition in conditions for pair in condition})
     number = {factor: index for index, factor in enumerate(factors)}
     changes = np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_)
@@ -80,6 +85,10 @@ def lower(task: Task) -> Tables:
         *_ragged(touched.factors),
         *_ragged(touched.conditions),
         *_ragged(touched.actions),
+        _floats(action.cost for action in task.actions),
+        _floats(reward.decrease for reward in task.rewards),
+        _floats(reward.state for reward in task.rewards),
+        np.array([standing(task, task.initial)]),
     )
 
 

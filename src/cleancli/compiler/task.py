@@ -31,11 +31,13 @@ Assignment = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, order=True)
 class GroundAction:
-    """An action for some objects; `duration` in seconds, None where the domain does not say."""
+    """An action for some objects; `duration` in seconds, None where the domain does not say; `cost` is what
+    the reward of a step loses by it."""
 
     name: str
     objects: tuple[str, ...]
     duration: float | None
+    cost: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(self.objects)})"
@@ -62,16 +64,34 @@ class GroundRule:
 
 
 @dataclass(frozen=True, slots=True)
+class RewardCondition:
+    """What a condition pays: `decrease` when it ends (and loses when it begins), `state` after each step in
+    which it holds. At least one of them is not 0."""
+
+    condition: GroundCondition
+    decrease: float
+    state: float
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
-    """A grounded problem. The reward of a step is the decrease of the number of `counted` conditions that
-    hold (eq. 2); `counted_always` of them hold in every state and were left out."""
+    """A grounded problem.
+
+    The reward of a step is what `rewards` pay, plus `constant_reward`, less the action's cost; doing nothing
+    for a step is paid in the same way, and costs nothing. The conditions of `goal` exclude each other, and
+    one of them holds where the goal does; there are none without a goal, or where it can never hold.
+    `initial_count` is how much the count that eq. 2 wants decreased is in the initial state (#dirt of eq. 3);
+    None where the reward decreases none.
+    """
 
     variables: tuple[StateVariable, ...]
     initial: Assignment
     actions: tuple[GroundAction, ...]
     rules: tuple[GroundRule, ...]
-    counted: tuple[GroundCondition, ...]
-    counted_always: int
+    rewards: tuple[RewardCondition, ...]
+    constant_reward: float
+    goal: tuple[GroundCondition, ...]
+    initial_count: int | None
     horizon: int
     discount: float
 

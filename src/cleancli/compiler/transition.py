@@ -60,14 +60,26 @@ def sample(
     return drawn, _changed(assignment, rule.outcomes[drawn].effects)
 
 
-def count(task: Task, assignment: Assignment) -> int:
-    """How many of the counted conditions hold, those that always do included."""
-    return task.counted_always + sum(holds(condition, assignment) for condition in task.counted)
+def decreasing(task: Task, assignment: Assignment) -> float:
+    """What is paid for its decrease: the weighted number of conditions that hold (#dirt of eq. 2)."""
+    return sum(reward.decrease for reward in task.rewards if holds(reward.condition, assignment))
 
 
-def reward(task: Task, before: Assignment, after: Assignment) -> float:
-    """The decrease of the count (eq. 2)."""
-    return float(count(task, before) - count(task, after))
+def standing(task: Task, assignment: Assignment) -> float:
+    """What a step that ends in this state is paid for the state alone."""
+    held = sum(reward.state for reward in task.rewards if holds(reward.condition, assignment))
+    return task.constant_reward + held
+
+
+def reward(task: Task, before: Assignment, action: int | None, after: Assignment) -> float:
+    """The reward of a step by an action, given by index; None does nothing (eq. 2, and what else is paid)."""
+    cost = 0.0 if action is None else task.actions[action].cost
+    return decreasing(task, before) - decreasing(task, after) + standing(task, after) - cost
+
+
+def reaches_goal(task: Task, assignment: Assignment) -> bool:
+    """Whether the problem's goal holds; never without one."""
+    return any(holds(condition, assignment) for condition in task.goal)
 
 
 def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -> dict[Assignment, float]:
@@ -82,17 +94,22 @@ def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -
 
 
 def exact_value(task: Task, actions: Sequence[int]) -> float:
-    """Expected discounted reward (eq. 2) of executing all the actions, given by index, whatever happens.
+    """Expected discounted reward of executing all the actions, given by index, whatever happens.
 
-    Raises `SupportTooLargeError` where the states that may occur are too many.
+    From their end to the horizon nothing is done, and the state is paid for what it is; so a sequence gains
+    nothing by stopping. Raises `SupportTooLargeError` where the states that may occur are too many.
     """
     distribution: dict[Assignment, float] = {task.initial: 1.0}
-    expected, value = float(count(task, task.initial)), 0.0
-    for step, action in enumerate(actions):
-        distribution = forward(task, distribution, action)
-        remaining = sum(mass * count(task, assignment) for assignment, mass in distribution.items())
-        value += task.discount**step * (expected - remaining)
-        expected = remaining
+    expected, value = decreasing(task, task.initial), 0.0
+    paid = standing(task, task.initial)
+    for step in range(max(len(actions), task.horizon)):
+        if step < len(actions):
+            distribution = forward(task, distribution, actions[step])
+            remaining = sum(mass * decreasing(task, s) for s, mass in distribution.items())
+            paid = sum(mass * standing(task, s) for s, mass in distribution.items())
+            value += task.discount**step * (expected - remaining - task.actions[actions[step]].cost)
+            expected = remaining
+        value += task.discount**step * paid
     return value
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 
-from cleancli.compiler.task import Task, holds
+from cleancli.compiler.task import Task
 
 ENOUGH = 10
 """Samples per sequence of a small plan space: drawing more would find nothing new (§4.2.1). Chosen."""
 
 
 def coverage(task: Task, samples: int) -> float:
-    """n / (#dirt · #a)^H, at most 1 (eq. 3), for #dirt counted conditions that hold, #a actions, H steps."""
+    """n / (#dirt · #a)^H, at most 1 (eq. 3), for #a actions and H steps.
+
+    #dirt is the count that the reward wants decreased, as it is in the initial state; 1 without one.
+    """
     if samples <= 0:
         return 0.0
     return min(1.0, math.exp(math.log(samples) - _log_sequences(task)))
@@ -33,5 +36,4 @@ def _log_sequences(task: Task) -> float:
 
 
 def _pairs(task: Task) -> int:
-    dirt = task.counted_always + sum(holds(condition, task.initial) for condition in task.counted)
-    return dirt * len(task.actions)
+    return (1 if task.initial_count is None else task.initial_count) * len(task.actions)

@@ -11,20 +11,25 @@ from cleancli.planning import kernel
 def best_sequence(tables: Tables, horizon: int, discount: float, samples: int, seed: int) -> Ints:
     """Action indices (at most `horizon`) of the best of `samples` drawn sequences (§4.1)."""
     _check(tables)
+    worth = np.cumsum(discount ** np.arange(max(horizon, 0))[::-1])[::-1].copy()
     drawn, best = np.zeros((2, max(horizon, 0)), dtype=np.int32)
     start, belief = _belief(tables), _belief(tables)
     stream = np.uint64(seed % 2**64)
-    length: int = kernel.search(tables, start, belief, drawn, best, stream, discount, samples)
+    length: int = kernel.search(tables, start, belief, drawn, best, stream, discount, worth, samples)
     return best[:length]
 
 
-def step_rewards(tables: Tables, actions: Ints) -> Floats:
-    """Undiscounted expected reward of each action of a sequence (eq. 2), in the shape of `actions`."""
+def step_rewards(tables: Tables, actions: Ints, steps: int) -> Floats:
+    """Undiscounted expected reward of each of `steps` steps (steps,), at least those of the actions.
+
+    Nothing is done in the steps after the last action.
+    """
     _check(tables)
     assert actions.ndim == 1
     assert actions.dtype == np.int32
     assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
-    result = np.zeros(actions.size)
+    assert steps >= actions.size
+    result = np.zeros(steps)
     kernel.rewards(tables, _belief(tables), actions, result)
     return result
 
@@ -52,6 +57,11 @@ def _check(t: Tables) -> None:
     _check_lists(t.touched_factor_start, t.touched_factor, actions, factors)
     _check_lists(t.touched_condition_start, t.touched_condition, actions, conditions)
     _check_lists(t.touched_action_start, t.touched_action, actions, actions)
+    for numbers, size in ((t.cost, actions), (t.decrease, conditions - rules), (t.state, conditions - rules)):
+        assert numbers.dtype == np.float64
+        assert numbers.shape == (size,)
+    assert t.standing.dtype == np.float64
+    assert t.standing.shape == (1,)
 
 
 def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:

@@ -16,7 +16,7 @@ from numba import njit
 from cleancli.compiler.tables import Bools, Floats, Ints, Tables
 
 NEGLIGIBLE = 1e-9
-"""A last step that adds no more than this is dropped from a sequence."""
+"""Last steps that add no more than this are dropped from a sequence."""
 
 RULE_THRESHOLD = 0.03
 """A rule less likely than this is taken not to apply, as in the authors' implementation of PRADA."""
@@ -108,20 +108,23 @@ def _update_factors(t: Tables, belief: Belief, action: int) -> None:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _update_conditions(t: Tables, belief: Belief, action: int) -> float:
-    """Returns the fall of the expected count."""
+def _update_conditions(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+    """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
     condition, factor, touched = belief.condition, belief.factor, t.touched_condition
     start, entries, rules = t.condition_factor_start, t.condition_factor, len(t.rule_changes)
-    fall = 0.0
+    decrease, state = t.decrease, t.state
+    ended, rise = 0.0, 0.0
     for i in range(t.touched_condition_start[action], t.touched_condition_start[action + 1]):
         c = touched[i]
         product = _product(start, entries, factor, c)
         if c < rules:
             condition[c] = product if product >= RULE_THRESHOLD else 0.0
         else:
-            fall += condition[c] - product
+            fall = condition[c] - product
+            ended += decrease[c - rules] * fall
+            rise -= state[c - rules] * fall
             condition[c] = product
-    return fall
+    return ended, rise
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -133,21 +136,29 @@ def _update_weights(t: Tables, belief: Belief, action: int) -> None:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def advance(t: Tables, belief: Belief, action: int) -> float:
-    """Updates the belief by an action and returns its reward: the decrease of the expected count (eq. 2)."""
+def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+    """Updates the belief by an action; returns what it pays itself (eq. 2, less its cost), and the rise of
+    what doing nothing is paid from then on."""
     _update_slots(t, belief, action)
     _update_factors(t, belief, action)
-    reward = _update_conditions(t, belief, action)
+    ended, rise = _update_conditions(t, belief, action)
     _update_weights(t, belief, action)
-    return reward
+    return ended - t.cost[action], rise
 
 
 @njit(cache=True, nogil=True)
 def rewards(t: Tables, belief: Belief, actions: Ints, result: Floats) -> None:
-    """Writes the undiscounted reward of each step of a sequence that starts in the initial state."""
+    """Writes the undiscounted reward of each step from the initial state; where the actions have ended before
+    the result has, nothing is done."""
     initialise(t, belief)
-    for step in range(len(actions)):
-        result[step] = advance(t, belief, actions[step])
+    standing = t.standing[0]
+    for step in range(len(result)):
+        result[step] = 0.0
+        if step < len(actions):
+            paid, rise = advance(t, belief, actions[step])
+            standing += rise
+            result[step] = paid
+        result[step] += standing
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -198,16 +209,21 @@ def search(
     best: Ints,
     seed: np.uint64,
     discount: float,
+    worth: Floats,
     samples: int,
 ) -> int:
-    """Length of the best of `samples` sequences, which is left in `best` (horizon,); 0 if none has a value.
+    """Length of the best of `samples` sequences, which is left in `best` (horizon,); 0 if doing nothing is
+    as good.
 
-    A sequence counts without its last steps that add nothing.
+    `worth` (horizon,) is what a reward of 1 in that step and each one after it is worth. From a sequence's
+    end on, nothing is done, and the state is paid for what it is; each counts up to where it is worth most.
 
     Sample i depends on the seed and i alone, so more samples never find a worse plan. Of equals the first
     stays.
     """
     golden = np.uint64(0x9E3779B97F4A7C15)
+    # Values are in excess of doing nothing: a rise of what the state is paid lasts until the next, so it is
+    # worth as much in all the steps to come, and what is paid from the start on cancels out.
     best_value, best_length = 0.0, 0
     initialise(t, start)
     initialise(t, belief)
@@ -221,10 +237,10 @@ def search(
             if action < 0:
                 break
             drawn[step] = action
-            reward = advance(t, belief, action)
-            value += factor * reward
+            paid, rise = advance(t, belief, action)
+            value += factor * paid + worth[step] * rise
             factor *= discount
-            if reward > NEGLIGIBLE:
+            if value > useful_value + NEGLIGIBLE:
                 useful_value, useful_length = value, step + 1
         if useful_value > best_value:
             best_value, best_length = useful_value, useful_length

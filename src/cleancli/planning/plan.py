@@ -18,7 +18,8 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A sequence of actions and its value: expected discounted reward (eq. 2) by the planner's own measure.
+    """A sequence of actions and its value: expected discounted reward by the planner's own measure, up to the
+    horizon, though the sequence may end before it.
 
     `coverage` is eq. 3's share of the sequences that were sampled; `seconds` per phase of the planner.
     """

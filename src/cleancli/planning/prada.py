@@ -8,33 +8,33 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.tables import Floats, Ints, lower
+from cleancli.compiler.tables import Floats, Ints, Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 
 MARGIN = 0.05
-"""A plan must be worth more than this to be better than doing nothing, as in the authors' implementation."""
+"""A plan must be worth more than doing nothing by this, as in the authors' implementation."""
 
 
 def prada(task: Task, options: Options) -> Plan:
-    """The best of the sampled sequences; empty where it is not worth `MARGIN`."""
+    """The best of the sampled sequences; empty where it is not worth `MARGIN` more than doing nothing."""
     times = [time.perf_counter()]
     tables = lower(task)
     times.append(time.perf_counter())
     inference = _inference()
     inference.best_sequence(tables, 0, task.discount, 1, 0)  # makes numba load or compile what it will run
-    inference.step_rewards(tables, np.zeros(0, dtype=np.int32))
+    nothing = _value(task, tables, np.zeros(0, dtype=np.int32))
     times.append(time.perf_counter())
     samples = enough_samples(task, options.samples)
     best: Ints = inference.best_sequence(tables, task.horizon, task.discount, samples, options.seed)
-    value = _discounted(inference.step_rewards(tables, best), task.discount)
+    value = _value(task, tables, best)
     times.append(time.perf_counter())
-    chosen = best if value > MARGIN else best[:0]
+    chosen = best if value > nothing + MARGIN else best[:0]
     return Plan(
         planner="prada",
         actions=tuple(task.actions[action] for action in chosen),
-        value=value if chosen.size else 0.0,
+        value=value if chosen.size else nothing,
         samples=samples,
         horizon=task.horizon,
         coverage=coverage(task, samples),
@@ -43,12 +43,12 @@ def prada(task: Task, options: Options) -> Plan:
 
 
 def plan_value(task: Task, actions: Sequence[int]) -> float:
-    """Expected discounted reward (eq. 2) of a sequence of action indices, by PRADA's factored belief.
+    """Expected discounted reward of a sequence of action indices, by PRADA's factored belief.
 
-    The belief treats variables as independent; `exact_value` of compiler/transition.py does not.
+    After its end nothing is done up to the horizon, as in `exact_value` of compiler/transition.py; but that
+    does not treat variables as independent, as the belief does.
     """
-    sequence = np.asarray(actions, dtype=np.int32)
-    return _discounted(_inference().step_rewards(lower(task), sequence), task.discount)
+    return _value(task, lower(task), np.asarray(actions, dtype=np.int32))
 
 
 def _inference() -> ModuleType:
@@ -58,5 +58,6 @@ def _inference() -> ModuleType:
     return inference
 
 
-def _discounted(rewards: Floats, discount: float) -> float:
-    return float(rewards @ discount ** np.arange(rewards.size))
+def _value(task: Task, tables: Tables, actions: Ints) -> float:
+    rewards: Floats = _inference().step_rewards(tables, actions, max(actions.size, task.horizon))
+    return float(rewards @ task.discount ** np.arange(rewards.size))

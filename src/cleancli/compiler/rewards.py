@@ -1,0 +1,125 @@
+"""The reward of a domain over the variables of a task: what ends or holds, and what it pays.
+
+Guaranteed by the checker: counts that reward and horizon name are declared, and a reward without a decrease
+comes with a horizon.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cleancli.compiler.cases import CASE_LIMIT
+from cleancli.compiler.condition import ClosureTooLargeError, Conditions
+from cleancli.compiler.formula import Formula, Known, disjoint
+from cleancli.compiler.instance import closure_refused
+from cleancli.compiler.numbering import Numbering
+from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, holds
+from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind
+
+
+@dataclass(frozen=True, slots=True)
+class Rewards:
+    """A task's reward, but for what actions cost; the fields are those of `Task`."""
+
+    rewards: tuple[RewardCondition, ...]
+    constant_reward: float
+    goal: tuple[GroundCondition, ...]
+    initial_count: int | None
+    horizon: int
+
+
+def rewards_of(
+    domain: Domain, problem: Problem, conditions: Conditions, numbering: Numbering, known: Known
+) -> Rewards:
+    """The reward, the goal and the horizon of a problem. Raises `Refused` (E605, E606)."""
+    counts = {c.name: _counted(c, conditions, numbering, known) for c in domain.counts}
+    goal = _goal(problem, conditions, numbering, known)
+    decrease: dict[GroundCondition, float] = defaultdict(float)
+    state: dict[GroundCondition, float] = defaultdict(float)
+    for term in domain.reward:
+        weight = float(term.weight)
+        match term.kind:
+            case RewardKind.DECREASE:
+                for condition in counts[_name(term.count)]:
+                    decrease[condition] += weight
+            case RewardKind.COUNT:
+                for condition in counts[_name(term.count)]:
+                    state[condition] += weight
+            case RewardKind.GOAL:
+                for condition in goal:
+                    decrease[condition] -= weight
+            case RewardKind.COST:
+                pass  # is paid by the action
+    decreasing = next((t.count for t in domain.reward if t.kind is RewardKind.DECREASE), None)
+    initial = {
+        name: sum(holds(condition, numbering.initial) for condition in found)
+        for name, found in counts.items()
+    }
+    return Rewards(
+        rewards=tuple(
+            RewardCondition(condition, decrease[condition], state[condition])
+            for condition in sorted({*decrease, *state}, key=condition_order)
+            if condition and (decrease[condition] or state[condition])
+        ),
+        constant_reward=state[()],
+        goal=goal,
+        initial_count=None if decreasing is None else initial[decreasing],
+        horizon=_horizon(problem.horizon or Horizon(1, decreasing), initial),
+    )
+
+
+def costs_of(domain: Domain) -> dict[str, float]:
+    """What each action costs, in units of the reward that a step loses by it."""
+    weight = sum(term.weight for term in domain.reward if term.kind is RewardKind.COST)
+    return {action.name: float(-weight * action.cost) + 0.0 for action in domain.actions}
+
+
+def _name(count: str | None) -> str:
+    assert count is not None, "the checker lets no such term without a count pass"
+    return count
+
+
+def _counted(
+    count: Count, conditions: Conditions, numbering: Numbering, known: Known
+) -> tuple[GroundCondition, ...]:
+    """Conditions of which as many hold as bindings of the count do; equal ones stand there as often."""
+    found: list[GroundCondition] = []
+    try:
+        for _, formula in conditions.extensions(count.variables, count.condition, {}):
+            found += _exclusive(formula, numbering, known, f"the count `{count.name}`")
+    except ClosureTooLargeError as error:
+        raise Refused([closure_refused(error, None, f"in the count `{count.name}`")]) from None
+    return tuple(sorted(found, key=condition_order))
+
+
+def _goal(
+    problem: Problem, conditions: Conditions, numbering: Numbering, known: Known
+) -> tuple[GroundCondition, ...]:
+    """Conditions that exclude each other and of which one holds where the goal does."""
+    if not problem.goal:
+        return ()
+    try:
+        formula = conditions.formula(problem.goal, {})
+    except ClosureTooLargeError as error:
+        raise Refused([closure_refused(error, None, "in the goal")]) from None
+    return () if formula is None else _exclusive(formula, numbering, known, "the goal")
+
+
+def _exclusive(
+    formula: Formula, numbering: Numbering, known: Known, what: str
+) -> tuple[GroundCondition, ...]:
+    found = list(itertools.islice(disjoint(formula, known), CASE_LIMIT + 1))
+    if len(found) > CASE_LIMIT:
+        message = f"{what} falls into more than {CASE_LIMIT:,} cases"
+        help = "ask for less at once, take fewer objects, or leave to the facts what does not change"
+        raise Refused([Diagnostic("E605", message, None, help=help)])
+    return tuple(sorted((numbering.condition(required) for required in found), key=condition_order))
+
+
+def _horizon(horizon: Horizon, initial: Mapping[str, int]) -> int:
+    """The plan length (§4.2.2): a constant, plus how much the named count is in the initial state."""
+    return horizon.constant + (0 if horizon.count is None else initial[horizon.count])
