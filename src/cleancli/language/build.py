@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any, cast
 
@@ -44,6 +45,10 @@ class Builder:
             return syntax.Number(Fraction(0), False, True, span=span)
         return syntax.Number(Fraction(token), "." not in token and not slash, span=span)
 
+    def _value(self, child: _Child) -> syntax.Name | syntax.Number:
+        """A function's value: a name is still a token, an integer is built already."""
+        return self._name(child) if isinstance(child, Token) else cast(syntax.Number, child)
+
     # ---- domains
 
     def build_start(self, c: list[_Child], span: Span) -> syntax.Root:
@@ -51,6 +56,9 @@ class Builder:
 
     def build_domain(self, c: list[_Child], span: Span) -> syntax.DomainNode:
         return syntax.DomainNode(self._name(c[0]), tuple(c[1:]), span=span)
+
+    def build_include(self, c: list[_Child], span: Span) -> syntax.Include:
+        return syntax.Include(c[0][1:-1], span=span)
 
     def build_types(self, c: list[_Child], span: Span) -> syntax.Types:
         return syntax.Types(tuple(c), span=span)
@@ -77,16 +85,37 @@ class Builder:
         return syntax.Functions(tuple(c), span=span)
 
     def build_function(self, c: list[_Child], span: Span) -> syntax.FunctionNode:
-        name, parameters, *values = c
-        return syntax.FunctionNode(
-            self._name(name), parameters, tuple(self._name(v) for v in values if v.type == "NAME"), span=span
-        )
+        name, parameters, values, attributes = c
+        return syntax.FunctionNode(self._name(name), parameters, values, attributes, span=span)
+
+    def build_names(self, c: list[_Child], span: Span) -> tuple[syntax.Name, ...]:
+        return tuple(self._name(token) for token in c if token.type == "NAME")
+
+    def build_bounds(self, c: list[_Child], span: Span) -> syntax.Bounds:
+        return syntax.Bounds(c[0], c[1], span=span)
+
+    def build_integer(self, c: list[_Child], span: Span) -> syntax.Number:
+        minus, token = c
+        number = self._number(token)
+        return number if minus is None else replace(number, value=-number.value, span=span)
 
     def build_derived(self, c: list[_Child], span: Span) -> syntax.Derived:
         return syntax.Derived(tuple(c), span=span)
 
     def build_count(self, c: list[_Child], span: Span) -> syntax.CountNode:
         return syntax.CountNode(self._name(c[0]), c[1], c[2], span=span)
+
+    def build_definition(self, c: list[_Child], span: Span) -> syntax.DefinitionNode:
+        return syntax.DefinitionNode(self._name(c[0]), c[1], c[2], span=span)
+
+    def build_closure(self, c: list[_Child], span: Span) -> syntax.ClosureNode:
+        return syntax.ClosureNode(self._name(c[0]), c[1], self._name(c[2]), span=span)
+
+    def build_shared(self, c: list[_Child], span: Span) -> syntax.Shared:
+        return syntax.Shared(tuple(c), span=span)
+
+    def build_parameter(self, c: list[_Child], span: Span) -> syntax.ParameterNode:
+        return syntax.ParameterNode(self._name(c[0]), c[1], span=span)
 
     def build_actions(self, c: list[_Child], span: Span) -> syntax.Actions:
         return syntax.Actions(tuple(c), span=span)
@@ -104,8 +133,14 @@ class Builder:
         return syntax.Attribute(self._name(c[0]), c[1], span=span)
 
     def build_rule(self, c: list[_Child], span: Span) -> syntax.RuleNode:
-        name, action, terms, condition, outcomes = c
-        return syntax.RuleNode(self._name(name), self._name(action), terms, condition, outcomes, span=span)
+        name, action, *others = c
+        return syntax.RuleNode(self._name(name), self._name(action), *others, span=span)
+
+    def build_references(self, c: list[_Child], span: Span) -> tuple[syntax.ReferenceNode, ...]:
+        return tuple(c)
+
+    def build_reference(self, c: list[_Child], span: Span) -> syntax.ReferenceNode:
+        return syntax.ReferenceNode(c[0], c[1], span=span)
 
     def build_arguments(self, c: list[_Child], span: Span) -> tuple[syntax.TermNode, ...]:
         return tuple(c)
@@ -114,19 +149,54 @@ class Builder:
         return syntax.Default(c[0], span=span)
 
     def build_reward(self, c: list[_Child], span: Span) -> syntax.Reward:
-        return syntax.Reward(self._name(c[0]), span=span)
+        signs, payments = c[0::2], c[1::2]
+        return syntax.Reward(
+            tuple(
+                replace(payment, negative=sign == "-") for sign, payment in zip(signs, payments, strict=True)
+            ),
+            span=span,
+        )
+
+    def build_payment(self, c: list[_Child], span: Span) -> syntax.Payment:
+        return syntax.Payment(c[0], c[1], span=span)
+
+    def build_decrease(self, c: list[_Child], span: Span) -> syntax.Decrease:
+        return syntax.Decrease(self._name(c[0]), span=span)
+
+    def build_count_value(self, c: list[_Child], span: Span) -> syntax.CountValue:
+        return syntax.CountValue(self._name(c[0]), span=span)
+
+    def build_reached_goal(self, c: list[_Child], span: Span) -> syntax.ReachedGoal:
+        return syntax.ReachedGoal(span=span)
+
+    def build_action_cost(self, c: list[_Child], span: Span) -> syntax.ActionCost:
+        return syntax.ActionCost(span=span)
 
     # ---- conditions
 
     def build_condition(self, c: list[_Child], span: Span) -> syntax.ConditionNode:
         return syntax.ConditionNode(tuple(c), span=span)
 
+    build_conjunction = build_condition
+
+    def build_exists(self, c: list[_Child], span: Span) -> syntax.ExistsNode:
+        return syntax.ExistsNode(c[1], c[2], c[0] is None, span=span)
+
+    def build_every(self, c: list[_Child], span: Span) -> syntax.EveryNode:
+        return syntax.EveryNode(c[0], (), c[1], span=span)
+
+    def build_every_guarded(self, c: list[_Child], span: Span) -> syntax.EveryNode:
+        return syntax.EveryNode(c[0], c[1], c[2], span=span)
+
+    def build_body(self, c: list[_Child], span: Span) -> tuple[syntax.LiteralNode, ...]:
+        return tuple(c)
+
     def build_truth(self, c: list[_Child], span: Span) -> syntax.Truth:
         return syntax.Truth(c[1], c[0] is None, span=span)
 
     def build_comparison(self, c: list[_Child], span: Span) -> syntax.Comparison:
         application, relation, value = c
-        return syntax.Comparison(application, str(relation), self._name(value), span=span)
+        return syntax.Comparison(application, str(relation), self._value(value), span=span)
 
     def build_equality(self, c: list[_Child], span: Span) -> syntax.EqualityNode:
         left, relation, right = c
@@ -149,11 +219,19 @@ class Builder:
     def build_weight(self, c: list[_Child], span: Span) -> syntax.Weight:
         return syntax.Weight(c[0], tuple(mark for mark in c[1:] if mark is not None), span=span)
 
+    build_stated = build_weight
+
     def build_probability(self, c: list[_Child], span: Span) -> syntax.Number:
         return self._number(c[0])
 
     def build_rest(self, c: list[_Child], span: Span) -> syntax.Rest:
         return syntax.Rest(span=span)
+
+    def build_share(self, c: list[_Child], span: Span) -> syntax.Share:
+        return syntax.Share(self._name(c[0]), span=span)
+
+    def build_fixed(self, c: list[_Child], span: Span) -> syntax.Fixed:
+        return syntax.Fixed(span=span)
 
     def build_prior(self, c: list[_Child], span: Span) -> syntax.Prior:
         return syntax.Prior(c[0], span=span)
@@ -174,7 +252,11 @@ class Builder:
         return syntax.SetTruth(c[1], c[0] is None, span=span)
 
     def build_set_value(self, c: list[_Child], span: Span) -> syntax.SetValue:
-        return syntax.SetValue(c[0], self._name(c[1]), span=span)
+        return syntax.SetValue(c[0], self._value(c[1]), span=span)
+
+    def build_shift(self, c: list[_Child], span: Span) -> syntax.ShiftNode:
+        application, sign, amount = c
+        return syntax.ShiftNode(application, sign == "+=", self._number(amount), span=span)
 
     def build_forall(self, c: list[_Child], span: Span) -> syntax.ForAllNode:
         return syntax.ForAllNode(c[0], c[1], c[2], span=span)
@@ -197,7 +279,11 @@ class Builder:
         return syntax.Init(tuple(c), span=span)
 
     def build_fact(self, c: list[_Child], span: Span) -> syntax.FactNode:
-        return syntax.FactNode(c[0], None if c[1] is None else self._name(c[1]), span=span)
+        application, *value = c
+        return syntax.FactNode(application, self._value(value[0]) if value else None, span=span)
+
+    def build_goal(self, c: list[_Child], span: Span) -> syntax.Goal:
+        return syntax.Goal(c[0], span=span)
 
     def build_horizon(self, c: list[_Child], span: Span) -> syntax.HorizonNode:
         numbers = [token for token in c if token is not None and token.type == "NUMBER"]
@@ -208,6 +294,9 @@ class Builder:
 
     def build_discount(self, c: list[_Child], span: Span) -> syntax.Discount:
         return syntax.Discount(self._number(c[0]), span=span)
+
+    def build_planner(self, c: list[_Child], span: Span) -> syntax.Planner:
+        return syntax.Planner(tuple(c), span=span)
 
     # ---- scenes
 

@@ -1,39 +1,86 @@
 """From syntax to the checked model of a domain; every mistake is found, not only the first.
 
 Guaranteed by the parser: structure. Sections that could not be read are left out of the tree, and what may
-have been declared there is not reported as unknown.
+have been declared there is not reported as unknown. Included files are in the tree already.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from fractions import Fraction
 
 from cleancli.language import syntax
-from cleancli.language.conditions import Scope, check_condition
-from cleancli.language.declarations import Declarations, Once, declare, read_variables, sections_of
-from cleancli.language.findings import Findings
-from cleancli.language.model import Count, Domain, Outcome, OutcomeKind, RewardKind, RewardTerm
-from cleancli.language.rules import check_default, check_rules, known_counts
+from cleancli.language.conditions import Scope
+from cleancli.language.declarations import Declarations, Once, read_objects, read_types, sections_of
+from cleancli.language.definitions import as_symbols, check_counts, check_derived, read_derived
+from cleancli.language.findings import Findings, meant
+from cleancli.language.model import (
+    Count,
+    DerivedPredicate,
+    Domain,
+    Outcome,
+    OutcomeKind,
+    RewardKind,
+    RewardTerm,
+)
+from cleancli.language.outcomes import check_default, check_parameters
+from cleancli.language.rules import check_rules
+from cleancli.language.symbols import read_actions, read_symbols
+from cleancli.language.unused import warn_unused
 
 
 def check_domain(node: syntax.DomainNode, findings: Findings) -> Domain:
     """The model of a domain; it may only be used if `findings` holds no error."""
-    declared = declare(node, findings)
+    declared = _declare(node, findings)
     scope = Scope(declared, declared.constants, {}, findings)
-    counts = _counts(node, scope)
+    declared = replace(declared, parameters=check_parameters(node, scope))
+    derived = _derived(node, replace(scope, declared=declared))
+    declared = replace(declared, derived=derived)
+    scope = replace(scope, declared=declared)
+    counts = check_counts(node, scope)
     rules = check_rules(node, scope)
-    default = _default(node, scope)
-    return Domain(
+    domain = Domain(
         node.name.text,
         tuple(declared.types.values()),
         tuple(declared.constants.values()),
-        tuple(declared.symbols.values()),
+        tuple(s for s in declared.symbols.values() if s.name not in derived),
         counts,
         tuple(declared.actions.values()),
         rules,
-        default,
+        _default(node, scope),
         _reward(node, counts, scope),
+        tuple(derived.values()),
+        tuple(declared.parameters.values()),
     )
+    warn_unused(node, findings)
+    return domain
+
+
+def _declare(node: syntax.DomainNode, findings: Findings) -> Declarations:
+    """Everything that has a name, but the definitions of what is derived and the parameters' values."""
+    declared = read_types(node, findings)
+    groups = [group for s in sections_of(node.sections, syntax.Constants) for group in s.groups]
+    constants = read_objects(groups, declared, Once(findings), "constant", findings)
+    once = Once(findings)
+    symbols = read_symbols(node, declared, once, findings)
+    derived = read_derived(node, declared, once, findings)
+    return replace(
+        declared,
+        constants=constants,
+        symbols=symbols | as_symbols(derived.values()),
+        actions=read_actions(node, declared, findings),
+        derived=derived,
+    )
+
+
+def _derived(node: syntax.DomainNode, scope: Scope) -> dict[str, DerivedPredicate]:
+    before = scope.findings.errors
+    derived = check_derived(node, scope)
+    if scope.findings.errors > before:
+        # What a wrong definition says is not known: nothing may follow from it in the checks of rules.
+        return {name: replace(d, closure=name) for name, d in derived.items()}
+    return derived
 
 
 def scope_of(domain: Domain, findings: Findings) -> Scope:
@@ -41,37 +88,22 @@ def scope_of(domain: Domain, findings: Findings) -> Scope:
     declared = Declarations(
         {t.name: t for t in domain.types},
         {o.name: o for o in domain.constants},
-        {s.name: s for s in domain.symbols},
+        {s.name: s for s in domain.symbols} | as_symbols(domain.derived),
         {a.name: a for a in domain.actions},
+        {d.name: d for d in domain.derived},
+        {p.name: p for p in domain.parameters},
         findings.broken,
     )
     return Scope(declared, declared.constants, {}, findings)
 
 
-def _counts(node: syntax.DomainNode, scope: Scope) -> tuple[Count, ...]:
-    once = Once(scope.findings)
-    counts = []
-    for section in sections_of(node.sections, syntax.Derived):
-        for item in section.counts:
-            variables = read_variables(item.parameters, scope.declared, scope.findings)
-            if not variables:
-                scope.findings.error(
-                    "E218",
-                    "`count` needs a variable",
-                    item.span,
-                    help="write `name := count ?a - type: condition`",
-                )
-            condition = check_condition(item.condition, scope.with_variables(variables))
-            if item.name.text in scope.declared.symbols:
-                scope.findings.error(
-                    "E202",
-                    f"`{item.name.text}` is already a predicate or function",
-                    item.name.span,
-                    help="choose another name",
-                )
-            elif once.admits(item.name, "count"):
-                counts.append(Count(item.name.text, variables, condition))
-    return tuple(counts)
+def known_counts(counts: Collection[str], name: syntax.Name, scope: Scope) -> bool:
+    """Whether a name is that of a derived count; E207 where not."""
+    if name.text not in counts and "derived" not in scope.declared.unsure:
+        scope.findings.error(
+            "E207", f"unknown count `{name.text}`", name.span, help=meant(name.text, counts, "count")
+        )
+    return name.text in counts
 
 
 def _default(node: syntax.DomainNode, scope: Scope) -> tuple[Outcome, ...]:
@@ -83,8 +115,7 @@ def _default(node: syntax.DomainNode, scope: Scope) -> tuple[Outcome, ...]:
 
 def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) -> tuple[RewardTerm, ...]:
     for section in sections_of(node.sections, syntax.Reward):
-        known_counts([count.name for count in counts], section.count, scope)
-        return (RewardTerm(Fraction(1), RewardKind.DECREASE, section.count.text),)
+        return tuple(_reward_term(payment, counts, scope) for payment in section.payments)
     if "reward" not in scope.declared.unsure:
         scope.findings.error(
             "E219",
@@ -93,3 +124,23 @@ def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) ->
             help="add for example `reward { decrease(dirty_areas) }`",
         )
     return ()
+
+
+def _reward_term(node: syntax.Payment, counts: tuple[Count, ...], scope: Scope) -> RewardTerm:
+    if node.weight is not None and node.weight.denominator_is_zero:
+        scope.findings.error("E302", "division by zero", node.weight.span)
+    weight = Fraction(1) if node.weight is None else node.weight.value
+    if node.negative:
+        weight = -weight
+    names = [count.name for count in counts]
+    match node.what:
+        case syntax.Decrease(count):
+            known_counts(names, count, scope)
+            return RewardTerm(weight, RewardKind.DECREASE, count.text)
+        case syntax.CountValue(count):
+            known_counts(names, count, scope)
+            return RewardTerm(weight, RewardKind.COUNT, count.text)
+        case syntax.ReachedGoal():
+            return RewardTerm(weight, RewardKind.GOAL)
+        case syntax.ActionCost():
+            return RewardTerm(weight, RewardKind.COST)

@@ -6,26 +6,42 @@ from collections.abc import Collection
 from itertools import product
 
 from cleancli.language import syntax
-from cleancli.language.check import scope_of
+from cleancli.language.check import known_counts, scope_of
 from cleancli.language.conditions import (
     Scope,
+    check_condition,
     resolve_application,
     resolve_value,
+    shown_values,
     wants_function,
     wants_predicate,
 )
-from cleancli.language.declarations import Once, read_objects, sections_of
+from cleancli.language.declarations import Once, read_objects, refuse_repeated, sections_of
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings
-from cleancli.language.model import Domain, Fact, Horizon, Object, Problem, State, Symbol, Value
-from cleancli.language.rules import known_counts
+from cleancli.language.model import (
+    Condition,
+    Domain,
+    Fact,
+    Horizon,
+    Object,
+    Problem,
+    RewardKind,
+    State,
+    Symbol,
+    Value,
+)
+from cleancli.language.planner_options import PlannerOptions, check_planner
+from cleancli.language.reachable import warn_impossible
 
 _SECTIONS = {
     syntax.DomainName: "domain",
     syntax.Objects: "objects",
     syntax.Init: "init",
+    syntax.Goal: "goal",
     syntax.HorizonNode: "horizon",
     syntax.Discount: "discount",
+    syntax.Planner: "planner",
 }
 _MOST_NAMED = 3
 _LONGEST = 1000
@@ -34,7 +50,7 @@ _LONGEST = 1000
 
 def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> Problem:
     """The model of a problem; it may only be used if `findings` holds no error."""
-    _refuse_repeated(node, findings)
+    refuse_repeated(node.sections, _SECTIONS, frozenset(), findings)
     _check_domain_name(node, domain, findings)
     scope = scope_of(domain, findings)
     objects = _objects(node, domain, scope)
@@ -42,23 +58,23 @@ def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) 
     scope = Scope(scope.declared, everything, {}, findings)
     state = _state(node, domain, scope)
     discounts = sections_of(node.sections, syntax.Discount)
-    discount = _discount(discounts[0], findings) if discounts else 0.95
-    return Problem(node.name.text, domain.name, objects, state, _horizon(node, domain, scope), discount)
-
-
-def _refuse_repeated(node: syntax.ProblemNode, findings: Findings) -> None:
-    seen: dict[str, Span] = {}
-    for section in node.sections:
-        name = _SECTIONS[type(section)]
-        if name in seen:
-            start = section.span.start
-            findings.error(
-                "E216",
-                f"a second `{name}`",
-                Span(section.span.path, start, start + len(name)),
-                help=f"the first stands in line {findings.line(seen[name])}",
-            )
-        seen.setdefault(name, section.span)
+    planners = sections_of(node.sections, syntax.Planner)
+    options = check_planner(planners[0], findings) if planners else PlannerOptions()
+    problem = Problem(
+        node.name.text,
+        domain.name,
+        objects,
+        state,
+        _horizon(node, domain, scope),
+        _discount(discounts[0], findings) if discounts else 0.95,
+        _goal(node, domain, scope),
+        options.name,
+        options.samples,
+        options.seed,
+    )
+    if not findings.errors:
+        warn_impossible(problem, domain, _place_of_init(node), findings)
+    return problem
 
 
 def _check_domain_name(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> None:
@@ -113,27 +129,51 @@ def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
                 help=f"there it is `{values[key]}`",
             )
     if clean and not scope.findings.broken & {"init", "objects"}:
-        start = inits[0].span.start if inits else node.name.span.start
-        where = Span(node.span.path, start, start + len("init")) if inits else node.name.span
+        where = _place_of_init(node)
         for symbol in domain.symbols:
             if not symbol.is_predicate:
                 _refuse_missing(symbol, values.keys(), where, scope)
     return frozenset(Fact(symbol, objects, value) for (symbol, objects), value in values.items())
 
 
+def _place_of_init(node: syntax.ProblemNode) -> Span:
+    for init in sections_of(node.sections, syntax.Init):
+        return Span(init.span.path, init.span.start, init.span.start + len("init"))
+    return node.name.span
+
+
+def _goal(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Condition:
+    """The goal; W401 where only the reward speaks of one."""
+    for section in sections_of(node.sections, syntax.Goal):
+        return check_condition(section.condition, scope)
+    paid = any(term.kind is RewardKind.GOAL for term in domain.reward)
+    if paid and "goal" not in scope.findings.broken:
+        scope.findings.warning(
+            "W401",
+            "the domain's reward pays for a goal, and this problem has none",
+            node.name.span,
+            help="add for example `goal { not dirt(a1) }`",
+        )
+    return ()
+
+
 def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
-    before = scope.findings.count
+    before = scope.findings.errors
     for term in node.application.terms:
         if term.is_variable:
             scope.findings.error(
                 "E409", f"`?{term.name}` is a variable", term.span, help="a fact names objects"
             )
-    if scope.findings.count != before:
+    if scope.findings.errors != before:
         return None
     resolved = resolve_application(node.application, scope)
     if resolved is None:
         return None
     symbol, terms = resolved
+    if symbol.name in scope.declared.derived:
+        message = f"`{symbol.name}` is derived and cannot be stated"
+        scope.findings.error("E221", message, node.span, help="state what it follows from")
+        return None
     objects = symbol.canonical(tuple(term.name for term in terms))
     if node.value is None:
         return Fact(symbol.name, objects) if wants_predicate(symbol, node, scope) else None
@@ -160,7 +200,7 @@ def _refuse_missing(
             "E404",
             f"{', '.join(shown)}{more} {verb} no value",
             where,
-            help=f"add a value: {', '.join(map(str, symbol.values))}",
+            help=f"add a value: {shown_values(symbol)}",
         )
 
 
@@ -176,6 +216,14 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
                 scope.findings.error("E406", message, constant.span)
         count = None if section.count is None else section.count.text
         return Horizon(0 if constant is None else int(constant.value), count)
+    decreases = any(term.kind is RewardKind.DECREASE for term in domain.reward)
+    if not decreases and domain.reward and "horizon" not in scope.findings.broken:
+        scope.findings.error(
+            "E410",
+            "this problem needs a horizon",
+            node.name.span,
+            help="the domain's reward has no `decrease` to take it from: add for example `horizon = 10`",
+        )
     return None
 
 

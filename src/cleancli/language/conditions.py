@@ -1,25 +1,26 @@
-"""The second half of the check: terms, literals, conditions and effects against what is declared."""
+"""The second half of the check: terms, literals and conditions against what is declared."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from cleancli.language import syntax
 from cleancli.language.declarations import Declarations, read_variables
+from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings, meant
 from cleancli.language.model import (
-    Assign,
     Condition,
     Equality,
-    ForAll,
     Literal,
     Object,
+    Quantified,
     Symbol,
     Term,
     Value,
     Variable,
 )
+from cleancli.language.overlap import negated
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,7 @@ def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:
             scope.findings.error("E204", message, node.span, help=help)
         return variable
     found = scope.objects.get(node.name)
+    scope.findings.use("constant", node.name)
     if found is None and "constants" not in scope.declared.unsure and "objects" not in scope.declared.unsure:
         if node.name in scope.variables:
             scope.findings.error(
@@ -65,8 +67,9 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     name = node.symbol.text
     symbol = scope.declared.symbols.get(name)
     terms = [resolve_term(term, scope) for term in node.terms]
+    scope.findings.use("symbol", name)
     if symbol is None:
-        if not {"predicates", "functions"} & scope.declared.unsure:
+        if not {"predicates", "functions", "derived"} & scope.declared.unsure:
             what = "predicate or function"
             scope.findings.unknown("E203", what, name, node.symbol.span, scope.declared.symbols)
         return None
@@ -102,14 +105,34 @@ def _fits(term: Term | None, parameter: Variable, place: syntax.TermNode, name: 
     return False
 
 
-def resolve_value(name: syntax.Name, symbol: Symbol, scope: Scope) -> Value | None:
+def resolve_value(node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scope) -> Value | None:
     """A value of a function; E210 for an unknown one."""
-    if name.text in symbol.values:
-        return name.text
-    values = [str(v) for v in symbol.values]
-    help = meant(name.text, values, "value")
-    scope.findings.error("E210", f"`{symbol.name}` has no value `{name.text}`", name.span, help=help)
+    if isinstance(node, syntax.Name):
+        value: Value | None = node.text
+        shown = node.text
+    else:
+        value = int(node.value) if node.is_whole else None
+        shown = str(value) if value is not None else f"{float(node.value):g}"
+    if value is not None and value in symbol.values:
+        return value
+    if is_integer(symbol) or isinstance(node, syntax.Number):
+        help = f"its values are {shown_values(symbol)}"
+    else:
+        help = meant(shown, map(str, symbol.values), "value")
+    scope.findings.error("E210", f"`{symbol.name}` has no value `{shown}`", node.span, help=help)
     return None
+
+
+def is_integer(symbol: Symbol) -> bool:
+    """Whether a function has integers as values, not names."""
+    return type(symbol.values[0]) is int
+
+
+def shown_values(symbol: Symbol) -> str:
+    """`small < medium < big` or `0..10`."""
+    if is_integer(symbol):
+        return f"{symbol.values[0]}..{symbol.values[-1]}"
+    return " < ".join(str(value) for value in symbol.values)
 
 
 def wants_function(symbol: Symbol, node: syntax.Node, scope: Scope) -> bool:
@@ -160,10 +183,8 @@ def _comparison(node: syntax.Comparison, scope: Scope) -> Literal | None:
     values = _compared(symbol, node.relation, value)
     if len(symbol.values) > 1 and len(values) in (0, len(symbol.values)):
         truth = "always" if values else "never"
-        order = " < ".join(str(v) for v in symbol.values)
-        scope.findings.error(
-            "E306", f"this {truth} holds", node.span, help=f"the values of `{symbol.name}` are {order}"
-        )
+        help = f"the values of `{symbol.name}` are {shown_values(symbol)}"
+        scope.findings.error("E306", f"this {truth} holds", node.span, help=help)
         return None
     return Literal(symbol.name, terms, values)
 
@@ -192,55 +213,98 @@ def _equality(node: syntax.EqualityNode, scope: Scope) -> Equality | None:
 
 
 def check_condition(node: syntax.ConditionNode | None, scope: Scope) -> Condition:
-    """The literals of a conjunction that are right, in order."""
-    literals: list[Literal | Equality] = []
-    for item in node.literals if node is not None else ():
-        match item:
-            case syntax.Truth():
-                literal: Literal | Equality | None = _truth(item, scope)
-            case syntax.Comparison():
-                literal = _comparison(item, scope)
-            case syntax.EqualityNode():
-                literal = _equality(item, scope)
-        if literal is not None:
-            literals.append(literal)
-    return tuple(literals)
+    """The parts of a conjunction that are right, in order."""
+    checked = (_part(item, scope) for item in (node.parts if node is not None else ()))
+    return tuple(part for part in checked if part is not None)
 
 
-def check_assignment(node: syntax.Assignment, scope: Scope) -> Assign | None:
-    """One effect on one symbol."""
-    resolved = resolve_application(node.application, scope)
-    if resolved is None:
+def check_literals(nodes: Iterable[syntax.PartNode], scope: Scope) -> tuple[Literal | Equality, ...]:
+    """The literals that are right, in order, where the grammar lets nothing else stand."""
+    checked = [_part(node, scope) for node in nodes]
+    return tuple(part for part in checked if isinstance(part, Literal | Equality))
+
+
+def _part(node: syntax.PartNode, scope: Scope) -> Literal | Equality | Quantified | None:
+    match node:
+        case syntax.Truth():
+            return _truth(node, scope)
+        case syntax.Comparison():
+            return _comparison(node, scope)
+        case syntax.EqualityNode():
+            return _equality(node, scope)
+        case syntax.ExistsNode():
+            return _exists(node, scope)
+        case syntax.EveryNode():
+            return _every(node, scope)
+
+
+def _exists(node: syntax.ExistsNode, scope: Scope) -> Quantified | None:
+    variables, inner = bind_variables(node.groups, "exists", "?m - type: literal", node.span, scope)
+    literals = check_literals(node.literals, inner)
+    if not variables or len(literals) != len(node.literals):
         return None
-    symbol, terms = resolved
-    if isinstance(node, syntax.SetTruth):
-        return Assign(symbol.name, terms, node.value) if wants_predicate(symbol, node, scope, ":=") else None
-    if not wants_function(symbol, node, scope):
+    warn_unused_variables(node.groups, literals, scope)
+    return Quantified(node.positive, variables, literals)
+
+
+def _every(node: syntax.EveryNode, scope: Scope) -> Quantified | None:
+    """That every binding has the literal is that none has the opposite (`model.Quantified`)."""
+    variables, inner = bind_variables(node.groups, "forall", "?m - type: literal", node.span, scope)
+    guard = check_literals(node.guard, inner)
+    literals = check_literals((node.literal,), inner)
+    if not variables or len(guard) != len(node.guard) or not literals:
         return None
-    value = resolve_value(node.value, symbol, scope)
-    return None if value is None else Assign(symbol.name, terms, value)
+    parts = (*guard, negated(literals[0], scope.declared))
+    warn_unused_variables(node.groups, parts, scope)
+    return Quantified(False, variables, parts)
 
 
-def check_forall(node: syntax.ForAllNode, scope: Scope) -> ForAll | None:
-    """A quantified effect; its variables may not hide others (E202)."""
-    variables = read_variables(node.groups, scope.declared, scope.findings)
-    for group in node.groups:
-        for name in group.names:
-            if name.text in scope.variables:
-                scope.findings.error(
-                    "E202",
-                    f"`?{name.text}` is already a variable of the rule",
-                    name.span,
-                    help="choose another name",
-                )
+def bind_variables(
+    groups: tuple[syntax.Group, ...], word: str, rest: str, span: Span, scope: Scope
+) -> tuple[tuple[Variable, ...], Scope]:
+    """The variables of a quantifier and the scope inside it; E218 for none, E202 where one hides another."""
+    variables = read_variables(groups, scope.declared, scope.findings)
+    for name in (name for group in groups for name in group.names):
+        if name.text in scope.variables:
+            message = f"`?{name.text}` is already a variable of the rule"
+            scope.findings.error("E202", message, name.span, help="choose another name")
+        warn_shadow(name.text, name.span, scope)
     if not variables:
-        scope.findings.error(
-            "E218",
-            "`forall` needs a variable",
-            node.span,
-            help="write `forall ?m - type: condition => effect`",
+        message = f"`{word}` needs a variable"
+        scope.findings.error("E218", message, span, help=f"write `{word} {rest}`")
+    return variables, scope.with_variables(variables)
+
+
+def warn_shadow(name: str, span: Span, scope: Scope) -> None:
+    """W204 for a variable that is easily taken for a constant."""
+    if name in scope.declared.constants:
+        scope.findings.warning(
+            "W204",
+            f"the variable `?{name}` has the name of a constant",
+            span,
+            help="choose another name: without the question mark it would mean the constant",
         )
-    inner = scope.with_variables(variables)
-    condition = check_condition(node.condition, inner)
-    effects = tuple(e for e in (check_assignment(item, inner) for item in node.effects) if e is not None)
-    return ForAll(variables, condition, effects)
+
+
+def warn_unused_variables(
+    groups: Iterable[syntax.Group], condition: Condition, scope: Scope, elsewhere: Iterable[Term] = ()
+) -> None:
+    """W202 for bound variables that neither the condition nor the terms `elsewhere` mention."""
+    used = {term.name for term in (*terms_of(condition), *elsewhere) if isinstance(term, Variable)}
+    for name in (name for group in groups for name in group.names):
+        if name.text not in used:
+            scope.findings.warning(
+                "W202", f"the variable `?{name.text}` is never used", name.span, help="leave it out"
+            )
+
+
+def terms_of(condition: Condition) -> Iterator[Term]:
+    """Every term that a condition mentions."""
+    for part in condition:
+        match part:
+            case Literal():
+                yield from part.terms
+            case Equality():
+                yield from (part.left, part.right)
+            case Quantified():
+                yield from terms_of(part.condition)

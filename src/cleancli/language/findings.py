@@ -8,24 +8,52 @@ from collections.abc import Iterable
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source, Span
 from cleancli.language.lines import Lines
 
-RESERVED = frozenset({"count", "forall", "noise", "not", "nothing", "rest", "then", "when"})
+RESERVED = frozenset(
+    {
+        "closure", "count", "exists", "forall", "noise", "not", "nothing", "rest", "then", "when", "with",
+    }
+)  # fmt: skip
 """Words that the grammar expects where names stand too; as a name they could not be used."""
 
 
 class Findings:
-    """The mistakes found in one source; `broken` names its sections that the parser could not read."""
+    """The mistakes found in one text and those it includes.
+
+    `broken` names the sections that the parser could not read; `used` the names that something refers to, by
+    kind ("type", "constant", "symbol", "parameter", "action").
+    """
 
     def __init__(
         self, source: Source, found: Iterable[Diagnostic] = (), broken: frozenset[str] = frozenset()
     ) -> None:
-        self.source = source
+        self.sources = [source]
         self.broken = broken
+        self.used: set[tuple[str, str]] = set()
         self._found = list(found)
-        self._lines = Lines(source.text)
+        self._errors = len(self._found)
+        self._lines: dict[str, Lines] = {}
+
+    @property
+    def source(self) -> Source:
+        """The text that was asked for, which may include the others."""
+        return self.sources[0]
+
+    def include(self, source: Source, found: Iterable[Diagnostic], broken: frozenset[str]) -> None:
+        """Take in what the parser found in a text that this one includes."""
+        self.sources.append(source)
+        self.broken |= broken
+        found = tuple(found)
+        self._found += found
+        self._errors += len(found)
 
     def error(self, code: str, message: str, span: Span, label: str = "", help: str = "") -> None:
         """Note a mistake."""
+        self._errors += 1
         self._found.append(Diagnostic(code, message, span, label, help))
+
+    def warning(self, code: str, message: str, span: Span, label: str = "", help: str = "") -> None:
+        """Note something that is allowed, but hardly meant."""
+        self._found.append(Diagnostic(code, message, span, label, help, Level.WARNING))
 
     def unknown(
         self, code: str, what: str, name: str, span: Span, known: Iterable[str], where: str = ""
@@ -33,29 +61,39 @@ class Findings:
         """Note a name that is not declared, with the near ones, or all of them where they are few."""
         self.error(code, f"unknown {what} `{name}`{where}", span, help=meant(name, known, what))
 
-    @property
-    def count(self) -> int:
-        """How many were noted so far."""
-        return len(self._found)
+    def use(self, kind: str, name: str) -> None:
+        """Note that something refers to a declared name."""
+        self.used.add((kind, name))
 
-    def line(self, span: Span) -> int:
-        """The line, from 1, in which a span begins."""
-        return self._lines.place(span.start)[0]
+    @property
+    def errors(self) -> int:
+        """How many mistakes were noted so far, warnings aside."""
+        return self._errors
+
+    def line(self, span: Span) -> str:
+        """`line 3`, or `line 3 of base.nid` in an included file: where a span begins."""
+        if span.path not in self._lines:
+            text = next(source.text for source in self.sources if source.path == span.path)
+            self._lines[span.path] = Lines(text)
+        number = self._lines[span.path].place(span.start)[0]
+        return f"line {number}" if span.path == self.source.path else f"line {number} of {span.path}"
 
     @property
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them in the order of the text; equal ones once."""
-        return tuple(
-            sorted(
-                dict.fromkeys(self._found), key=lambda d: (d.span.start if d.span else -1, d.code, d.message)
-            )
-        )
+        """All of them, file by file in the order of the text; equal ones once."""
+        order = {source.path: number for number, source in enumerate(self.sources)}
+
+        def place(diagnostic: Diagnostic) -> tuple[int, int, str, str]:
+            span = diagnostic.span
+            where = (-1, -1) if span is None else (order.get(span.path, -1), span.start)
+            return (*where, diagnostic.code, diagnostic.message)
+
+        return tuple(sorted(dict.fromkeys(self._found), key=place))
 
     def refuse_errors(self) -> None:
         """Raise Refused with everything found if an error is among it."""
-        found = self.sorted
-        if any(d.level is Level.ERROR for d in found):
-            raise Refused(found, [self.source])
+        if self.errors:
+            raise Refused(self.sorted, self.sources)
 
 
 def meant(name: str, known: Iterable[str], what: str) -> str:

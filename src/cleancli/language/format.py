@@ -16,6 +16,7 @@ from cleancli.language.model import (
     Assign,
     Condition,
     Count,
+    DerivedPredicate,
     Domain,
     Equality,
     Fact,
@@ -25,8 +26,14 @@ from cleancli.language.model import (
     Object,
     Outcome,
     OutcomeKind,
+    Parameter,
     Problem,
+    Quantified,
+    Reference,
+    RewardKind,
+    RewardTerm,
     Rule,
+    Shift,
     Symbol,
     Term,
     Type,
@@ -37,8 +44,9 @@ Symbols = Mapping[str, Symbol]
 
 
 def print_domain(domain: Domain) -> str:
-    """A domain as a .nid text."""
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    """A domain as a .nid text; what it includes is written out."""
+    symbols = symbols_of(domain)
+    derived = [_derived(definition, symbols) for definition in domain.derived]
     predicates = [_predicate(s) for s in domain.symbols if s.is_predicate]
     functions = [_function(s) for s in domain.symbols if not s.is_predicate]
     blocks = [
@@ -46,23 +54,35 @@ def print_domain(domain: Domain) -> str:
         _block("constants", _objects(domain.constants)),
         _block("predicates", predicates),
         _block("functions", functions),
-        _block("derived", [_count(count, symbols) for count in domain.counts]),
+        _block("derived", [*derived, *(_count(count, symbols) for count in domain.counts)]),
+        _block("parameters", [_parameter(parameter) for parameter in domain.parameters]),
         _block("actions", [_action(action) for action in domain.actions]),
         *(_rule(rule, symbols) for rule in domain.rules),
         _block("default", [print_outcome(outcome, symbols) for outcome in domain.default]),
-        _block("reward", [f"decrease({domain.reward[0].count})"]),
+        _block("reward", [_reward(domain.reward)]),
     ]
     return f"domain {domain.name} {{\n" + "\n".join(block for block in blocks if block) + "}\n"
 
 
-def print_problem(problem: Problem) -> str:
-    """A problem as a .nid text; facts are sorted."""
+def symbols_of(domain: Domain) -> dict[str, Symbol]:
+    """Every symbol that a condition can ask for, by name; derived predicates look like predicates."""
+    return {s.name: s for s in domain.symbols} | {
+        d.name: Symbol(d.name, d.parameters) for d in domain.derived
+    }
+
+
+def print_problem(problem: Problem, domain: Domain | None = None) -> str:
+    """A problem as a .nid text; facts are sorted. The domain is needed where it has a goal."""
     lines = [f"  domain = {problem.domain}\n"]
     lines.append(_block("objects", _objects(problem.objects)))
     lines.append(_block("init", [print_fact(fact) for fact in sorted_facts(problem.state)]))
+    if problem.goal:
+        assert domain is not None
+        lines.append(_block("goal", [print_condition(problem.goal, symbols_of(domain))]))
     if problem.horizon is not None:
         lines.append(f"  horizon = {_horizon(problem.horizon)}\n")
     lines.append(f"  discount = {print_float(problem.discount)}\n")
+    lines.append(_block("planner", _planner(problem)))
     return f"problem {problem.name} {{\n" + "".join(lines) + "}\n"
 
 
@@ -124,17 +144,36 @@ def print_literal(part: Literal | Equality, symbols: Symbols) -> str:
 
 
 def print_condition(condition: Condition, symbols: Symbols) -> str:
-    """Literals joined by commas."""
-    return ", ".join(print_literal(part, symbols) for part in condition)
+    """Literals and quantified parts joined by commas; `forall` is written as `not exists` of the opposite."""
+    return ", ".join(
+        _quantified(part, symbols) if isinstance(part, Quantified) else print_literal(part, symbols)
+        for part in condition
+    )
 
 
-def print_outcome(outcome: Outcome, symbols: Symbols) -> str:
-    """`0.2 [prior 0.15, seen 3]: effects`."""
+def _quantified(part: Quantified, symbols: Symbols) -> str:
+    body = print_condition(part.condition, symbols)
+    body = f"({body})" if len(part.condition) > 1 else body
+    return f"{'' if part.exists else 'not '}exists {_variables(part.variables)}: {body}"
+
+
+def print_outcome(outcome: Outcome, symbols: Symbols, say_fixed: bool = True) -> str:
+    """`0.2 [prior 0.15, seen 3]: effects`; `say_fixed` unless the rule says it for all outcomes."""
+    if outcome.parameter is not None:
+        return f"{outcome.parameter}: {print_result(outcome, symbols)}"
     chance = "rest" if outcome.is_rest else print_fraction(outcome.probability)
-    marks = [] if outcome.prior is None else [f"prior {print_fraction(outcome.prior)}"]
-    marks += [] if outcome.seen is None else [f"seen {outcome.seen}"]
-    noted = f" [{', '.join(marks)}]" if marks else ""
-    return f"{chance}{noted}: {print_result(outcome, symbols)}"
+    marks = _noted(outcome.prior, outcome.seen, outcome.fixed and say_fixed)
+    return f"{chance}{marks}: {print_result(outcome, symbols)}"
+
+
+def _noted(prior: Fraction | None, seen: int | None, fixed: bool) -> str:
+    marks = [] if prior is None else [f"prior {print_fraction(prior)}"]
+    marks += [] if seen is None else [f"seen {seen}"]
+    return _marks([*marks, "fixed"] if fixed else marks)
+
+
+def _marks(marks: list[str]) -> str:
+    return f" [{', '.join(marks)}]" if marks else ""
 
 
 def print_result(outcome: Outcome, symbols: Symbols) -> str:
@@ -144,13 +183,15 @@ def print_result(outcome: Outcome, symbols: Symbols) -> str:
     return ", ".join(_effect(effect, symbols) for effect in outcome.effects)
 
 
-def _effect(effect: Assign | ForAll, symbols: Symbols) -> str:
+def _effect(effect: Assign | Shift | ForAll, symbols: Symbols) -> str:
     if isinstance(effect, ForAll):
         condition = f": {print_condition(effect.condition, symbols)}" if effect.condition else ""
         effects = ", ".join(_effect(e, symbols) for e in effect.effects)
         effects = f"({effects})" if len(effect.effects) > 1 else effects
         return f"forall {_variables(effect.variables)}{condition} => {effects}"
     applied = _applied(effect.symbol, effect.terms)
+    if isinstance(effect, Shift):
+        return f"{applied} {'+=' if effect.amount > 0 else '-='} {abs(effect.amount)}"
     if isinstance(effect.value, bool):
         return applied if effect.value else f"not {applied}"
     return f"{applied} := {effect.value}"
@@ -185,11 +226,44 @@ def _objects(objects: tuple[Object, ...]) -> list[str]:
 
 
 def _predicate(symbol: Symbol) -> str:
-    return f"{symbol.name}({_variables(symbol.parameters)})" + (" [symmetric]" if symbol.symmetric else "")
+    marks = (["symmetric"] if symbol.symmetric else []) + (["static"] if symbol.static else [])
+    return f"{symbol.name}({_variables(symbol.parameters)}){_marks(marks)}"
 
 
 def _function(symbol: Symbol) -> str:
-    return f"{symbol.name}({_variables(symbol.parameters)}): {' < '.join(str(v) for v in symbol.values)}"
+    low, high = symbol.values[0], symbol.values[-1]
+    values = f"{low}..{high}" if isinstance(low, int) else " < ".join(str(v) for v in symbol.values)
+    return f"{symbol.name}({_variables(symbol.parameters)}): {values}{_marks(['static'] * symbol.static)}"
+
+
+def _derived(definition: DerivedPredicate, symbols: Symbols) -> str:
+    head = f"{definition.name}({_variables(definition.parameters)})"
+    if definition.closure is not None:
+        return f"{head} := closure {definition.closure}"
+    return f"{head} := {print_condition(definition.condition, symbols)}"
+
+
+def _parameter(parameter: Parameter) -> str:
+    marks = _noted(parameter.prior, parameter.seen, parameter.fixed)
+    return f"{parameter.name} = {print_fraction(parameter.probability)}{marks}"
+
+
+def _reward(terms: tuple[RewardTerm, ...]) -> str:
+    first, *others = terms
+    shown = f"{'-' if first.weight < 0 else ''}{_reward_term(first)}"
+    return shown + "".join(f" {'-' if t.weight < 0 else '+'} {_reward_term(t)}" for t in others)
+
+
+def _reward_term(term: RewardTerm) -> str:
+    """A term without its sign."""
+    weight = "" if abs(term.weight) == 1 else f"{print_fraction(abs(term.weight))} * "
+    match term.kind:
+        case RewardKind.DECREASE:
+            return f"{weight}decrease({term.count})"
+        case RewardKind.COUNT:
+            return f"{weight}{term.count}"
+        case RewardKind.GOAL | RewardKind.COST:
+            return f"{weight}{term.kind.value}"
 
 
 def _count(count: Count, symbols: Symbols) -> str:
@@ -198,16 +272,29 @@ def _count(count: Count, symbols: Symbols) -> str:
 
 
 def _action(action: Action) -> str:
-    duration = "" if action.duration is None else f" [duration = {print_float(action.duration)} s]"
-    return f"{action.name}({_variables(action.parameters)}){duration}"
+    marks = [] if action.duration is None else [f"duration = {print_float(action.duration)} s"]
+    marks += [] if action.cost == 0 else [f"cost = {print_fraction(action.cost)}"]
+    return f"{action.name}({_variables(action.parameters)}){_marks(marks)}"
 
 
 def _rule(rule: Rule, symbols: Symbols) -> str:
     terms = ", ".join(f"?{variable.name}" for variable in rule.variables)
     when = f"    when {print_condition(rule.condition, symbols)}\n" if rule.condition else ""
-    first, *others = (print_outcome(outcome, symbols) for outcome in rule.outcomes)
+    withs = "".join(f"    with {_reference(reference, symbols)}\n" for reference in rule.references)
+    fixed = all(outcome.fixed for outcome in rule.outcomes)
+    first, *others = (print_outcome(outcome, symbols, not fixed) for outcome in rule.outcomes)
     outcomes = f"    then {first}\n" + "".join(f"         {other}\n" for other in others)
-    return f"  rule {rule.name}: {rule.action}({terms}) {{\n{when}{outcomes}  }}\n"
+    head = f"  rule {rule.name}: {rule.action}({terms}){_marks(['fixed'] * fixed)} {{\n"
+    return f"{head}{when}{withs}{outcomes}  }}\n"
+
+
+def _reference(reference: Reference, symbols: Symbols) -> str:
+    return f"{_variables(reference.variables)}: {print_condition(reference.condition, symbols)}"
+
+
+def _planner(problem: Problem) -> list[str]:
+    settings = {"name": problem.planner, "samples": problem.samples, "seed": problem.seed}
+    return [f"{key} = {value}" for key, value in settings.items() if value is not None]
 
 
 def _horizon(horizon: Horizon) -> str:

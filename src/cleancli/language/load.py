@@ -2,84 +2,86 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from cleancli.language.check import check_domain
 from cleancli.language.check_problem import check_problem
 from cleancli.language.declarations import sections_of
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.findings import Findings
+from cleancli.language.include import with_includes
 from cleancli.language.model import Domain, Problem
-from cleancli.language.parse import kind_of, parse
-from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode, Root
+from cleancli.language.parse import kind_of
+from cleancli.language.read import parse_as, read_source
+from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode
 
-__all__ = ["domain_named", "kind_of", "load_domain", "load_problem", "parse_as", "read_source"]
+__all__ = [
+    "Checked",
+    "checked_domain",
+    "checked_problem",
+    "domain_named",
+    "kind_of",
+    "load_domain",
+    "load_problem",
+    "parse_as",
+    "read_source",
+]
 
-_LARGEST = 8 * 1024 * 1024
+_Model = TypeVar("_Model", Domain, Problem)
 
 
-def read_source(path: Path | str) -> Source:
-    """The text of a file as it is, line ends included; refuses what is no UTF-8 text (E001 to E005)."""
-    name = str(path)
+@dataclass(frozen=True, slots=True)
+class Checked(Generic[_Model]):
+    """All that a check found: `diagnostics` holds warnings too, `sources` the texts that they point into,
+    the one that was asked for first. `model` is None where an error is among them."""
+
+    model: _Model | None
+    diagnostics: tuple[Diagnostic, ...]
+    sources: tuple[Source, ...]
+
+    def get(self) -> _Model:
+        """The model; raises Refused with every mistake if there is none."""
+        if self.model is None:
+            raise Refused(self.diagnostics, self.sources)
+        return self.model
+
+
+def checked_domain(source: Source, allow_outside: bool = False) -> Checked[Domain]:
+    """Check a domain with the files it includes; `allow_outside` lets these stand outside its folder."""
     try:
-        if Path(path).is_dir():
-            raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a .nid file")])
-        with Path(path).open("rb") as file:
-            raw = file.read(_LARGEST + 1)
-    except FileNotFoundError:
-        raise Refused([Diagnostic("E001", f"no file `{name}`", None)]) from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
-    return Source(name, _decode(name, raw))
+        root, findings = parse_as(source, "domain")
+    except Refused as refused:
+        return Checked(None, refused.diagnostics, refused.sources)
+    domain = None
+    if isinstance(root, DomainNode):
+        domain = check_domain(with_includes(root, findings, allow_outside), findings)
+    return _checked(domain, findings)
 
 
-def _decode(name: str, raw: bytes) -> str:
-    if len(raw) > _LARGEST:
-        raise Refused([Diagnostic("E005", f"`{name}` is larger than {_LARGEST >> 20} MiB", None)])
-    bad = raw.find(b"\0")
-    text = ""
-    if bad < 0:
-        try:
-            text = raw.decode("utf-8")
-        except UnicodeDecodeError as error:
-            bad = error.start
-    if bad >= 0:
-        line = raw.count(b"\n", 0, bad) + 1
-        message = f"`{name}` is no UTF-8 text: byte 0x{raw[bad]:02x} at offset {bad} (line {line})"
-        raise Refused([Diagnostic("E004", message, None, help="save the file as UTF-8")])
-    return text
+def checked_problem(source: Source, domain: Domain) -> Checked[Problem]:
+    """Check a problem for a domain."""
+    try:
+        root, findings = parse_as(source, "problem")
+    except Refused as refused:
+        return Checked(None, refused.diagnostics, refused.sources)
+    problem = check_problem(root, domain, findings) if isinstance(root, ProblemNode) else None
+    return _checked(problem, findings)
 
 
-def parse_as(source: Source, kind: str) -> tuple[Root | None, Findings]:
-    """The tree of a text that must be of one kind (E106), with what the parser found."""
-    found = kind_of(source)
-    if found != kind:
-        start = source.text.index(found)
-        span = Span(source.path, start, start + len(found))
-        raise Refused([Diagnostic("E106", f"this is a {found}, where a {kind} is wanted", span)], [source])
-    parsed = parse(source)
-    return parsed.root, Findings(source, parsed.diagnostics, parsed.broken)
+def _checked(model: _Model | None, findings: Findings) -> Checked[_Model]:
+    usable = None if findings.errors else model
+    return Checked(usable, findings.sorted, tuple(findings.sources))
 
 
-def load_domain(source: Source) -> Domain:
+def load_domain(source: Source, allow_outside: bool = False) -> Domain:
     """The checked domain; raises Refused with every mistake."""
-    root, findings = parse_as(source, "domain")
-    if not isinstance(root, DomainNode):
-        raise Refused(findings.sorted, [source])
-    domain = check_domain(root, findings)
-    findings.refuse_errors()
-    return domain
+    return checked_domain(source, allow_outside).get()
 
 
 def load_problem(source: Source, domain: Domain) -> Problem:
     """The checked problem for a domain; raises Refused with every mistake."""
-    root, findings = parse_as(source, "problem")
-    if not isinstance(root, ProblemNode):
-        raise Refused(findings.sorted, [source])
-    problem = check_problem(root, domain, findings)
-    findings.refuse_errors()
-    return problem
+    return checked_problem(source, domain).get()
 
 
 def domain_named(source: Source) -> Name:

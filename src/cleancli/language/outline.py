@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cleancli.language.diagnostics import Diagnostic, Source, Span
 from cleancli.language.lines import Lines
 
-_TOKEN = re.compile(r"#[^\r\n]*|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]")
+_TOKEN = re.compile(r'#[^\r\n]*|"[^"\r\n]*"|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]')
 _DEEPEST = 3
 
 

@@ -1,9 +1,12 @@
-"""Whether conditions can hold together (§3.3.2: the rules of one action have disjoint preconditions).
+"""Whether literals can hold together (§3.3.2: the rules of one action have disjoint preconditions).
 
 Guaranteed before: the literals of each condition are well typed. The test is sound and complete, because
 objects are not known yet: a problem may add as many of each type as it likes. If conditions hold in any
 state, they also hold where only those terms are one object that an equality makes one; every other
 coincidence adds constraints and removes none. So one way of identifying terms decides: none are enumerated.
+
+Quantified parts of a condition and the definitions of derived predicates are not looked at here: literals
+that cannot hold together decide alone, and where they can, `satisfiable` decides.
 """
 
 from __future__ import annotations
@@ -12,7 +15,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from cleancli.language.declarations import Declarations
-from cleancli.language.model import Condition, Equality, Literal, Object, Rule, Symbol, Term, Value, Variable
+from cleancli.language.model import (
+    Condition,
+    Equality,
+    Literal,
+    Object,
+    Quantified,
+    Rule,
+    Symbol,
+    Term,
+    Value,
+    Variable,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +38,7 @@ class Witness:
 
 
 def witness(conditions: Iterable[Condition], declared: Declarations) -> Witness | None:
-    """A state that satisfies all conditions (over the same variables), None if there is none."""
+    """A state in which the literals of all conditions (over the same variables) hold, None if none is."""
     parts = [part for condition in conditions for part in condition]
     equalities = [part for part in parts if isinstance(part, Equality)]
     leaders = _merge(equalities)
@@ -80,21 +94,23 @@ def _can_be_one(one: Term, leader: Term, leaders: Mapping[Term, Term], declared:
 
 
 def renamed(rule: Rule, variables: tuple[Variable, ...]) -> Condition:
-    """The rule's condition over other names of its action's parameters."""
+    """The literals of the rule's condition over other names of its action's parameters."""
     names: dict[Term, Term] = dict(zip(rule.variables, variables, strict=True))
-    parts: list[Literal | Equality] = []
-    for part in rule.condition:
-        if isinstance(part, Literal):
-            parts.append(Literal(part.symbol, tuple(names.get(t, t) for t in part.terms), part.values))
-        else:
-            left, right = names.get(part.left, part.left), names.get(part.right, part.right)
-            parts.append(Equality(left, right, part.equal))
-    return tuple(parts)
+    return tuple(with_terms(part, names) for part in rule.condition if not isinstance(part, Quantified))
+
+
+def with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
+    """The literal with other terms in place of some."""
+    if isinstance(part, Literal):
+        return Literal(part.symbol, tuple(names.get(t, t) for t in part.terms), part.values)
+    return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
 
 
 def separating(one: Condition, other: Condition, declared: Declarations) -> Literal | Equality | None:
     """A part of `one` whose opposite, added to `other`, would tell the two apart; None if there is none."""
     for part in one:
+        if isinstance(part, Quantified):
+            continue
         opposite = negated(part, declared)
         if witness([other, (opposite,)], declared) is not None:
             return part

@@ -23,6 +23,8 @@ from cleancli.shipped import shipped
 
 KINDS = ("domain", "problem", "scene")
 _MOST_ERRORS = 20
+_SETTING = re.compile(r"\binclude\b|\w+(?=\s*=)")
+"""What can stand between the sections of a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,4 +110,4 @@ def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[st
     between = text[start:end]
     if "{" in between or "}" in between:
         return text, frozenset()
-    return blank(text, start, end), frozenset(re.findall(r"(\w+)\s*=", between)[:1])
+    return blank(text, start, end), frozenset(_SETTING.findall(between)[:1])

@@ -28,7 +28,8 @@ class Name(Node):
 
 @dataclass(frozen=True, slots=True)
 class Number(Node):
-    """An unsigned number or fraction as written; `denominator_is_zero` marks `n/0`, whose value is 0."""
+    """A number or fraction as written, signed only as a function's value; `denominator_is_zero` marks `n/0`,
+    whose value is 0."""
 
     value: Fraction
     is_whole: bool
@@ -95,7 +96,7 @@ class Comparison(Node):
 
     application: Application
     relation: str
-    value: Name
+    value: Name | Number
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,10 +112,31 @@ LiteralNode = Truth | Comparison | EqualityNode
 
 
 @dataclass(frozen=True, slots=True)
-class ConditionNode(Node):
-    """Literals joined by commas."""
+class ExistsNode(Node):
+    """`exists groups: literals`, or `not exists`."""
 
+    groups: tuple[Group, ...]
     literals: tuple[LiteralNode, ...]
+    positive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class EveryNode(Node):
+    """`forall groups: guard => literal` in a condition; without a guard, `forall groups: literal`."""
+
+    groups: tuple[Group, ...]
+    guard: tuple[LiteralNode, ...]
+    literal: LiteralNode
+
+
+PartNode = LiteralNode | ExistsNode | EveryNode
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionNode(Node):
+    """Literals and quantified parts joined by commas; the grammar says where there are only literals."""
+
+    parts: tuple[PartNode, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,10 +152,19 @@ class SetValue(Node):
     """The effect `f(...) := value`."""
 
     application: Application
-    value: Name
+    value: Name | Number
 
 
-Assignment = SetTruth | SetValue
+@dataclass(frozen=True, slots=True)
+class ShiftNode(Node):
+    """The effect `f(...) += n` or `f(...) -= n`."""
+
+    application: Application
+    rises: bool
+    amount: Number
+
+
+Assignment = SetTruth | SetValue | ShiftNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,11 +213,23 @@ class Seen(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Weight(Node):
-    """An outcome's probability with what the learner noted beside it."""
+class Fixed(Node):
+    """The mark `fixed`."""
 
-    chance: Number | Rest
-    marks: tuple[Prior | Seen, ...]
+
+@dataclass(frozen=True, slots=True)
+class Share(Node):
+    """The name of a shared parameter in the place of a probability."""
+
+    name: Name
+
+
+@dataclass(frozen=True, slots=True)
+class Weight(Node):
+    """A probability with what the learner noted beside it; that of a shared parameter is a number."""
+
+    chance: Number | Rest | Share
+    marks: tuple[Prior | Seen | Fixed, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +241,13 @@ class OutcomeNode(Node):
 
 
 # ---- the sections of a domain
+
+
+@dataclass(frozen=True, slots=True)
+class Include(Node):
+    """`include "path"`; the path is as written."""
+
+    path: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,12 +281,21 @@ class Predicates(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class Bounds(Node):
+    """`low..high`."""
+
+    low: Number
+    high: Number
+
+
+@dataclass(frozen=True, slots=True)
 class FunctionNode(Node):
-    """`f(parameters): v < w < ...`."""
+    """`f(parameters): v < w < ...` or `f(parameters): low..high`, with attributes."""
 
     name: Name
     parameters: tuple[Group, ...]
-    values: tuple[Name, ...]
+    values: tuple[Name, ...] | Bounds
+    attributes: tuple[Attribute, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,10 +315,43 @@ class CountNode(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class DefinitionNode(Node):
+    """`p(parameters) := condition`."""
+
+    name: Name
+    parameters: tuple[Group, ...]
+    condition: ConditionNode
+
+
+@dataclass(frozen=True, slots=True)
+class ClosureNode(Node):
+    """`p(parameters) := closure of`."""
+
+    name: Name
+    parameters: tuple[Group, ...]
+    of: Name
+
+
+@dataclass(frozen=True, slots=True)
 class Derived(Node):
     """`derived { ... }`."""
 
-    counts: tuple[CountNode, ...]
+    items: tuple[CountNode | DefinitionNode | ClosureNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterNode(Node):
+    """`name = probability [marks]`."""
+
+    name: Name
+    weight: Weight
+
+
+@dataclass(frozen=True, slots=True)
+class Shared(Node):
+    """`parameters { ... }`."""
+
+    parameters: tuple[ParameterNode, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,13 +371,23 @@ class Actions(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class ReferenceNode(Node):
+    """`with groups: condition`, of literals."""
+
+    groups: tuple[Group, ...]
+    condition: ConditionNode
+
+
+@dataclass(frozen=True, slots=True)
 class RuleNode(Node):
-    """`rule name: action(terms) { when condition then outcomes }`."""
+    """`rule name: action(terms) [attributes] { when condition references then outcomes }`."""
 
     name: Name
     action: Name
     terms: tuple[TermNode, ...]
+    attributes: tuple[Attribute, ...]
     condition: ConditionNode | None
+    references: tuple[ReferenceNode, ...]
     outcomes: tuple[OutcomeNode, ...]
 
 
@@ -297,13 +399,58 @@ class Default(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Reward(Node):
-    """`reward { decrease(count) }`."""
+class Decrease(Node):
+    """`decrease(count)`."""
 
     count: Name
 
 
-DomainSection = Types | Constants | Predicates | Functions | Derived | Actions | RuleNode | Default | Reward
+@dataclass(frozen=True, slots=True)
+class CountValue(Node):
+    """The name of a count in a reward."""
+
+    count: Name
+
+
+@dataclass(frozen=True, slots=True)
+class ReachedGoal(Node):
+    """`goal` in a reward."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActionCost(Node):
+    """`cost` in a reward."""
+
+
+@dataclass(frozen=True, slots=True)
+class Payment(Node):
+    """`weight * what`, the sign before it included; without a weight the sign alone."""
+
+    weight: Number | None
+    what: Decrease | CountValue | ReachedGoal | ActionCost
+    negative: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Reward(Node):
+    """`reward { payment + payment ... }`."""
+
+    payments: tuple[Payment, ...]
+
+
+DomainSection = (
+    Include
+    | Types
+    | Constants
+    | Predicates
+    | Functions
+    | Derived
+    | Shared
+    | Actions
+    | RuleNode
+    | Default
+    | Reward
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,7 +483,7 @@ class FactNode(Node):
     """`p(objects)` or `f(objects) = value`."""
 
     application: Application
-    value: Name | None
+    value: Name | Number | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,6 +491,13 @@ class Init(Node):
     """`init { ... }`."""
 
     facts: tuple[FactNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Goal(Node):
+    """`goal { condition }`."""
+
+    condition: ConditionNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,18 +515,7 @@ class Discount(Node):
     value: Number
 
 
-ProblemSection = DomainName | Objects | Init | HorizonNode | Discount
-
-
-@dataclass(frozen=True, slots=True)
-class ProblemNode(Node):
-    """A whole problem."""
-
-    name: Name
-    sections: tuple[ProblemSection, ...]
-
-
-# ---- scenes
+# ---- settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -415,6 +558,27 @@ class Setting(Node):
 
     key: Name
     value: SettingValue
+
+
+# ---- problems and scenes
+
+
+@dataclass(frozen=True, slots=True)
+class Planner(Node):
+    """`planner { settings }`."""
+
+    settings: tuple[Setting, ...]
+
+
+ProblemSection = DomainName | Objects | Init | Goal | HorizonNode | Discount | Planner
+
+
+@dataclass(frozen=True, slots=True)
+class ProblemNode(Node):
+    """A whole problem."""
+
+    name: Name
+    sections: tuple[ProblemSection, ...]
 
 
 @dataclass(frozen=True, slots=True)

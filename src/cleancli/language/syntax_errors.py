@@ -14,6 +14,7 @@ _WORDS = {
     "NAME": "a name",
     "VARIABLE": "a variable such as `?a`",
     "NUMBER": "a number",
+    "STRING": "a path in quotes",
     "UNIT": "a unit",
     "OPERATOR": "`<=`, `>=` or `>`",
     "$END": "the end of the file",
@@ -45,10 +46,8 @@ _HABIT_WORDS = {
     "if": "a condition begins with `when`",
     "when": "a rule has one `when`, before its outcomes",
     "else": "write a second rule for the other case",
-    "exists": "conditions have no quantifiers",
     "not": "facts that are not listed are false: leave it out",
-    "include": "a file stands alone",
-    "goal": "a problem has no goal: the reward of the domain says what pays",
+    "include": "only a domain includes files, and between its sections",
 }
 
 
@@ -86,8 +85,8 @@ class Reader:
         """The terminals that may stand where the parser stopped."""
         accepted = set(error.accepts or error.expected)
         before = self._text[: error.token.start_pos or 0].rstrip()
-        if accepted == {"THEN"} and not before.endswith("{"):
-            # The parser had already ended the condition, because in a count a name may follow one.
+        if accepted == {"THEN", "WITH"} and not before.endswith("{"):
+            # The parser had already ended the condition, because in `derived` a name may follow one.
             accepted.add("COMMA")
         return accepted
 
@@ -121,7 +120,7 @@ class Reader:
             "E107",
             f"`{match['unit']}` is no unit",
             self._span(match.start("unit"), match.end("unit")),
-            help="lengths are in m, cm or mm, angles in rad or deg, times in s",
+            help="lengths are in m, cm or mm, angles in rad or deg, times in s or min",
         )
 
     def _advice(self, token: Token, accepted: set[str]) -> str:
@@ -153,6 +152,8 @@ class Reader:
             return "each list of names ends with its type: `a b - type`"
         if "COMMA" in accepted and token.type in ("NAME", "NOT", "FORALL", "VARIABLE"):
             return "is a comma missing before it?"
+        if token == "(" and accepted == {"COLON", "LSQB"}:
+            return "is a comma missing before the name?"
         if "COLON" in accepted and token.type in ("NAME", "NOT", "NOTHING", "NOISE"):
             return "is a colon missing before it?"
         return ""
