@@ -87,7 +87,7 @@ def bad_inputs() -> dict[str, tuple[str, str, list[str], list[str]]]:
             "s.nid",
             SCENE.replace("offset = 0 cm", "offset = 40 cm"),
             scene,
-            ["s.nid:7:38:", "container", "edge"],
+            ["s.nid:7:37:", "container", "edge"],
         ),
         "binary file": ("d.nid", "\x00\x01\x02" * 100, plan, ["d.nid", "text"]),
     }

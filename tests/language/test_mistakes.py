@@ -62,5 +62,6 @@ def test_every_code_is_documented() -> None:
 def test_every_code_of_a_check_has_a_file_here() -> None:
     texts = [path.with_suffix(".txt").read_text(encoding="utf-8") for path in FILES]
     shown = {code for text in texts for code in re.findall(r"\[(E\d{3})\]", text)}
-    wanted = {code for code in _codes(PACKAGE / "language") | _codes(PACKAGE / "scene") if code > "E1"}
+    codes = _codes(PACKAGE / "language") | _codes(PACKAGE / "scene")
+    wanted = {code for code in codes if "E1" < code < "E8"}  # reading files, and renaming, are no checks
     assert wanted - shown == {"E106"}, "E106 needs two kinds of file: see test_load"

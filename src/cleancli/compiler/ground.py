@@ -154,7 +154,7 @@ def _overlaps(domain: Domain, found: Sequence[Case], numbering: Numbering) -> It
 def _both(first: Requirement, second: Requirement) -> Requirement | None:
     """One state's worth of both requirements (a single value per key); None where they exclude each other."""
     keys = sorted({*first, *second})
-    shared = [first.get(key, second.get(key, frozenset())) & second.get(key, first[key]) for key in keys]
+    shared = [frozenset.intersection(*(r[key] for r in (first, second) if key in r)) for key in keys]
     if not all(shared):
         return None
     return {key: frozenset({min(values, key=str)}) for key, values in zip(keys, shared, strict=True)}

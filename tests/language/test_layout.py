@@ -1,0 +1,95 @@
+"""The canonical layout: tokens and comments stay, and what has it keeps it."""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.layout import layout
+from cleancli.language.load import load_domain, read_source
+from cleancli.language.parse import parse
+from cleancli.language.tokens import tokens_of
+from cleancli.shipped import shipped
+
+HERE = Path(__file__).parent
+SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]
+TEXTS = [read_source(path).text for path in [*SHIPPED, HERE / "small.nid"]]
+
+
+def _comments(text: str) -> list[str]:
+    return [comment.rstrip() for comment in re.findall(r"#[^\r\n]*", text)]
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_files_have_the_layout(path: Path) -> None:
+    text = read_source(path).text
+    assert layout(text) == text
+
+
+def test_everything_that_can_be_out_of_order() -> None:
+    source = (HERE / "layout" / "untidy.nid").read_text(encoding="utf-8")
+    assert layout(source) == (HERE / "layout" / "tidy.nid").read_text(encoding="utf-8")
+    load_domain(Source("untidy", source))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(TEXTS), st.integers(0, 2**32), st.sampled_from(["\n", "\r\n", "\r"]))
+def test_any_spacing_comes_to_an_end(text: str, seed: int, line_end: str) -> None:
+    """Tokens with other gaps: the same tree and comments, in one step."""
+    generator = random.Random(seed)
+    gaps = [" ", "  ", "\t", line_end, line_end * 3, f" # remark {line_end}", f"{line_end} # own{line_end}"]
+    untidy = line_end + "".join(
+        token.text + generator.choices(gaps, [90, 5, 5, 9, 2, 3, 3])[0] for token in tokens_of(text)
+    )
+    tidy = layout(untidy)
+    assert parse(Source("", tidy)).root == parse(Source("", text)).root
+    assert _comments(tidy) == _comments(untidy)
+    assert layout(tidy) == tidy
+    assert set(re.findall(r"\r\n|\n|\r", tidy)) == {line_end}
+    assert not re.search(r"[ \t](\r|\n|$)", tidy)
+    assert line_end * 3 not in tidy
+    assert tidy.endswith("}" + line_end) or tidy.splitlines()[-1].lstrip(" }").startswith("#")
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("problem p{}", "problem p { }\n"),
+        ("problem p {\n\n}", "problem p { }\n"),
+        ("problem p { # why\n}", "problem p {  # why\n}\n"),
+        ("\ufeffproblem p { domain=d }\r\n", "\ufeffproblem p {\r\n  domain = d\r\n}\r\n"),
+        ("scene s { rag { width=12 cm } }", "scene s {\n  rag { width = 12 cm }\n}\n"),
+        ("scene s {dirt{at=( - 2 cm , 1 cm)}}", "scene s {\n  dirt { at = (-2 cm, 1 cm) }\n}\n"),
+        ("# a\n\n\n# b\nproblem p { }\n# c", "# a\n\n# b\nproblem p { }\n# c\n"),
+        ("problem p { } # a\n # b\n\n", "problem p { }  # a\n# b\n"),
+        ("problem p { horizon=\n#why\n3 }", "problem p {\n  horizon =\n      #why\n      3\n}\n"),
+    ],
+)
+def test_small_cases(before: str, after: str) -> None:
+    assert layout(before) == after
+    assert layout(after) == after
+
+
+def test_a_comment_that_goes_on_below_stays_in_its_column() -> None:
+    text = "problem p {\n  horizon = 3  # first\n               # and second\n  # alone\n  discount = 1\n}\n"
+    assert layout(text) == text.replace("horizon =", "horizon  =").replace("    #", "     #", 1)
+
+
+def test_what_is_too_wide_is_broken_once() -> None:
+    facts = " ".join(f"dirt(area_number_{n})" for n in range(8))
+    tidy = layout(f"problem p {{ init {{ {facts} }} }}")
+    assert tidy.splitlines()[2:10] == [f"    {fact}" for fact in facts.split()]
+    assert layout(tidy) == tidy
+
+
+def test_mistakes_are_refused() -> None:
+    with pytest.raises(Refused) as refused:
+        layout("problem p { horizon 3 }", "p.nid")
+    assert refused.value.diagnostics[0].code == "E104"
+    assert refused.value.sources[0].path == "p.nid"
