@@ -1,9 +1,9 @@
-"""How fast .nid text is checked: `python benchmarks/language.py [rounds]`, on one core, as ratios within one run.
+"""How fast .nid text is checked: `python benchmarks/language.py [rounds]`, on one core, as ratios of one run.
 
-A generated domain of 4,000 rules in 20,000 lines: parse and check against lark's own bare parse of the same text
-with the same grammar. Then `cleancli check` of the shipped domain from a cold start against importing click and lark.
-Rounds take turns, so that whatever else the machine does weighs on both; medians are printed. The first round of
-the cold starts fills the caches and is not counted.
+A generated domain of 4,000 rules in 20,000 lines: parse and check against lark's own bare parse of the same
+text with the same grammar. Then `cleancli check` of the shipped domain from a cold start against importing
+click and lark. Rounds take turns, so that whatever else the machine does weighs on both; medians are printed.
+The first round of the cold starts fills the caches and is not counted.
 """
 
 from __future__ import annotations

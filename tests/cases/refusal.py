@@ -1,4 +1,4 @@
-"""What a case says: the mistakes of one file, or of several that belong together, as a user would read them."""
+"""What a case says: the mistakes of one file, or of several that belong together, as a user reads them."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ def parse(source: Source) -> Parsed:
             place = min(error.pos_in_stream or 0, len(text) - 1)
             in_block = any(block.start <= place < block.end for block in shape.blocks)
             shorter, names = _without_fault(text, place, shape.blocks)
-            if shorter == text or (not in_block and shape.diagnostics):
+            if shorter in (text, "") or shorter.isspace() or (not in_block and shape.diagnostics):
                 return Parsed(None, frozenset(broken), tuple(diagnostics))
             broken |= names
             text = shorter
@@ -118,4 +118,4 @@ def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[st
     between = text[start:end]
     if "{" in between or "}" in between:
         return text, frozenset()
-    return blank(text, start, end), frozenset(re.findall(r"(\w+)\s*=", between)[:1])
+    return blank(text, start, end), frozenset(re.findall(r"(\w+)\s*[=:]", between)[:1])
