@@ -1,9 +1,9 @@
 """The parser of grammar/nid.lark, built once for each user: building it takes longer than checking a file.
 
-What lark makes of the grammar is kept in the user's cache folder. It is a pickle, and a pickle can run code: so
-it is read only from a file that belongs to this user and that nobody else may write, and only if its checksum
-fits. The name holds the versions and the text that it was made from; a file that is missing, old, foreign or
-damaged is built again, and where no file can be kept the parser still works.
+What lark makes of the grammar is kept in the user's cache folder. It is a pickle, and a pickle can run code:
+so it is read only from a file that belongs to this user and that nobody else may write, and only if its
+checksum fits. The name holds the versions and the text that it was made from; a file that is missing, old,
+foreign or damaged is built again, and where no file can be kept the parser still works.
 """
 
 from __future__ import annotations
