@@ -12,7 +12,8 @@ from lark import Tree
 
 from cleancli.language.build import Builder
 from cleancli.language.diagnostics import Refused, Source, Span
-from cleancli.language.parse import grammar, kind_of, parse
+from cleancli.language.grammar import grammar
+from cleancli.language.parse import kind_of, parse
 from cleancli.shipped import shipped
 
 HERE = Path(__file__).parent

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+from pathlib import PurePath
+from typing import Any
 
+import pytest
+
+from cleancli import __version__
 from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
 from cleancli.language.lines import Lines
-from cleancli.language.render import as_json, render
+from cleancli.language.render import as_json, as_sarif, render
 
 
 def _shown(text: str, part: str) -> list[str]:
@@ -72,3 +77,102 @@ def test_json() -> None:
         "help": "h",
     }
     assert data[1]["line"] is None
+
+
+SARIF: dict[str, Any] = {
+    "$schema": str,
+    "version": "2.1.0",
+    "runs": [
+        {
+            "tool": {"driver": {"name": "cleancli", "version": __version__, "rules": [{"id": str}]}},
+            "columnKind": "unicodeCodePoints",
+            "newlineSequences": [str],
+            "results": [
+                {
+                    "ruleId": str,
+                    "ruleIndex": int,
+                    "level": str,
+                    "message": {"text": str},
+                    "locations?": [
+                        {
+                            "physicalLocation": {
+                                "artifactLocation": {"uri": str},
+                                "region?": {
+                                    "startLine": int,
+                                    "startColumn": int,
+                                    "endLine": int,
+                                    "endColumn": int,
+                                },
+                            }
+                        }
+                    ],
+                }
+            ],
+        }
+    ],
+}
+"""What a run may hold, after the standard: a type or value for each key, `?` behind what may be left out."""
+
+
+def _assert_fits(data: object, shape: object, where: str = "sarif") -> None:
+    if isinstance(shape, dict):
+        assert isinstance(data, dict), where
+        needed = {key for key in shape if not key.endswith("?")}
+        assert needed <= data.keys() <= {key.removesuffix("?") for key in shape}, where
+        for key, value in data.items():
+            _assert_fits(value, shape.get(key, shape.get(f"{key}?")), f"{where}.{key}")
+    elif isinstance(shape, list):
+        assert isinstance(data, list), where
+        for item in data:
+            _assert_fits(item, shape[0], f"{where}[]")
+    else:
+        assert isinstance(data, shape) if isinstance(shape, type) else data == shape, where
+
+
+def _sarif_run(diagnostics: list[Diagnostic], source: Source) -> dict[str, Any]:
+    data = as_sarif(diagnostics, [source], PurePath("/work"))
+    assert json.loads(json.dumps(data)) == data
+    _assert_fits(data, SARIF)
+    run: dict[str, Any] = data["runs"][0]
+    for result in run["results"]:
+        assert run["tool"]["driver"]["rules"][result["ruleIndex"]]["id"] == result["ruleId"]
+        assert result["level"] in {"none", "note", "warning", "error"}
+    return run
+
+
+def test_sarif() -> None:
+    source = Source("/work/a b/é.nid", "one\r\n𝛼 two\rthree")
+    start = source.text.index("two")
+    found = [
+        Diagnostic("E2", "m", Span(source.path, start, len(source.text)), "label", "advice"),
+        Diagnostic("E1", "n", None, level=Level.WARNING),
+        Diagnostic("E2", "o", Span("elsewhere.nid", 3, 4)),
+    ]
+    run = _sarif_run(found, source)
+    assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["E1", "E2"]
+    first, second, third = run["results"]
+    assert first["message"]["text"] == "m\nlabel\nhelp: advice"
+    place = first["locations"][0]["physicalLocation"]
+    assert place["artifactLocation"]["uri"] == "a%20b/%C3%A9.nid"
+    assert place["region"] == {"startLine": 2, "startColumn": 3, "endLine": 3, "endColumn": 6}
+    assert (second["level"], "locations" in second) == ("warning", False)
+    assert "region" not in third["locations"][0]["physicalLocation"]
+
+
+@pytest.mark.parametrize(
+    ("name", "uri"),
+    [
+        ("sub/x.nid", "sub/x.nid"),
+        ("/work/x.nid", "x.nid"),
+        ("/other/x.nid", "file:///other/x.nid"),
+        ("<stdin>", "%3Cstdin%3E"),
+        ("a#b%.nid", "a%23b%25.nid"),
+    ],
+)
+def test_sarif_names_files_relative_to_the_folder(name: str, uri: str) -> None:
+    run = _sarif_run([Diagnostic("E1", "m", Span(name, 0, 1))], Source(name, "x"))
+    assert run["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] == uri
+
+
+def test_sarif_without_results_is_a_run_too() -> None:
+    assert _sarif_run([], Source("x", ""))["results"] == []

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, cast
 
 from lark import Token, Tree
-from lark.tree import Meta
 
 from cleancli.language import syntax
 from cleancli.language.diagnostics import Span
@@ -20,19 +20,22 @@ class Builder:
 
     def __init__(self, path: str) -> None:
         self._path = path
+        self._builders: dict[str, Callable[[list[_Child], Span], _Child]] = {}
 
     def build(self, tree: Tree[Token]) -> _Child:
         """The node for a tree; raises LookupError for a grammar rule that has no builder."""
-        builder = getattr(self, f"build_{tree.data}", None)
-        if builder is None:
-            raise LookupError(f"grammar rule `{tree.data}` has no builder")
+        builder = self._builders.get(tree.data) or self._builder(tree.data)
         children = [self.build(child) if isinstance(child, Tree) else child for child in tree.children]
-        return builder(children, self._span(tree.meta))
+        meta = tree.meta
+        return builder(
+            children, Span(self._path, 0, 0) if meta.empty else Span(self._path, meta.start_pos, meta.end_pos)
+        )
 
-    def _span(self, meta: Meta) -> Span:
-        if meta.empty:
-            return Span(self._path, 0, 0)
-        return Span(self._path, meta.start_pos, meta.end_pos)
+    def _builder(self, rule: str) -> Callable[[list[_Child], Span], _Child]:
+        builder = getattr(self, f"build_{rule}", None)
+        if builder is None:
+            raise LookupError(f"grammar rule `{rule}` has no builder")
+        return self._builders.setdefault(rule, cast(Callable[[list[_Child], Span], _Child], builder))
 
     def _name(self, token: Token) -> syntax.Name:
         start, end = cast(int, token.start_pos), cast(int, token.end_pos)

@@ -7,23 +7,26 @@ from __future__ import annotations
 
 import difflib
 import functools
+import gc
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import cast
 
-from lark import Lark, UnexpectedInput
+from lark import UnexpectedInput
 from lark.lexer import PatternStr
 
 from cleancli.language.build import Builder
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.grammar import grammar
 from cleancli.language.outline import Block, blank, outline
 from cleancli.language.syntax import Root
 from cleancli.language.syntax_errors import Reader
-from cleancli.shipped import shipped
 
 KINDS = ("domain", "problem", "scene")
 _MOST_ERRORS = 20
-_SETTING = re.compile(r"\binclude\b|\w+(?=\s*=)")
+_SETTING = re.compile(r"\binclude\b|\w+(?=\s*[=:])")
 """What can stand between the sections of a file."""
 
 
@@ -38,19 +41,25 @@ class Parsed:
 
 
 @functools.cache
-def grammar() -> Lark:
-    """The parser of grammar/nid.lark, built once."""
-    text = (shipped("grammar") / "nid.lark").read_text(encoding="utf-8")
-    return Lark(text, parser="lalr", propagate_positions=True, maybe_placeholders=True)
-
-
-@functools.cache
 def _keywords() -> dict[str, str]:
     return {
         terminal.name: terminal.pattern.value
         for terminal in grammar().terminals
         if isinstance(terminal.pattern, PatternStr)
     }
+
+
+@contextmanager
+def _nothing_to_collect() -> Iterator[None]:
+    """Pause the collection of cycles: trees have none, and searching growing trees takes half of the time."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 def kind_of(source: Source) -> str:
@@ -72,6 +81,7 @@ def kind_of(source: Source) -> str:
     raise Refused([Diagnostic("E105", message, span, help=advice)], [source])
 
 
+@_nothing_to_collect()
 def parse(source: Source) -> Parsed:
     """The syntax tree with every syntax error found (E101 to E107); raises Refused if it is no .nid text."""
     kind_of(source)
@@ -88,7 +98,7 @@ def parse(source: Source) -> Parsed:
             place = min(error.pos_in_stream or 0, len(text) - 1)
             in_block = any(block.start <= place < block.end for block in shape.blocks)
             shorter, names = _without_fault(text, place, shape.blocks)
-            if shorter == text or (not in_block and shape.diagnostics):
+            if shorter in (text, "") or shorter.isspace() or (not in_block and shape.diagnostics):
                 return Parsed(None, frozenset(broken), tuple(diagnostics))
             broken |= names
             text = shorter

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Callable, Iterable
+from pathlib import PurePath
+from typing import Any
+from urllib.parse import quote
 
+from cleancli import __version__
 from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
 from cleancli.language.lines import Lines
 
@@ -112,3 +116,60 @@ def _as_dict(diagnostic: Diagnostic, lines: dict[str, Lines]) -> dict[str, str |
         "label": diagnostic.label,
         "help": diagnostic.help,
     }
+
+
+def as_sarif(
+    diagnostics: Iterable[Diagnostic], sources: Iterable[Source], folder: PurePath | None = None
+) -> dict[str, Any]:
+    """Diagnostics as one run of SARIF 2.1.0, the format in which code hosts and editors take results.
+
+    Lines and columns are those of `as_json`. Files are named as the sources are, but those below `folder`
+    relative to it, and other absolute paths as file URIs.
+    """
+    found = tuple(diagnostics)
+    lines = {source.path: Lines(source.text) for source in sources}
+    codes = sorted({diagnostic.code for diagnostic in found})
+    driver = {"name": "cleancli", "version": __version__, "rules": [{"id": code} for code in codes]}
+    run = {
+        "tool": {"driver": driver},
+        "columnKind": "unicodeCodePoints",
+        "newlineSequences": ["\r\n", "\n", "\r"],
+        "results": [_as_result(diagnostic, codes, lines, folder) for diagnostic in found],
+    }
+    return {
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [run],
+    }
+
+
+def _as_result(
+    diagnostic: Diagnostic, codes: list[str], lines: dict[str, Lines], folder: PurePath | None
+) -> dict[str, Any]:
+    said = (diagnostic.message, diagnostic.label, diagnostic.help and f"help: {diagnostic.help}")
+    result: dict[str, Any] = {
+        "ruleId": diagnostic.code,
+        "ruleIndex": codes.index(diagnostic.code),
+        "level": diagnostic.level.value,
+        "message": {"text": "\n".join(part for part in said if part)},
+    }
+    span = diagnostic.span
+    if span is not None:
+        location: dict[str, Any] = {"artifactLocation": {"uri": _uri(span.path, folder)}}
+        if span.path in lines:
+            location["region"] = _region(span, lines[span.path])
+        result["locations"] = [{"physicalLocation": location}]
+    return result
+
+
+def _region(span: Span, lines: Lines) -> dict[str, int]:
+    line, column = lines.place(span.start)
+    end_line, end_column = lines.place(span.end)
+    return {"startLine": line, "startColumn": column, "endLine": end_line, "endColumn": end_column}
+
+
+def _uri(name: str, folder: PurePath | None) -> str:
+    path = PurePath(name)
+    if folder is not None and path.is_relative_to(folder):
+        path = path.relative_to(folder)
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from cleancli.language.diagnostics import Diagnostic, Span
+from cleancli.language.habits import Misplaced, for_character, for_token
 
 _WORDS = {
     "NAME": "a name",
@@ -30,25 +30,9 @@ _IMPLIED = {
 }
 """Terminals that are not said to be expected where another one is."""
 _MOST_SAID = 12
-
-_HABITS = {
-    "!": "write `not` before a predicate, `!=` between two terms",
-    "~": "write `not` for negation",
-    "&": "literals are joined by commas",
-    "|": "there is no `or`: write two rules",
-    "(": "every construct starts with a word: `(and ...)` of PDDL is a list with commas here",
-    ".": "numbers are written `0.5`, not `.5`",
-    "[": "marks in brackets follow a declaration or a probability",
-}
-_HABIT_WORDS = {
-    "and": "literals are joined by commas",
-    "or": "there is no `or`: write two rules",
-    "if": "a condition begins with `when`",
-    "when": "a rule has one `when`, before its outcomes",
-    "else": "write a second rule for the other case",
-    "not": "facts that are not listed are false: leave it out",
-    "include": "only a domain includes files, and between its sections",
-}
+_COMMENT = re.compile(r"#[^\r\n]*")
+_FAR = 80
+"""How many characters behind a token are looked at for what was meant."""
 
 
 class Reader:
@@ -74,12 +58,8 @@ class Reader:
         start = error.pos_in_stream or 0
         character = self._text[start]
         shown = character if character.isprintable() else f"U+{ord(character):04X}"
-        advice = _HABITS.get(character, "")
-        if not advice and (character.isalpha() or character.isdigit()):
-            advice = "names consist of the letters a to z, digits and `_`"
-        if character == "?":
-            advice = "a variable is `?` with a name directly after it"
-        return Diagnostic("E101", f"`{shown}` cannot stand here", self._span(start, start + 1), help=advice)
+        span = self._span(start, start + 1)
+        return Diagnostic("E101", f"`{shown}` cannot stand here", span, help=for_character(character))
 
     def _accepted(self, error: UnexpectedToken) -> set[str]:
         """The terminals that may stand where the parser stopped."""
@@ -98,22 +78,42 @@ class Reader:
             return Diagnostic(
                 "E104", "the file ends too early", self._span(max(end - 1, 0), end), self._expected(accepted)
             )
+        at = self._misplaced(token, frozenset(accepted))
         start = int(token.start_pos or 0)
-        bad_unit = self._bad_unit(start, accepted)
-        if bad_unit is not None:
-            return bad_unit
-        return Diagnostic(
-            "E104",
-            f"`{token}` cannot stand here",
-            self._span(start, start + len(token)),
-            self._expected(accepted),
-            self._advice(token, accepted),
+        return (
+            self._bad_unit(start, at)
+            or self._empty_place(start, at)
+            or Diagnostic(
+                "E104",
+                f"`{token}` cannot stand here",
+                self._span(start, start + len(token)),
+                self._expected(accepted),
+                for_token(at),
+            )
         )
 
-    def _bad_unit(self, start: int, accepted: set[str]) -> Diagnostic | None:
-        if accepted != {"EQUAL", "LBRACE"}:
-            return None
-        match = re.search(r"[0-9][ \t]*(?P<unit>[A-Za-z_]\w*)\s*$", self._text[:start])
+    def _misplaced(self, token: Token, accepted: frozenset[str]) -> Misplaced:
+        start = int(token.start_pos or 0)
+        before = _COMMENT.sub(lambda comment: " " * len(comment[0]), self._text[:start])
+        words = tuple(self._keywords[name] for name in sorted(accepted) if name in self._keywords)
+        behind = start + len(token)
+        return Misplaced(
+            str(token),
+            token.type,
+            accepted,
+            before.rstrip(),
+            self._text[behind : behind + _FAR],
+            bool(before) and not before[-1].isspace(),
+            words,
+        )
+
+    def _bad_unit(self, start: int, at: Misplaced) -> Diagnostic | None:
+        """E107 for a word behind a number; a setting ends there, so it may have been taken for a key."""
+        match = None
+        if at.accepted == {"EQUAL", "LBRACE"}:
+            match = re.search(r"[0-9][ \t]*(?P<unit>[A-Za-z_]\w*)$", at.before)
+        elif "UNIT" in at.accepted and "NAME" not in at.accepted and at.kind == "NAME":
+            match = re.compile(r"(?P<unit>\w+)").match(self._text, start)
         if match is None:
             return None
         return Diagnostic(
@@ -123,40 +123,22 @@ class Reader:
             help="lengths are in m, cm or mm, angles in rad or deg, times in s or min",
         )
 
-    def _advice(self, token: Token, accepted: set[str]) -> str:
-        before = self._text[: token.start_pos or 0].split()
-        if accepted == {"LPAR"} and before and before[-1] in _HABIT_WORDS:
-            return _HABIT_WORDS[before[-1]]
-        if token == "," and before and before[-1][-1].isdigit():
-            return "the decimal sign is a point: `0.1`"
-        if "MINUS" in accepted and "VARIABLE" in accepted:
-            return "each list of variables ends with its type: `?a ?b - type`"
-        if token == "=" and "ASSIGN" in accepted:
-            return "an effect sets a value with `:=`; `=` compares in a condition"
-        if token == ":=" and "EQUAL" in accepted:
-            return "`:=` sets a value in an effect; here write `=`"
-        if token.type == "NAME" and "VARIABLE" in accepted and "NAME" not in accepted:
-            return f"variables begin with a question mark: `?{token}`"
-        if token == "-" and "NUMBER" in accepted:
-            return "the number must not be negative"
-        words = [self._keywords[name] for name in sorted(accepted) if name in self._keywords]
-        near = difflib.get_close_matches(token, [w for w in words if w.isalpha()], n=1, cutoff=0.7)
-        if near:
-            return f"did you mean `{near[0]}`?"
-        if token.type == "NAME" and token in _HABIT_WORDS:
-            return _HABIT_WORDS[token]
-        return self._missing(token, accepted)
-
-    def _missing(self, token: Token, accepted: set[str]) -> str:
-        if "MINUS" in accepted and "NUMBER" not in accepted:
-            return "each list of names ends with its type: `a b - type`"
-        if "COMMA" in accepted and token.type in ("NAME", "NOT", "FORALL", "VARIABLE"):
-            return "is a comma missing before it?"
-        if token == "(" and accepted == {"COLON", "LSQB"}:
-            return "is a comma missing before the name?"
-        if "COLON" in accepted and token.type in ("NAME", "NOT", "NOTHING", "NOISE"):
-            return "is a colon missing before it?"
-        return ""
+    def _empty_place(self, start: int, at: Misplaced) -> Diagnostic | None:
+        """What is missing before the token and told best where it should stand: behind a comma or a name."""
+        word = re.search(r"\w+$", at.before)
+        comma = re.search(r",\s*(?:then|when|rest|forall)?$", at.before)
+        is_end = at.kind in ("RBRACE", "RPAR", "RSQB") or (
+            at.kind in ("NUMBER", "RATIONAL") and "NOT" in at.accepted
+        )
+        if comma and ("LPAR" in at.accepted or is_end):
+            place = self._span(comma.start(), comma.start() + 1)
+            return Diagnostic("E104", "nothing stands behind this comma", place, help="remove it")
+        if at.accepted == {"LPAR"} and word and at.token != ":" and not for_token(at):
+            name = word.group()
+            help = f"write `{name}(...)`, or `{name}()` if it takes nothing"
+            place = self._span(word.start(), word.end())
+            return Diagnostic("E104", f"`{name}` stands without its parentheses", place, help=help)
+        return None
 
     def _expected(self, accepted: set[str]) -> str:
         names = {name for name in accepted if name not in _BLANKS and _IMPLIED.get(name) not in accepted}

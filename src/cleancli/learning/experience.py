@@ -71,7 +71,10 @@ def _order(fact: Fact) -> tuple[str, tuple[str, ...]]:
 
 def _decode_line(line: str, domain: Domain) -> Transition:
     """Raises ValueError, with the reason, for anything that is not a transition."""
-    record = _typed(json.loads(line), dict, "the line")
+    try:
+        record = _typed(json.loads(line), dict, "the line")
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
     action = _typed(record.get("action"), str, "action")
     arity = {a.name: len(a.parameters) for a in domain.actions}
     arguments = tuple(_names(record.get("arguments"), "arguments"))
@@ -82,7 +85,7 @@ def _decode_line(line: str, domain: Domain) -> Transition:
     types = {t.name for t in domain.types}
     objects = []
     for name, type_name in _typed(record.get("objects"), dict, "objects").items():
-        if type_name not in types:
+        if not isinstance(type_name, str) or type_name not in types:
             raise ValueError(f"the domain has no type {type_name!r}")
         objects.append(Object(name, type_name))
     known = {o.name for o in (*objects, *domain.constants)}

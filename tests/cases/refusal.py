@@ -1,0 +1,75 @@
+"""What a case says: the mistakes of one file, or of several that belong together, as a user reads them."""
+
+from __future__ import annotations
+
+import os
+from contextlib import chdir
+from pathlib import Path
+
+from cleancli.cli.inputs import open_domain
+from cleancli.compiler.ground import ground
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.load import kind_of, load_domain, load_problem, read_source
+from cleancli.language.model import Domain
+from cleancli.language.render import render
+from cleancli.learning.experience import decode
+from cleancli.perception.symbols import symbolize
+from cleancli.scene.check import load_scene
+
+SMALL = Path(__file__).parents[1] / "language" / "small.nid"
+"""The domain of every problem that stands alone."""
+
+
+def cases(folder: Path) -> list[Path]:
+    """The files and folders of mistakes; beside each file, and in each folder, is the text it should give."""
+    return sorted(path for path in folder.iterdir() if path.suffix == ".nid" or path.is_dir())
+
+
+def expected_path(case: Path) -> Path:
+    """Where the text is that a case should give."""
+    return case / "expected.txt" if case.is_dir() else case.with_suffix(".txt")
+
+
+def refusal(case: Path) -> tuple[str, tuple[Diagnostic, ...]]:
+    """What a case is refused with, as text and as data; places are shown relative to the case."""
+    sources: list[Source] = []
+    try:
+        with chdir(case if case.is_dir() else case.parent):
+            _folder(sources) if case.is_dir() else _file(case.name, sources)
+    except Refused as refused:
+        return render(refused.diagnostics, sources), refused.diagnostics
+    return "no mistake found\n", ()
+
+
+def _read(name: str, sources: list[Source]) -> Source:
+    sources.append(read_source(name))
+    return sources[-1]
+
+
+def _file(name: str, sources: list[Source]) -> None:
+    source = _read(name, sources)
+    match kind_of(source):
+        case "domain":
+            load_domain(source)
+        case "problem":
+            load_problem(source, load_domain(read_source(SMALL)))
+        case _:
+            load_scene(source)
+
+
+def _folder(sources: list[Source]) -> None:
+    """Of the files below, those that the folder has, in the order in which a command would use them."""
+    if os.path.exists("name.txt"):
+        open_domain(Path("name.txt").read_text(encoding="utf-8").strip())
+        return
+    domain = load_domain(_read("domain.nid", sources))
+    _with_domain(domain, sources)
+
+
+def _with_domain(domain: Domain, sources: list[Source]) -> None:
+    if os.path.exists("problem.nid"):
+        ground(domain, load_problem(_read("problem.nid", sources), domain))
+    if os.path.exists("scene.nid"):
+        symbolize((), load_scene(_read("scene.nid", sources)), domain)
+    if os.path.exists("experience.jsonl"):
+        decode(_read("experience.jsonl", sources), domain)

@@ -1,0 +1,60 @@
+"""The kept parser: used when it is whole and ours alone, and never needed."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from pathlib import Path
+
+import pytest
+from lark import UnexpectedToken
+
+from cleancli.language.grammar import grammar, read_cached, write_cached
+from cleancli.shipped import find
+
+TEXT = find("cleaning", "domains").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> Path:
+    path = tmp_path / "new" / "nid.parser"
+    write_cached(path, grammar())
+    return path
+
+
+def test_a_kept_parser_gives_the_same_trees_and_errors(kept: Path) -> None:
+    parser = read_cached(kept)
+    assert parser is not None
+    assert parser.parse(TEXT) == grammar().parse(TEXT)
+    with pytest.raises(UnexpectedToken) as unexpected:
+        parser.parse("domain d { types { a - } }")
+    assert unexpected.value.accepts == {"NAME"}
+
+
+def test_a_damaged_or_missing_file_is_not_used(kept: Path) -> None:
+    whole = kept.read_bytes()
+    for damaged in (b"", whole[:40], whole[:-1], whole[:-1] + bytes([whole[-1] ^ 1]), pickle.dumps({})):
+        kept.write_bytes(damaged)
+        assert read_cached(kept) is None
+    assert read_cached(kept.with_name("missing")) is None
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
+@pytest.mark.parametrize("mode", [0o620, 0o602])
+def test_a_file_that_others_may_write_is_not_used(kept: Path, mode: int) -> None:
+    kept.chmod(mode)
+    assert read_cached(kept) is None
+
+
+def test_where_nothing_can_be_kept_nothing_is_left(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    write_cached(tmp_path / "file" / "nid.parser", grammar())
+    (tmp_path / "taken" / "entry").mkdir(parents=True)
+    write_cached(tmp_path / "taken", grammar())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "taken"]
+
+
+@pytest.mark.parametrize("folder", ["relative", os.devnull])
+def test_the_parser_is_built_without_a_folder(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", folder)
+    assert grammar.__wrapped__().parse(TEXT) == grammar().parse(TEXT)

@@ -1,0 +1,22 @@
+"""The benchmarks that are tests when they are made small: benchmarks/fuzz.py and benchmarks/roundtrip.py."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+
+def _run(name: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
+    command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, cwd=cwd, timeout=300)
+
+
+def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
+    result = _run("fuzz.py", "2000", "--keep", str(tmp_path / "kept"), cwd=tmp_path)
+    assert result.returncode == 0, result.stdout
+    assert "0 failures in 2000 inputs" in result.stdout
