@@ -57,12 +57,10 @@ def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]
 
 def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for each rule or count that has too many instances, or for the rules together."""
-    found = [_groundings(index, rule, universe) for index, rule in enumerate(domain.rules)]
-    if sum(each.count for each in found) > RULE_LIMIT:
-        found = [
-            each if each.exact else _groundings(each.rule, domain.rules[each.rule], universe, PATIENT_STEPS)
-            for each in found
-        ]
+    for steps in (0, EXACT_STEPS, PATIENT_STEPS):
+        found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
+        if sum(each.count for each in found) <= RULE_LIMIT:
+            break
     if sum(each.count for each in found) > RULE_LIMIT:
         worst = max(found, key=lambda each: each.count)
         in_all = "" if worst.count > RULE_LIMIT else f" of {sum(each.count for each in found):,} in all"

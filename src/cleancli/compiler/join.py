@@ -58,7 +58,7 @@ class Universe:
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for, all of them bound."""
-        return symbol, self.symbols[symbol].canonical(tuple([name_of(term, binding) for term in terms]))
+        return symbol, self.symbols[symbol].canonical(names_of(terms, binding))
 
     def initial(self, key: Key) -> Value:
         """The value in the initial state; a predicate that is not listed is false."""
@@ -156,7 +156,7 @@ class Universe:
         """Object tuples for which the literal holds, given the variables that are bound."""
         known = _known(literal, binding)
         index = self._index(literal, binding)
-        return index.get(tuple(name_of(literal.terms[p], binding) for p in known), ())
+        return index.get(names_of([literal.terms[p] for p in known], binding), ())
 
     def _index(self, literal: Literal, bound: Collection[Variable]) -> dict[_Row, list[_Row]]:
         """Object tuples for which the literal holds, by the objects of its known terms."""
