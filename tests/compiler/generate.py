@@ -107,7 +107,7 @@ class Generator:
             *(Fact("grade", (n,), str(self.rng.choice(GRADES))) for n in NAMES),
             *(Fact("load", (n,), int(self.rng.integers(3))) for n in NAMES),
         ]
-        goal = (Quantified(False, (X,), (Literal("red", (X,), TRUE), self._literal([X]))),)
+        goal = (Quantified(bool(self.rng.random() < 0.5), (X,), self._inner([X])),)
         objects = tuple(Object(name, "thing") for name in NAMES)
         return Problem("random", "random", objects, frozenset(facts), Horizon(4), 0.9, goal)
 
@@ -144,7 +144,8 @@ class Generator:
     def _inner(self, terms: list[Variable]) -> tuple[Literal | Equality, ...]:
         """A condition without quantifiers; it speaks of the last term."""
         literals = [self._literal(terms[-1:]), self._literal(terms)]
-        more = [Equality(terms[0], terms[-1], False)] if self.rng.random() < 0.3 else []
+        differ = len(terms) > 1 and self.rng.random() < 0.3
+        more = [Equality(terms[0], terms[-1], False)] if differ else []
         return (*literals[: int(self.rng.integers(1, 3))], *more)
 
     def _condition(self, terms: list[Variable], parts: int) -> tuple[Literal | Equality | Quantified, ...]:
@@ -169,10 +170,10 @@ class Generator:
     def _rule(self, name: str, action: str, variables: tuple[Variable, ...], wet: bool) -> Rule:
         own = Literal("wet", (X,), TRUE if wet else FALSE)
         differ = (Equality(X, Y, False),) if len(variables) == 2 and self.rng.random() < 0.5 else ()
-        condition = (own, *differ, *self._condition(list(variables), 2))
+        condition = (own, *differ, *self._condition(list(variables), 1))
         references: tuple[Reference, ...] = ()
         terms = list(variables)
-        if self.rng.random() < 0.5:
+        if self.rng.random() < 0.4:
             references = (Reference((Z,), self._inner([*terms, Z])),)
             terms.append(Z)
             if self.rng.random() < 0.3:

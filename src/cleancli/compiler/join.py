@@ -55,6 +55,7 @@ class Universe:
         self._rows = self._rows_by_value(problem.state)
         self._indices: dict[tuple[str, frozenset[Value], tuple[int, ...]], dict[_Row, list[_Row]]] = {}
         self._follows: dict[tuple[str, _Row], bool] = {}
+        self._reached_from: dict[tuple[str, str], frozenset[str]] = {}
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for, all of them bound."""
@@ -193,8 +194,10 @@ class Universe:
             self._follows[derived.name, objects] = known
         return known
 
-    def _reached(self, predicate: str, start: str) -> set[str]:
+    def _reached(self, predicate: str, start: str) -> frozenset[str]:
         """The objects that one or more steps of an unchangeable predicate lead to."""
+        if (predicate, start) in self._reached_from:
+            return self._reached_from[predicate, start]
         reached: set[str] = set()
         frontier = [start]
         while frontier:
@@ -202,7 +205,8 @@ class Universe:
             steps = {two for two in self.steps(predicate, one) if self.holds(step(predicate, one, two), {})}
             frontier += sorted(steps - reached)
             reached |= steps
-        return reached
+        self._reached_from[predicate, start] = frozenset(reached)
+        return self._reached_from[predicate, start]
 
     def steps(self, predicate: str, start: str) -> tuple[str, ...]:
         """The objects that a predicate of two parameters may relate `start` to, by their types."""
