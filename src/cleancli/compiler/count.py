@@ -19,12 +19,12 @@ from cleancli.language.diagnostics import Diagnostic, Span
 from cleancli.language.format import print_term
 from cleancli.language.model import Condition, Domain, ForAll, Literal, Problem, Quantified, Rule, Variable
 
-RULE_LIMIT = 200_000
-"""Most instances, and most ground rules, of a task. They take 2 to 3 KiB each while grounding, half a
-gigabyte in all, and planning with more would take minutes a step."""
+RULE_LIMIT = 100_000
+"""Most instances, and most ground rules, of a task. Grounding takes 9 KiB for each of those of
+benchmarks/planning.py, so this is 1 GB; and PRADA draws few sequences a second from as many."""
 
-PART_LIMIT = 5_000_000
-"""Most literals and effects that instances may have in all: about 200 bytes each, a gigabyte."""
+PART_LIMIT = 2_000_000
+"""Most literals and effects that instances may have in all, at about 500 bytes each: 1 GB too."""
 
 EXACT_STEPS = 20_000
 """Steps of a join up to which it is run to count it: some hundredths of a second. Chosen."""
