@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cleancli.compiler.dump import dump
+from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import RewardCondition, Task
 from cleancli.compiler.transition import covering_rule, exact_value, reward, sample, successors
@@ -171,6 +172,34 @@ def test_a_join_over_static_facts_does_not_try_all_tuples() -> None:
     text = f"problem p {{ domain = cleaning objects {{ {' '.join(names)} - area }} init {{ {facts} }} }}"
     found = ground(domain, load_problem(Source("p.nid", text), domain))
     assert [str(a) for a in found.actions if a.name == "join2"] == ["join2(a000, a001)", "join2(a001, a000)"]
+
+
+def test_rules_that_speak_of_different_things_overlap() -> None:
+    rules = """
+      rule a: wipe(?a) { when dirt(?a) then 1: not dirt(?a) }
+      rule b: wipe(?a) { when not dirt(?a), wet(?a) then 1: not wet(?a) }
+    """
+    domain = load_domain(Source("domain.nid", DECLARED % rules))
+    second = replace(domain.rules[1], condition=domain.rules[1].condition[1:])
+    facts = "init { dirt(x), wet(x), size(x) = big }"
+    source = Source("p.nid", f"problem p {{ domain = d objects {{ x - area }} {facts} }}")
+    with pytest.raises(Refused, match="both cover wipe"):
+        ground(replace(domain, rules=(domain.rules[0], second)), load_problem(source, domain))
+
+
+def test_a_task_as_data_is_json_and_complete() -> None:
+    data = as_data(task(RULES, THREE))
+    assert json.loads(json.dumps(data)) == data
+    assert data["variables"][2] == {  # type: ignore[index]
+        "symbol": "size", "objects": ["b"], "values": ["small", "medium"], "initial": "medium",
+    }  # fmt: skip
+    assert data["rules"][0] == {  # type: ignore[index]
+        "rule": 1, "action": 0, "when": ["dirt(a)", "dirt(b)"],
+        "outcomes": [{"probability": 1.0, "kind": "change", "effects": ["not dirt(a)"]}],
+    }  # fmt: skip
+    assert data["rewards"] == [
+        {"when": [f"dirt({name})"], "decrease": 1.0, "state": 0.0} for name in ("a", "b")
+    ]
 
 
 def test_dump_of_a_small_task() -> None:

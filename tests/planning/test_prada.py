@@ -15,10 +15,17 @@ import pytest
 import reference
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import (
+    GroundAction,
+    GroundOutcome,
+    GroundRule,
+    RewardCondition,
+    StateVariable,
+    Task,
+)
 from cleancli.compiler.transition import exact_value, forward
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.language.model import Fact, Object, Problem
+from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import plan_value, prada
@@ -204,3 +211,70 @@ def test_small_plan_spaces_get_fewer_samples() -> None:
 def test_action_indices_are_checked() -> None:
     with pytest.raises(AssertionError):
         plan_value(section_4(), [99])
+
+
+def held(reward: float, cost: float, horizon: int, discount: float = 0.9) -> Task:
+    """One action sets one variable with probability 1/2; `reward` is for each step after which it is set."""
+    rule = GroundRule(
+        0,
+        0,
+        ((0, frozenset({0})),),
+        (
+            GroundOutcome(0.5, OutcomeKind.CHANGE, ((0, 1),)),
+            GroundOutcome(0.5, OutcomeKind.NOTHING, ()),
+        ),
+    )
+    return Task(
+        variables=(StateVariable("set", (), (False, True)),),
+        initial=(0,),
+        actions=(GroundAction("do", (), None, cost),),
+        rules=(rule,),
+        rewards=(RewardCondition(((0, frozenset({1})),), 0.0, reward),),
+        constant_reward=0.25,
+        goal=(),
+        initial_count=None,
+        horizon=horizon,
+        discount=discount,
+    )
+
+
+def test_a_state_is_paid_for_up_to_the_horizon() -> None:
+    task = held(reward=1, cost=0.1, horizon=3)
+    nothing = 0.25 * (1 + 0.9 + 0.81)
+    assert exact_value(task, []) == plan_value(task, []) == pytest.approx(nothing)
+    once = nothing - 0.1 + 0.5 * (1 + 0.9 + 0.81)
+    assert exact_value(task, [0]) == plan_value(task, [0]) == pytest.approx(once)
+    late = exact_value(held(reward=1, cost=0.1, horizon=3), [0, 0, 0])
+    assert late == pytest.approx(nothing - 0.1 * 2.71 + 0.5 + 0.9 * 0.75 + 0.81 * 0.875)
+
+
+def test_a_plan_is_compared_with_doing_nothing() -> None:
+    good = prada(held(reward=1, cost=0.1, horizon=3), Options(50, 0))
+    assert good.actions
+    assert good.value == pytest.approx(plan_value(held(1, 0.1, 3), [0] * len(good.actions)))
+    for worse in (held(reward=1, cost=2.0, horizon=3), held(reward=-1, cost=0.0, horizon=3)):
+        plan = prada(worse, Options(50, 0))
+        assert plan.actions == ()
+        assert plan.value == pytest.approx(exact_value(worse, []))
+
+
+def test_a_sequence_is_kept_up_to_where_it_is_worth_most() -> None:
+    task = held(reward=1, cost=0.6, horizon=6, discount=1.0)
+    values = [plan_value(task, [0] * length) for length in range(7)]
+    best = int(np.argmax(values))
+    plan = prada(task, Options(200, 0))
+    assert 0 < best < 6
+    assert (len(plan.actions), plan.value) == (best, pytest.approx(values[best]))
+
+
+def test_stopping_gains_nothing_over_an_action_that_does_nothing() -> None:
+    task = held(reward=-1, cost=0.0, horizon=4)
+    idle = replace(task, rules=(replace(task.rules[0], outcomes=(GroundOutcome(1, OutcomeKind.NOISE, ()),)),))
+    for length in range(5):
+        assert exact_value(idle, [0] * length) == pytest.approx(exact_value(idle, []))
+        assert plan_value(idle, [0] * length) == pytest.approx(plan_value(idle, []))
+
+
+def test_without_a_count_to_decrease_coverage_counts_actions() -> None:
+    task = held(reward=1, cost=0.1, horizon=3)
+    assert coverage(replace(task, actions=task.actions * 2), 4) == pytest.approx(4 / 2**3)

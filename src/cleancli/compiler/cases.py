@@ -54,8 +54,11 @@ def cases_of(instance: Instance, conditions: Conditions, known: Known) -> list[C
 
 
 def _cases(instance: Instance, conditions: Conditions, known: Known) -> Iterator[Case]:
-    effects = _settled(instance, conditions, known)
+    effects = _settled(instance, conditions, known) if instance.effects else []
     for required in disjoint(instance.condition, known):
+        if not effects:
+            yield Case(instance.rule, instance.objects, required, instance.changes)
+            continue
         for decided, assigned in _decided(required, effects, conditions, known):
             changes = [dict(change) for change in instance.changes]
             for position, key, value in assigned:

@@ -7,7 +7,6 @@ Parts of a rule that share no variable are counted apart, so a billion is counte
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,17 +19,17 @@ from cleancli.language.diagnostics import Diagnostic, Span
 from cleancli.language.format import print_term
 from cleancli.language.model import Condition, Domain, ForAll, Literal, Problem, Quantified, Rule, Variable
 
-RULE_LIMIT = 200_000
-"""Most instances, and most ground rules, of a task. They take 2 to 3 KiB each while grounding, half a
-gigabyte in all, and planning with more would take minutes a step."""
+RULE_LIMIT = 100_000
+"""Most instances, and most ground rules, of a task. Grounding takes 9 KiB for each of those of
+benchmarks/planning.py, so this is 1 GB; and PRADA draws few sequences a second from as many."""
 
-PART_LIMIT = 5_000_000
-"""Most literals and effects that instances may have in all: about 200 bytes each, a gigabyte."""
+PART_LIMIT = 2_000_000
+"""Most literals and effects that instances may have in all, at about 500 bytes each: 1 GB too."""
 
 EXACT_STEPS = 20_000
 """Steps of a join up to which it is run to count it: some hundredths of a second. Chosen."""
 
-PATIENT_STEPS = 1_000_000
+PATIENT_STEPS = 250_000
 """The same before a problem is refused, because a bound may be far too high. Chosen: some seconds."""
 
 
@@ -57,12 +56,10 @@ def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]
 
 def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for each rule or count that has too many instances, or for the rules together."""
-    found = [_groundings(index, rule, universe) for index, rule in enumerate(domain.rules)]
-    if sum(each.count for each in found) > RULE_LIMIT:
-        found = [
-            each if each.exact else _groundings(each.rule, domain.rules[each.rule], universe, PATIENT_STEPS)
-            for each in found
-        ]
+    for steps in (0, EXACT_STEPS, PATIENT_STEPS):
+        found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
+        if sum(each.count for each in found) <= RULE_LIMIT:
+            break
     if sum(each.count for each in found) > RULE_LIMIT:
         worst = max(found, key=lambda each: each.count)
         in_all = "" if worst.count > RULE_LIMIT else f" of {sum(each.count for each in found):,} in all"
@@ -153,9 +150,28 @@ def _count(
     fixed = [part for part in condition if universe.is_static(part) and not free_variables(part)]
     if not all(universe.holds(part, {}) for part in fixed):
         return 0, True, ""
-    joined = list(_joined(variables, condition, universe, set()))
-    blame = max(joined, key=lambda choice: choice[1], default=("", 0))[0]
-    return prod(number for number, _ in numbers), all(exact for _, exact in numbers), blame
+    count = prod(number for number, _ in numbers)
+    return count, all(exact for _, exact in numbers), _blame(variables, condition, universe)
+
+
+def _blame(variables: Sequence[Variable], condition: Condition, universe: Universe) -> str:
+    """The variable of most objects that no fact restricts; if there is none, the literal that fits most."""
+    rows = {
+        part: width
+        for part in condition
+        if isinstance(part, Literal)
+        and universe.is_static(part)
+        and (width := universe.widest(part, ())) is not None
+    }
+    restricted = {variable for part in rows for variable in free_variables(part)}
+    sizes = {v: len(universe.objects(v.type)) for v in variables if v not in restricted}
+    if sizes:
+        worst = max(sizes, key=lambda variable: sizes[variable])
+        return f"no fact restricts `{print_term(worst)}`: {sizes[worst]:,} objects fit"
+    if not rows:
+        return ""
+    loosest = max(rows, key=lambda part: rows[part])
+    return f"`{part_text(loosest)}` holds in {rows[loosest]:,} ways"
 
 
 def _count_connected(
@@ -164,10 +180,12 @@ def _count_connected(
     own = [part for part in condition if set(free_variables(part)) & set(variables)]
     if len(variables) == 1 and not any(universe.is_static(part) for part in own):
         return len(universe.objects(variables[0].type)), True
-    found = list(itertools.islice(universe.search(variables, tuple(own), {}), steps + 1))
-    if len(found) <= steps:
-        return sum(binding is not None for binding in found), True
-    return _bound(variables, tuple(own), universe, set()), False
+    found = 0
+    for step, binding in enumerate(universe.search(variables, tuple(own), {})):
+        if step >= steps or found > RULE_LIMIT:
+            return _bound(variables, tuple(own), universe, set()), False
+        found += binding is not None
+    return found, True
 
 
 def _connected(
@@ -188,16 +206,10 @@ def _connected(
 def _bound(
     variables: Sequence[Variable], condition: Condition, universe: Universe, bound: set[Variable]
 ) -> int:
-    return prod(factor for _, factor in _joined(variables, condition, universe, bound))
-
-
-def _joined(
-    variables: Sequence[Variable], condition: Condition, universe: Universe, bound: set[Variable]
-) -> Iterator[tuple[str, int]]:
-    """The steps of the join, each with what it goes by and how many bindings that leaves at most."""
+    """The product of what each step of the join can leave at most."""
     bound = {variable for variable in bound if variable not in variables}
     static = [part for part in condition if isinstance(part, Literal) and universe.is_static(part)]
-    free = list(variables)
+    free, product = list(variables), 1
     while free:
         widths = [
             (width, literal)
@@ -208,10 +220,10 @@ def _joined(
         smallest = min(widths, key=lambda choice: choice[0], default=None)
         size = len(universe.objects(free[0].type))
         if smallest is None or smallest[0] > size:
-            yield f"no fact restricts `{print_term(free[0])}`: {size:,} objects fit", size
+            product *= size
             bound |= {free[0]}
         else:
-            width, literal = smallest
-            yield f"`{part_text(literal)}` leaves up to {width:,} choices", width
-            bound |= set(free_variables(literal))
+            product *= smallest[0]
+            bound |= set(free_variables(smallest[1]))
         free = [variable for variable in free if variable not in bound]
+    return product

@@ -218,4 +218,4 @@ def name_of(term: Term, binding: Binding) -> str:
 
 def names_of(terms: Sequence[Term], binding: Binding) -> tuple[str, ...]:
     """The objects that bound terms stand for."""
-    return tuple(name_of(term, binding) for term in terms)
+    return tuple([binding[term] if isinstance(term, Variable) else term.name for term in terms])

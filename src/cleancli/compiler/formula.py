@@ -111,7 +111,10 @@ def disjoint(formula: Formula, known: Known) -> Iterator[Requirement]:
     Shannon's expansion: what a choice still asks of a key is tried value by value, those values together
     that make no difference.
     """
-    yield from _expanded({}, formula, known)
+    if formula.choices:
+        yield from _expanded({}, formula, known)
+    elif (left := restricted(formula, known)) is not None:
+        yield left.required
 
 
 def _expanded(required: Requirement, formula: Formula, known: Known) -> Iterator[Requirement]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.condition import Conditions
@@ -102,14 +101,16 @@ def _conflict(rule: Rule, outcome: Outcome, objects: tuple[str, ...], key: Key) 
 def _simplified(case: Case, reach: Reach) -> Case:
     """Without effects that assign what is there anyway."""
     changes = tuple(
-        {
-            key: values
-            for key, values in change.items()
-            if len(reach.known(key)) > 1 and case.required.get(key) != values
-        }
-        for change in case.changes
+        [
+            {
+                key: values
+                for key, values in change.items()
+                if case.required.get(key) != values and len(reach.known(key)) > 1
+            }
+            for change in case.changes
+        ]
     )
-    return replace(case, changes=changes)
+    return Case(case.rule, case.objects, case.required, changes)
 
 
 def _without_idle_actions(found: Sequence[Case], domain: Domain) -> list[Case]:
@@ -153,23 +154,23 @@ def _overlaps(domain: Domain, found: Sequence[Case], numbering: Numbering) -> It
 
 def _both(first: Requirement, second: Requirement) -> Requirement | None:
     """One state's worth of both requirements (a single value per key); None where they exclude each other."""
-    keys = sorted({*first, *second})
-    shared = [frozenset.intersection(*(r[key] for r in (first, second) if key in r)) for key in keys]
-    if not all(shared):
+    if any(not values & second[key] for key, values in first.items() if key in second):
         return None
-    return {key: frozenset({min(values, key=str)}) for key, values in zip(keys, shared, strict=True)}
+    shared = {**second, **{key: values & second.get(key, values) for key, values in first.items()}}
+    return {key: frozenset({min(values, key=str)}) for key, values in sorted(shared.items())}
 
 
 def _ground_rules(
     domain: Domain, found: Iterable[Case], actions: Sequence[GroundAction], numbering: Numbering
 ) -> tuple[GroundRule, ...]:
     position = {(action.name, action.objects): index for index, action in enumerate(actions)}
+    outcomes = [[(float(o.probability), o.kind) for o in rule.outcomes] for rule in domain.rules]
     rules = [
         GroundRule(
             case.rule,
             position[domain.rules[case.rule].action, case.objects],
             numbering.condition(case.required),
-            _outcomes(domain, case, numbering),
+            _outcomes(case, outcomes[case.rule], numbering),
         )
         for case in found
     ]
@@ -183,10 +184,12 @@ def _ground_actions(domain: Domain, found: Iterable[Case]) -> tuple[GroundAction
     return tuple(GroundAction(name, objects, durations[name], costs[name]) for name, objects in names)
 
 
-def _outcomes(domain: Domain, case: Case, numbering: Numbering) -> tuple[GroundOutcome, ...]:
+def _outcomes(
+    case: Case, probabilities: Sequence[tuple[float, OutcomeKind]], numbering: Numbering
+) -> tuple[GroundOutcome, ...]:
     ground_outcomes = []
-    for outcome, changes in zip(domain.rules[case.rule].outcomes, case.changes, strict=True):
+    for (probability, kind), changes in zip(probabilities, case.changes, strict=True):
         effects = numbering.effects(changes)
-        kind = outcome.kind if effects or outcome.kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
-        ground_outcomes.append(GroundOutcome(float(outcome.probability), kind, effects))
+        left = kind if effects or kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
+        ground_outcomes.append(GroundOutcome(probability, left, effects))
     return tuple(ground_outcomes)

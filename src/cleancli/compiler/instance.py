@@ -5,7 +5,6 @@ Guaranteed by the checker: names, arities and types fit, and every variable is b
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -45,6 +44,9 @@ class Instance:
     effects: tuple[StateEffect, ...]
 
 
+_NONE: frozenset[Value] = frozenset()
+
+
 def instances(domain: Domain, conditions: Conditions) -> tuple[Instance, ...]:
     """Every instance whose condition the unchangeable facts do not rule out, by rule and objects.
 
@@ -77,13 +79,13 @@ def _instances_of(index: int, rule: Rule, conditions: Conditions) -> Iterator[In
             changes: list[Changes] = []
             effects: list[StateEffect] = []
             for position, outcome in enumerate(rule.outcomes):
-                assigned: dict[Key, set[Value]] = defaultdict(set)
-                for effect in _effects(position, outcome, bound, conditions):
-                    if isinstance(effect.effect, Assign) and effect.when.always:
-                        assigned[effect.key].add(effect.effect.value)
+                assigned: dict[Key, frozenset[Value]] = {}
+                for key, effect, when in _effects(outcome, bound, conditions):
+                    if isinstance(effect, Assign) and when is ALWAYS:
+                        assigned[key] = assigned.get(key, _NONE) | {effect.value}
                     else:
-                        effects.append(effect)
-                changes.append({key: frozenset(values) for key, values in assigned.items()})
+                        effects.append(StateEffect(position, key, effect, when))
+                changes.append(assigned)
             yield Instance(index, objects, whole, tuple(changes), tuple(effects))
 
 
@@ -105,8 +107,8 @@ def _references(
 
 
 def _effects(
-    position: int, outcome: Outcome, binding: Binding, conditions: Conditions
-) -> Iterator[StateEffect]:
+    outcome: Outcome, binding: Binding, conditions: Conditions
+) -> Iterator[tuple[Key, Assign | Shift, Formula]]:
     if outcome.probability == 0:
         return
     for effect in outcome.effects:
@@ -115,7 +117,7 @@ def _effects(
                 for extended, formula in conditions.extensions(variables, condition, binding):
                     for inner in effects:
                         key = conditions.universe.key(inner.symbol, inner.terms, extended)
-                        yield StateEffect(position, key, inner, formula)
+                        yield key, inner, ALWAYS if formula.always else formula
             case _:
                 key = conditions.universe.key(effect.symbol, effect.terms, binding)
-                yield StateEffect(position, key, effect, ALWAYS)
+                yield key, effect, ALWAYS

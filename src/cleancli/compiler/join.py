@@ -55,10 +55,11 @@ class Universe:
         self._rows = self._rows_by_value(problem.state)
         self._indices: dict[tuple[str, frozenset[Value], tuple[int, ...]], dict[_Row, list[_Row]]] = {}
         self._follows: dict[tuple[str, _Row], bool] = {}
+        self._reached_from: dict[tuple[str, str], frozenset[str]] = {}
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for, all of them bound."""
-        return symbol, self.symbols[symbol].canonical(tuple([name_of(term, binding) for term in terms]))
+        return symbol, self.symbols[symbol].canonical(names_of(terms, binding))
 
     def initial(self, key: Key) -> Value:
         """The value in the initial state; a predicate that is not listed is false."""
@@ -156,7 +157,7 @@ class Universe:
         """Object tuples for which the literal holds, given the variables that are bound."""
         known = _known(literal, binding)
         index = self._index(literal, binding)
-        return index.get(tuple(name_of(literal.terms[p], binding) for p in known), ())
+        return index.get(names_of([literal.terms[p] for p in known], binding), ())
 
     def _index(self, literal: Literal, bound: Collection[Variable]) -> dict[_Row, list[_Row]]:
         """Object tuples for which the literal holds, by the objects of its known terms."""
@@ -193,8 +194,10 @@ class Universe:
             self._follows[derived.name, objects] = known
         return known
 
-    def _reached(self, predicate: str, start: str) -> set[str]:
+    def _reached(self, predicate: str, start: str) -> frozenset[str]:
         """The objects that one or more steps of an unchangeable predicate lead to."""
+        if (predicate, start) in self._reached_from:
+            return self._reached_from[predicate, start]
         reached: set[str] = set()
         frontier = [start]
         while frontier:
@@ -202,7 +205,8 @@ class Universe:
             steps = {two for two in self.steps(predicate, one) if self.holds(step(predicate, one, two), {})}
             frontier += sorted(steps - reached)
             reached |= steps
-        return reached
+        self._reached_from[predicate, start] = frozenset(reached)
+        return self._reached_from[predicate, start]
 
     def steps(self, predicate: str, start: str) -> tuple[str, ...]:
         """The objects that a predicate of two parameters may relate `start` to, by their types."""

@@ -38,11 +38,14 @@ class Numbering:
 
     def condition(self, required: Requirement) -> GroundCondition:
         """A requirement over keys that can change, in numbers."""
-        places = ((self._places[key], values) for key, values in required.items())
-        numbered = ((place.variable, frozenset(place.value[v] for v in values)) for place, values in places)
+        places = [(self._places[key], values) for key, values in required.items()]
+        numbered = [(place.variable, frozenset([place.value[v] for v in values])) for place, values in places]
         return tuple(sorted(numbered, key=lambda pair: pair[0]))
 
     def effects(self, changes: Changes) -> tuple[tuple[int, int], ...]:
         """An outcome's changes in numbers."""
-        places = ((self._places[key], values) for key, values in changes.items())
-        return tuple(sorted((place.variable, place.value[v]) for place, values in places for v in values))
+        effects = []
+        for key, values in changes.items():
+            place = self._places[key]
+            effects += [(place.variable, place.value[value]) for value in values]
+        return tuple(sorted(effects))

@@ -1,0 +1,163 @@
+"""What would not fit is counted before it is built, and refused with its number and what to blame."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from handmade import A, B, M, false, noise, one_of, outcome, put, true
+
+from cleancli.compiler.count import RULE_LIMIT, count_groundings
+from cleancli.compiler.ground import ground
+from cleancli.language.diagnostics import Diagnostic, Refused, Span
+from cleancli.language.model import (
+    Action,
+    Assign,
+    Condition,
+    Count,
+    DerivedPredicate,
+    Domain,
+    Equality,
+    Fact,
+    ForAll,
+    Horizon,
+    Object,
+    Outcome,
+    OutcomeKind,
+    Problem,
+    Quantified,
+    RewardKind,
+    RewardTerm,
+    Rule,
+    Shift,
+    Symbol,
+    Type,
+)
+
+SPAN = Span("d.nid", 3, 7)
+
+
+def domain(condition: Condition, *effects: Assign | Shift | ForAll) -> Domain:
+    """One rule for three areas, which makes the first dirty; what else it does is up to the test."""
+    outcomes = (Outcome(Fraction(1, 2), OutcomeKind.CHANGE, (put("dirt", A), *effects)), noise("0.5"))
+    return Domain(
+        name="d",
+        types=(Type("area"),),
+        constants=(),
+        symbols=(
+            Symbol("dirt", (A,)),
+            Symbol("on", (A, B)),
+            Symbol("near", (A, B), static=True),
+            Symbol("load", (A,), tuple(range(20))),
+        ),
+        counts=(Count("dirty", (A,), (true("dirt", A),)),),
+        actions=(Action("act", (A, B, M)),),
+        rules=(Rule("rule_one", "act", (A, B, M), condition, outcomes, span=SPAN),),
+        default=(outcome("1"),),
+        reward=(RewardTerm(Fraction(1), RewardKind.DECREASE, "dirty"),),
+    )
+
+
+def problem(objects: int, *facts: Fact) -> Problem:
+    names = [f"a{index:04d}" for index in range(objects)]
+    loads = {Fact("load", (name,), 0) for name in names}
+    things = tuple(Object(name, "area") for name in names)
+    return Problem("p", "d", things, frozenset(loads | {*facts}), Horizon(2))
+
+
+def refusal(domain: Domain, problem: Problem) -> Diagnostic:
+    with pytest.raises(Refused) as error:
+        ground(domain, problem)
+    (diagnostic,) = error.value.diagnostics
+    return diagnostic
+
+
+def test_a_billion_groundings_are_counted_at_once_and_refused() -> None:
+    started = time.process_time()
+    found = refusal(domain((true("dirt", A),)), problem(1000))
+    assert time.process_time() - started < 2
+    assert (found.code, found.span) == ("E604", SPAN)
+    assert found.message == ("rule `rule_one` has 1,000,000,000 groundings; 100,000 are the most that fit")
+    assert found.label == "no fact restricts `?a`: 1,000 objects fit"
+
+
+def test_differing_objects_are_counted_from_above() -> None:
+    differ = (Equality(A, B, False), Equality(B, M, False), Equality(A, M, False))
+    (found,) = count_groundings(domain(differ), problem(1000))
+    assert (found.count, found.exact) == (10**9, False)
+    (few,) = count_groundings(domain(differ), problem(20))
+    assert (few.count, few.exact) == (20 * 19 * 18, True)
+
+
+def test_the_literal_that_leaves_most_is_blamed() -> None:
+    names = [f"a{index:04d}" for index in range(150)]
+    facts = {Fact("near", (one, other)) for one in names for other in names[:145]}
+    rule = (true("near", A, B), true("near", B, M), one_of("load", A, 0))
+    found = refusal(domain(rule), problem(150, *facts))
+    assert found.label == "`near(?a, ?b)` holds in 21,750 ways"
+    assert found.message.startswith("rule `rule_one` has up to 3,153,750 groundings;")
+
+
+def test_a_join_that_leaves_little_is_counted_exactly() -> None:
+    facts = {Fact("near", (f"a{i:04d}", f"a{i + 1:04d}")) for i in range(499)}
+    chain = domain((true("near", A, B), true("near", B, M)))
+    (found,) = count_groundings(chain, problem(500, *facts))
+    assert (found.name, found.count, found.exact) == ("rule_one", 498, True)
+
+
+def test_the_count_is_what_is_built() -> None:
+    facts = {Fact("near", ("a0000", "a0001")), Fact("near", ("a0001", "a0002"))}
+    one = domain((true("near", A, B), Equality(A, M, False)))
+    (found,) = count_groundings(one, problem(4, *facts))
+    assert (found.count, found.exact) == (6, True)
+    assert len(ground(one, problem(4, *facts)).rules) <= found.count <= RULE_LIMIT
+
+
+def test_long_effects_are_counted_too() -> None:
+    every = ForAll((B, M), (), (put("on", B, M),))
+    found = refusal(domain((Equality(B, M, True), Equality(A, B, True)), every), problem(200))
+    assert found.code == "E604"
+    assert "forall ?b ?m" in found.label
+
+
+def test_too_many_cases_are_refused_with_the_part_to_blame() -> None:
+    loads = tuple(Shift("load", (v,), 1) for v in (A, B, M))
+    found = refusal(domain((false("dirt", A),), *loads), problem(3))
+    assert (found.code, found.span) == ("E605", SPAN)
+    assert found.message == (
+        "for act(a0000, a0001, a0002), rule `rule_one` falls into more than 1,000 cases,"
+        " most of them because of the effects on `load`"
+    )
+
+
+def test_a_quantifier_with_too_many_cases_is_named() -> None:
+    exists = Quantified(False, (A, B), (true("on", A, B), true("on", B, A)))
+    rule = domain((exists, Equality(A, B, True), Equality(B, M, True)), put("on", A, B))
+    everywhere = ForAll((A, B), (), (put("on", A, B), put("dirt", A)))
+    rule = replace(rule, rules=(*rule.rules, _other(everywhere)))
+    found = refusal(rule, problem(7))
+    assert found.code == "E605"
+    assert "because of `not exists ?a ?b: on(?a, ?b), on(?b, ?a)`" in found.message
+
+
+def _other(effect: ForAll) -> Rule:
+    return Rule("fill", "fill", (), (), (Outcome(Fraction(1), OutcomeKind.CHANGE, (effect,)),))
+
+
+def test_a_closure_with_too_many_paths_is_refused() -> None:
+    above = DerivedPredicate("above", (A, B), closure="on")
+    rule = domain((true("above", A, B), Equality(A, M, True)), put("on", A, B))
+    found = refusal(replace(rule, derived=(above,)), problem(12))
+    assert (found.code, found.span) == ("E606", SPAN)
+    assert found.message.startswith("there are too many ways in which `above(a0000, a000")
+
+
+def test_a_closure_over_what_stays_is_decided_at_once() -> None:
+    facts = {Fact("near", (f"a{i:04d}", f"a{i + 1:04d}")) for i in range(29)}
+    joined = DerivedPredicate("joined", (A, B), closure="near")
+    rule = domain((true("joined", A, B), Equality(B, M, True)))
+    found = ground(replace(rule, derived=(joined,)), problem(30, *facts))
+    assert len(found.actions) == 30 * 29 // 2
+    assert {v.symbol for v in found.variables} == {"dirt"}
