@@ -148,7 +148,9 @@ class Reader:
         return self._missing(token, accepted)
 
     def _missing(self, token: Token, accepted: set[str]) -> str:
-        if "MINUS" in accepted and "NUMBER" not in accepted:
+        if token == "(" and accepted == {"MINUS", "PLUS", "RBRACE"}:
+            return "a reward is made of `decrease(COUNT)`, counts, `goal` and `cost`"
+        if "MINUS" in accepted and not accepted & {"NUMBER", "PLUS"}:
             return "each list of names ends with its type: `a b - type`"
         if "COMMA" in accepted and token.type in ("NAME", "NOT", "FORALL", "VARIABLE"):
             return "is a comma missing before it?"

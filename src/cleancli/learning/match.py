@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.evaluate import Key, StateView, bind, changeable_symbols
+from cleancli.compiler.evaluate import Key, StateView, changeable_symbols
 from cleancli.language.model import Domain, Outcome, OutcomeKind
 from cleancli.learning.experience import Transition
 
@@ -28,12 +28,14 @@ def explain(domain: Domain, transition: Transition) -> Explanation:
     """
     before = StateView(domain, transition.objects, transition.before)
     after = StateView(domain, transition.objects, transition.after)
-    rule = before.covering_rule(transition.action, transition.arguments)
+    covering = before.covering(transition.action, transition.arguments)
+    rule, binding = covering if covering is not None else (None, {})
     outcomes = outcomes_of(domain, rule)
-    binding = {} if rule is None else bind(domain.rules[rule], transition.arguments)
     priors = prior_probabilities(outcomes)
     changes = [before.changes(outcome, binding) for outcome in outcomes]
-    scope = set(transition.arguments).union(*(key[1] for change in changes for key in change))
+    scope = {*transition.arguments, *binding.values()}.union(
+        *(key[1] for change in changes for key in change)
+    )
     keys = _keys_within(domain, transition, scope).union(*changes)
     fitting = [
         index
