@@ -71,6 +71,6 @@ def test_plan(domain: Domain, problem: Problem) -> None:
 def test_learn(domain: Domain) -> None:
     text = source("domain.nid").text
     learned = learn(domain, decode(source("experience.jsonl"), domain))
-    new = apply_edits(text, edits(domain, text, learned))
+    new = apply_edits(text, edits(domain, [source("domain.nid")], learned))
     difference = difflib.unified_diff(text.splitlines(), new.splitlines(), "domain", "learned", lineterm="")
     check_golden("domain.learned.txt", "\n".join(difference) + "\n")

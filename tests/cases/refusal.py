@@ -9,7 +9,14 @@ from pathlib import Path
 from cleancli.cli.inputs import open_domain
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.load import kind_of, load_domain, load_problem, read_source
+from cleancli.language.load import (
+    checked_domain,
+    checked_problem,
+    kind_of,
+    load_domain,
+    load_problem,
+    read_source,
+)
 from cleancli.language.model import Domain
 from cleancli.language.render import render
 from cleancli.learning.experience import decode
@@ -17,12 +24,17 @@ from cleancli.perception.symbols import symbolize
 from cleancli.scene.check import load_scene
 
 SMALL = Path(__file__).parents[1] / "language" / "small.nid"
-"""The domain of every problem that stands alone."""
+"""The domain of every problem that stands alone and has none of its own name among the parts."""
+
+PARTS = "parts"
+"""The folder of what single-file cases include, and of the domains of problems that need another one."""
 
 
 def cases(folder: Path) -> list[Path]:
     """The files and folders of mistakes; beside each file, and in each folder, is the text it should give."""
-    return sorted(path for path in folder.iterdir() if path.suffix == ".nid" or path.is_dir())
+    return sorted(
+        path for path in folder.iterdir() if path.suffix == ".nid" or (path.is_dir() and path.name != PARTS)
+    )
 
 
 def expected_path(case: Path) -> Path:
@@ -35,10 +47,11 @@ def refusal(case: Path) -> tuple[str, tuple[Diagnostic, ...]]:
     sources: list[Source] = []
     try:
         with chdir(case if case.is_dir() else case.parent):
-            _folder(sources) if case.is_dir() else _file(case.name, sources)
+            found = _folder(sources) if case.is_dir() else _file(case.name, sources)
     except Refused as refused:
-        return render(refused.diagnostics, sources), refused.diagnostics
-    return "no mistake found\n", ()
+        found = refused.diagnostics
+        sources += [source for source in refused.sources if source not in sources]
+    return render(found, sources), found
 
 
 def _read(name: str, sources: list[Source]) -> Source:
@@ -46,24 +59,27 @@ def _read(name: str, sources: list[Source]) -> Source:
     return sources[-1]
 
 
-def _file(name: str, sources: list[Source]) -> None:
+def _file(name: str, sources: list[Source]) -> tuple[Diagnostic, ...]:
     source = _read(name, sources)
     match kind_of(source):
         case "domain":
-            load_domain(source)
+            return checked_domain(source).diagnostics
         case "problem":
-            load_problem(source, load_domain(read_source(SMALL)))
+            own = Path(PARTS) / name
+            return checked_problem(source, load_domain(read_source(own if own.exists() else SMALL))).diagnostics
         case _:
             load_scene(source)
+            return ()
 
 
-def _folder(sources: list[Source]) -> None:
+def _folder(sources: list[Source]) -> tuple[Diagnostic, ...]:
     """Of the files below, those that the folder has, in the order in which a command would use them."""
     if os.path.exists("name.txt"):
         open_domain(Path("name.txt").read_text(encoding="utf-8").strip())
-        return
+        return ()
     domain = load_domain(_read("domain.nid", sources))
     _with_domain(domain, sources)
+    return ()
 
 
 def _with_domain(domain: Domain, sources: list[Source]) -> None:

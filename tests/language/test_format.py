@@ -27,6 +27,8 @@ from cleancli.language.model import (
     Outcome,
     OutcomeKind,
     Problem,
+    RewardKind,
+    RewardTerm,
     Rule,
     Symbol,
     Type,
@@ -46,6 +48,7 @@ PREDICATES = (
     Symbol("open", ()),
 )
 FUNCTION = Symbol("heat", (Variable("x", "dish"),), ("cold", "warm", "hot", "burnt"))
+REWARD = (RewardTerm(Fraction(1), RewardKind.DECREASE, "dirty"),)
 VALUE_SETS = [{"cold"}, {"warm"}, {"cold", "warm"}, {"hot", "burnt"}, {"cold", "hot", "burnt"}]
 
 
@@ -64,7 +67,7 @@ def _effects() -> st.SearchStrategy[tuple[Assign | ForAll, ...]]:
 @st.composite
 def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
     results: list[tuple[OutcomeKind, tuple[Assign | ForAll, ...]]] = [(OutcomeKind.NOISE, ())]
-    results += [(OutcomeKind.CHANGE, e) for e in draw(st.lists(_effects(), max_size=3, unique=True))]
+    results += [(OutcomeKind.CHANGE, e) for e in draw(st.lists(_effects(), max_size=3, unique_by=frozenset))]
     weights = draw(st.lists(st.integers(0, 50), min_size=len(results), max_size=len(results)))
     total = sum(weights) + 1
     probabilities = [Fraction(w, total) for w in weights]
@@ -81,11 +84,11 @@ def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
 @st.composite
 def _domains(draw: st.DrawFn) -> Domain:
     extra: list[Literal | Equality] = [
-        Literal("clean", (A,), frozenset({draw(st.booleans())})),
+        Literal("clean", (B,), frozenset({draw(st.booleans())})),
         Literal("beside", (A, B), frozenset({draw(st.booleans())})),
         Equality(A, B, False),
         Equality(A, CONSTANTS[1], False),
-        Literal("open", (), frozenset({draw(st.booleans())})),
+        Literal("clean", (CONSTANTS[0],), frozenset({draw(st.booleans())})),
     ]
     common: Condition = tuple(draw(st.lists(st.sampled_from(extra), unique=True)))
     values = draw(st.sampled_from(VALUE_SETS))
@@ -100,7 +103,7 @@ def _domains(draw: st.DrawFn) -> Domain:
         "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
         (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
         (Action("move", (A, B), duration), Action("wait", ())),
-        rules, (Outcome(Fraction(1), OutcomeKind.NOTHING),), "dirty",
+        rules, (Outcome(Fraction(1), OutcomeKind.NOTHING),), REWARD,
     )  # fmt: skip
 
 
@@ -123,7 +126,7 @@ def test_a_printed_problem_reads_as_itself(
     domain = Domain(
         "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
         (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
-        (), (), (Outcome(Fraction(1), OutcomeKind.NOTHING),), "dirty",
+        (), (), (Outcome(Fraction(1), OutcomeKind.NOTHING),), REWARD,
     )  # fmt: skip
     facts = (
         {Fact(text.split("(")[0], tuple(text.split("(")[1].rstrip(")").split())) for text in true}

@@ -11,7 +11,7 @@ import pytest
 
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import domain_named, load_domain, load_problem, read_source
-from cleancli.language.model import Fact, Horizon, OutcomeKind
+from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Rag
 from cleancli.shipped import find, shipped_names
@@ -66,7 +66,7 @@ def test_the_small_domain() -> None:
     assert larger.outcomes[0].probability == Fraction(1, 3)
     assert domain.actions[0].duration == 9.0
     assert domain.actions[1].duration is None
-    assert domain.reward == "dirty"
+    assert domain.reward == (RewardTerm(Fraction(1), RewardKind.DECREASE, "dirty"),)
 
 
 def test_facts_are_canonical_and_commas_optional() -> None:

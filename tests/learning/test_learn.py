@@ -94,7 +94,7 @@ def test_noise_takes_what_no_outcome_explains(domain: Domain) -> None:
 
 
 def test_only_the_learned_rule_changes_and_only_its_numbers(domain: Domain) -> None:
-    text = apply_edits(TEXT, edits(domain, TEXT, learn(domain, [wiped(state("b3"))])))
+    text = apply_edits(TEXT, edits(domain, [Source("tidy.nid", TEXT)], learn(domain, [wiped(state("b3"))])))
     assert text == (
         TEXT.replace("0.5: ", "0.5455 [prior 0.5, seen 1]: ")
         .replace("0.25: ", "0.2273 [prior 0.25, seen 0]: ")
@@ -107,16 +107,16 @@ def test_only_the_learned_rule_changes_and_only_its_numbers(domain: Domain) -> N
 
 def test_learning_again_from_the_same_experience_changes_nothing(domain: Domain) -> None:
     experience = [wiped(state("b3"))] * 3 + [wiped(state("b1", "b2", "b3", wet=("b1",)))] * 2
-    once = apply_edits(TEXT, edits(domain, TEXT, learn(domain, experience)))
+    once = apply_edits(TEXT, edits(domain, [Source("tidy.nid", TEXT)], learn(domain, experience)))
     again = load_domain(Source("tidy.nid", once))
-    assert apply_edits(once, edits(again, once, learn(again, experience))) == once
+    assert apply_edits(once, edits(again, [Source("tidy.nid", once)], learn(again, experience))) == once
 
 
 def test_the_prior_in_the_file_counts_not_the_last_estimate(domain: Domain) -> None:
     before = state("b1", small=("b1",))
     (learned,) = learn(domain, [wiped(state(small=("b1",)), before)])
     assert learned.priors == (Fraction(7, 10), Fraction(2, 10), Fraction(1, 10))
-    text = apply_edits(TEXT, edits(domain, TEXT, (learned,)))
+    text = apply_edits(TEXT, edits(domain, [Source("tidy.nid", TEXT)], (learned,)))
     assert "0.7273 [prior 0.7,  seen  1]: not dirty(?b)" in text
     assert "[prior 0.2, seen 0]: nothing" in text
 

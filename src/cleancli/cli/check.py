@@ -9,7 +9,7 @@ import click
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import check_file
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
 from cleancli.language.render import as_json, render
 
 
@@ -19,26 +19,32 @@ from cleancli.language.render import as_json, render
 def command(files: tuple[str, ...], as_data: bool) -> int:
     """Report every mistake in FILEs: domains, problems or scenes, by path or shipped name.
 
-    Exit code 1 if there is any, 0 if there is none.
+    Exit code 1 if there is any, 0 if there is none; warnings are printed and change nothing.
     """
-    found = [refused for name in files if (refused := _mistakes(name)) is not None]
+    found = [_found(name) for name in files]
+    levels = [diagnostic.level for diagnostics, _ in found for diagnostic in diagnostics]
+    mistakes, warnings = levels.count(Level.ERROR), levels.count(Level.WARNING)
     if as_data:
-        data = [entry for refused in found for entry in as_json(refused.diagnostics, refused.sources)]
+        data = [entry for diagnostics, sources in found for entry in as_json(diagnostics, sources)]
         click.echo(json.dumps(data, indent=2))
     else:
-        for refused in found:
-            click.echo(render(refused.diagnostics, refused.sources, colour=_is_terminal()))
-        count = sum(len(refused.diagnostics) for refused in found)
-        click.echo(f"{count} mistake{'s' * (count != 1)} in {len(files)} file{'s' * (len(files) != 1)}")
-    return ExitCode.REFUSED if found else ExitCode.DONE
+        for diagnostics, sources in found:
+            if diagnostics:
+                click.echo(render(diagnostics, sources, colour=_is_terminal()))
+        also = f" and {_number(warnings, 'warning')}" if warnings else ""
+        click.echo(f"{_number(mistakes, 'mistake')}{also} in {_number(len(files), 'file')}")
+    return ExitCode.REFUSED if mistakes else ExitCode.DONE
 
 
-def _mistakes(name: str) -> Refused | None:
+def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     try:
-        check_file(name)
+        return check_file(name)
     except Refused as refused:
-        return refused
-    return None
+        return refused.diagnostics, refused.sources
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _is_terminal() -> bool:

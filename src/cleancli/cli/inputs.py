@@ -6,8 +6,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.load import (
+    checked_domain,
+    checked_problem,
+    domain_named,
+    kind_of,
+    load_domain,
+    load_problem,
+    read_source,
+)
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
@@ -42,20 +50,24 @@ def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
     return load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
 
 
-def check_file(name_or_path: str) -> None:
-    """Read a file of any kind, and the domain that a problem names; raises Refused with every mistake.
+def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """All mistakes and warnings of a file of any kind, with the texts they point into.
 
-    A problem's domain is sought beside the problem before it is sought among the shipped ones.
+    A problem's domain is sought beside the problem before it is sought among the shipped ones. Raises Refused
+    where the file, or the domain of a problem, cannot be read at all.
     """
     path = find(name_or_path, "domains", "problems")
     source = read_source(path)
     match kind_of(source):
         case "domain":
-            load_domain(source)
+            checked = checked_domain(source)
+            return checked.diagnostics, checked.sources
         case "scene":
             load_scene(source)
+            return (), (source,)
         case _:
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
             _, _, domain = open_domain(str(beside) if beside.exists() else name)
-            load_problem(source, domain)
+            found = checked_problem(source, domain)
+            return found.diagnostics, found.sources

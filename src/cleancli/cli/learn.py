@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
 from cleancli.cli.inputs import open_domain
 from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits, write_atomically
-from cleancli.language.load import load_domain, read_source
+from cleancli.language.edit import Edit, apply_edits, write_atomically
+from cleancli.language.load import checked_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import decode
@@ -37,41 +37,61 @@ from cleancli.learning.match import outcomes_of
     show_default=True,
     help="Weight of the prior, in examples.",
 )
-@click.option("--write", is_flag=True, help="Change the probabilities in the domain's file.")
+@click.option(
+    "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
+)
 @click.option("--json", "as_data", is_flag=True, help="Print what was learned as JSON.")
 def command(
     domain: str, experience: tuple[Path, ...], estimator: str, m: float, write: bool, as_data: bool
 ) -> None:
     """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, or run folders.
 
-    Prints the change as a diff; only --write changes the file. The prior stays in the file beside the learned
+    Prints the change as a diff; only --write changes files. The prior stays in the file beside the learned
     number, so that learning again from the same experience changes nothing: give every file that shall count.
     """
-    path, source, model = open_domain(domain)
+    path, _, model = open_domain(domain)
     if write and not Path(domain).is_file():
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
     learned = learn(model, transitions, ESTIMATORS[estimator], m)
-    text = apply_edits(source.text, edits(model, source.text, learned))
-    load_domain(Source(source.path, text))
+    sources = checked_domain(read_source(path)).sources
+    texts = _edited(sources, edits(model, sources, learned))
+    checked_domain(texts[sources[0].path], read=lambda file: texts.get(str(file)) or read_source(file)).get()
     if as_data:
         click.echo(json.dumps([_as_data(model, entry) for entry in learned], indent=2))
     else:
-        _print(model, learned, source, text, len(transitions))
-    if write and text != source.text:
-        write_atomically(path, text, source.text)
-        click.echo(f"wrote {path}", err=as_data)
+        _print_difference(sources, texts)
+        _print(model, learned, len(transitions))
+    for source in sources if write else ():
+        text = texts[source.path].text
+        if text != source.text:
+            write_atomically(source.path, text, source.text)
+            click.echo(f"wrote {source.path}", err=as_data)
+
+
+def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
+    """The texts of the domain, with those that it includes, after the edits of each."""
+    return {
+        source.path: Source(
+            source.path,
+            apply_edits(source.text, [edit for edit in changes if edit.span.path == source.path]),
+        )
+        for source in sources
+    }
 
 
 def _experience_file(path: Path) -> Path:
     return path / "experience.jsonl" if path.is_dir() else path
 
 
-def _print(model: Domain, learned: Sequence[Learned], source: Source, text: str, transitions: int) -> None:
-    for line in difflib.unified_diff(
-        source.text.splitlines(), text.splitlines(), source.path, f"{source.path} (learned)", lineterm=""
-    ):
-        click.echo(line)
+def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) -> None:
+    for source in sources:
+        old, new = source.text.splitlines(), texts[source.path].text.splitlines()
+        for line in difflib.unified_diff(old, new, source.path, f"{source.path} (learned)", lineterm=""):
+            click.echo(line)
+
+
+def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
     examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
     click.echo(
         f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules"

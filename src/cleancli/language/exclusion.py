@@ -141,7 +141,7 @@ def _report(one: Rule, other: Rule, state: Witness, sure: bool, mend: str, scope
     assert one.span is not None
     assert other.span is not None
     pair = f"the rules `{one.name}` ({scope.findings.line(one.span)}) and `{other.name}` of `{one.action}`"
-    holds = _shown(state, scope)
+    holds = _shown(state, one.variables, scope)
     label = f"both apply where {holds}" if holds else "both always apply"
     if sure:
         help = mend or "let one of them ask for the opposite of something that the other asks for"
@@ -156,9 +156,10 @@ def _report(one: Rule, other: Rule, state: Witness, sure: bool, mend: str, scope
         )
 
 
-def _shown(state: Witness, scope: Scope) -> str:
+def _shown(state: Witness, named: tuple[Variable, ...], scope: Scope) -> str:
+    """The state as literals; of what is the same, only the rule's own variables are told."""
     symbols = scope.declared.symbols
-    parts = [f"{print_term(one)} = {print_term(leader)}" for one, leader in state.equal]
+    parts = [f"{print_term(a)} = {print_term(b)}" for a, b in state.equal if a in named]
     for literal in state.allowed:
         values = [v for v in symbols[literal.symbol].values if v in literal.values]
         parts.append(print_literal(Literal(literal.symbol, literal.terms, frozenset(values[-1:])), symbols))

@@ -215,7 +215,9 @@ def _near(at: Misplaced) -> str:
 
 
 def _missing(at: Misplaced) -> str:
-    if "MINUS" in at.accepted and "NUMBER" not in at.accepted:
+    if at.token == "(" and at.accepted == {"MINUS", "PLUS", "RBRACE"}:
+        return "a reward is made of `decrease(COUNT)`, counts, `goal` and `cost`"
+    if "MINUS" in at.accepted and not at.accepted & {"NUMBER", "PLUS"}:
         return "each list of names ends with its type: `a b - type`"
     if "COMMA" in at.accepted and at.kind in ("NAME", "NOT", "FORALL", "VARIABLE"):
         return "is a comma missing before it?"

@@ -6,6 +6,8 @@ executed. Spans keep the path of the file they lie in.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from cleancli.language import syntax
 from cleancli.language.declarations import SECTIONS, refuse_repeated, sections_of
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.findings import Findings
-from cleancli.language.read import LARGEST, parse_as, read_source
+from cleancli.language.read import LARGEST, parse_as
 
 DEEPEST = 8
 """Files that may include one another in a row."""
@@ -25,21 +27,28 @@ _OVERRIDDEN = (syntax.Default, syntax.Reward)
 _Sections = tuple[syntax.DomainSection, ...]
 
 
-def with_includes(node: syntax.DomainNode, findings: Findings, allow_outside: bool) -> syntax.DomainNode:
+Read = Callable[[Path], Source]
+"""How the text of an included file is got; raises Refused."""
+
+
+def with_includes(
+    node: syntax.DomainNode, findings: Findings, allow_outside: bool, read: Read
+) -> syntax.DomainNode:
     """The domain with the sections of what it includes; mistakes are E108 to E110, E216 and those of reading.
 
     A file that is included twice counts once.
     """
-    includer = _Includer(findings, allow_outside)
+    includer = _Includer(findings, allow_outside, read)
     return replace(node, sections=includer.expand(node, findings.source.path, ()))
 
 
 class _Includer:
     """Takes in the files below one domain."""
 
-    def __init__(self, findings: Findings, allow_outside: bool) -> None:
+    def __init__(self, findings: Findings, allow_outside: bool, read: Read) -> None:
         self._findings = findings
         self._allow_outside = allow_outside
+        self._read = read
         self._root = Path(findings.source.path).absolute().parent
         self._taken: set[Path] = set()
         self._size = len(findings.source.text.encode("utf-8", "surrogatepass"))
@@ -82,18 +91,18 @@ class _Includer:
             return self._refuse("E109", f"`{node.path}` lies outside the folder of the domain", node, help)
         places = [Path(name).resolve() for name in chain]
         if resolved in places:
-            circle = [*chain[places.index(resolved) :], str(path)]
+            circle = [*chain[places.index(resolved) :], os.path.normpath(path)]
             return self._refuse("E108", "this file includes itself", node, help=" -> ".join(circle))
         if len(chain) > DEEPEST:
             return self._refuse("E110", f"more than {DEEPEST} files include one another in a row", node)
         if resolved in self._taken:
             return ()
         self._taken.add(resolved)
-        return self._read(path, node, chain)
+        return self._take_in(path, node, chain)
 
-    def _read(self, path: Path, node: syntax.Include, chain: tuple[str, ...]) -> _Sections:
+    def _take_in(self, path: Path, node: syntax.Include, chain: tuple[str, ...]) -> _Sections:
         try:
-            source = read_source(path)
+            source = self._read(path)
         except Refused as refused:
             found = refused.diagnostics[0]
             return self._refuse(found.code, found.message, node, found.help)

@@ -10,7 +10,7 @@ from cleancli.language.check_problem import check_problem
 from cleancli.language.declarations import sections_of
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.findings import Findings
-from cleancli.language.include import with_includes
+from cleancli.language.include import Read, with_includes
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parse import kind_of
 from cleancli.language.read import parse_as, read_source
@@ -47,15 +47,18 @@ class Checked(Generic[_Model]):
         return self.model
 
 
-def checked_domain(source: Source, allow_outside: bool = False) -> Checked[Domain]:
-    """Check a domain with the files it includes; `allow_outside` lets these stand outside its folder."""
+def checked_domain(source: Source, allow_outside: bool = False, read: Read = read_source) -> Checked[Domain]:
+    """Check a domain with the files it includes; `allow_outside` lets these stand outside its folder.
+
+    `read` gets an included file's text, where it is not the one on disk.
+    """
     try:
         root, findings = parse_as(source, "domain")
     except Refused as refused:
         return Checked(None, refused.diagnostics, refused.sources)
     domain = None
     if isinstance(root, DomainNode):
-        domain = check_domain(with_includes(root, findings, allow_outside), findings)
+        domain = check_domain(with_includes(root, findings, allow_outside, read), findings)
     return _checked(domain, findings)
 
 

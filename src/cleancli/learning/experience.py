@@ -106,7 +106,7 @@ def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str])
         symbol = symbols.get(name)
         if symbol is None or len(symbol.parameters) != len(objects):
             raise ValueError(f"the domain has no symbol {name!r} for {len(objects)} objects")
-        if not isinstance(fact_value, bool | str) or fact_value not in symbol.values:
+        if type(fact_value) is not type(symbol.values[0]) or fact_value not in symbol.values:
             raise ValueError(f"{name} cannot be {fact_value!r}")
         if not known.issuperset(objects):
             raise ValueError(f"{key} names an object that is not listed")

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.language.diagnostics import Span
+from cleancli.language.diagnostics import Source, Span
 from cleancli.language.edit import Edit
-from cleancli.language.model import Domain, Outcome
+from cleancli.language.format import print_fraction
+from cleancli.language.model import Domain, Outcome, Parameter
 from cleancli.learning.estimate import DEFAULT_M, Estimator, decreasing_m_estimate
 from cleancli.learning.experience import Transition
-from cleancli.learning.match import explain, outcomes_of, prior_probabilities
-
-DIGITS = 4
-"""Decimals of a learned probability in the text."""
+from cleancli.learning.match import Explanation, explain, outcomes_of, prior_probabilities
+from cleancli.learning.share import learn_parameters, probabilities_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,51 +38,90 @@ def learn(
     estimator: Estimator = decreasing_m_estimate,
     m: float = DEFAULT_M,
 ) -> tuple[Learned, ...]:
-    """Estimates for every rule that the transitions give an example of; domain's order, default last."""
+    """Estimates for every rule that the transitions give an example of, or whose parameter they change.
+
+    In the domain's order, the default rule last.
+    """
     counts = Counter(explain(domain, transition) for transition in transitions)
+    seen = {rule: _seen(counts, rule, len(outcomes_of(domain, rule))) for rule in _rules(domain)}
+    shared = learn_parameters(domain, seen, estimator, m)
+    changed = {p.name for p in domain.parameters if shared[p.name] != p.probability}
     covered = {explanation.rule for explanation in counts}
-    order = [index for index in (*range(len(domain.rules)), None) if index in covered]
     learned = []
-    for rule in order:
+    for rule in _rules(domain):
         outcomes = outcomes_of(domain, rule)
-        seen = tuple(
-            sum(count for e, count in counts.items() if e.rule == rule and e.outcome == index)
-            for index in range(len(outcomes))
-        )
-        unexplained = sum(count for e, count in counts.items() if e.rule == rule and e.outcome is None)
-        priors = prior_probabilities(outcomes)
-        estimates = [estimator(seen[index], sum(seen), float(prior), m) for index, prior in enumerate(priors)]
-        learned.append(Learned(rule, priors, _rounded(estimates), seen, unexplained))
+        if rule in covered or any(outcome.parameter in changed for outcome in outcomes):
+            priors = prior_probabilities(outcomes)
+            total = sum(seen[rule])
+            estimates = [
+                estimator(count, total, float(prior), m)
+                for count, prior in zip(seen[rule], priors, strict=True)
+            ]
+            probabilities = probabilities_of(outcomes, estimates, shared)
+            unexplained = sum(n for e, n in counts.items() if e.rule == rule and e.outcome is None)
+            learned.append(Learned(rule, priors, probabilities, seen[rule], unexplained))
     return tuple(learned)
 
 
-def edits(domain: Domain, text: str, learned: Sequence[Learned]) -> tuple[Edit, ...]:
+def _rules(domain: Domain) -> tuple[int | None, ...]:
+    return (*range(len(domain.rules)), None)
+
+
+def _seen(counts: Counter[Explanation], rule: int | None, outcomes: int) -> tuple[int, ...]:
+    return tuple(counts[Explanation(rule, index)] for index in range(outcomes))
+
+
+def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned]) -> tuple[Edit, ...]:
     """The text edits that put the estimates in: numbers and their `[prior p, seen n]`, nothing else.
 
-    The prior stays in the file, so learning again from the same experience changes nothing. `rest` stays too:
-    it is what the other outcomes leave.
+    `sources` are the texts of the domain, those that it includes too; each edit's span names its own. The
+    prior stays in the text, so learning again from the same experience changes nothing. `rest` stays too: it
+    is what the other outcomes leave. What is fixed is left alone; a parameter changes where it is declared.
     """
-    result = []
+    texts = {source.path: source.text for source in sources}
+    result: list[Edit] = []
+    pooled: dict[str, tuple[Fraction, int]] = {}
     for estimate in learned:
         outcomes = outcomes_of(domain, estimate.rule)
+        examined = any(estimate.seen) or estimate.unexplained > 0
         for outcome, probability, seen in zip(outcomes, estimate.probabilities, estimate.seen, strict=True):
-            if not outcome.is_rest:
-                result.extend(_outcome_edits(outcome, text, probability, seen))
+            concerned = examined or probability != outcome.probability
+            if outcome.parameter is not None:
+                before = pooled.get(outcome.parameter, (probability, 0))[1]
+                pooled[outcome.parameter] = probability, before + seen
+            elif concerned and not outcome.is_rest and not outcome.fixed:
+                result += _edits_of(outcome, texts, probability, seen)
+    for parameter in domain.parameters:
+        if parameter.name in pooled and not parameter.fixed:
+            result += _edits_of(parameter, texts, *pooled[parameter.name])
     return tuple(result)
 
 
-def _outcome_edits(outcome: Outcome, text: str, probability: Fraction, seen: int) -> list[Edit]:
-    number, weight = outcome.probability_span, outcome.weight_span
+def _edits_of(
+    stated: Outcome | Parameter, texts: Mapping[str, str], probability: Fraction, seen: int
+) -> list[Edit]:
+    number, weight = stated.probability_span, stated.weight_span
     assert number is not None, "a domain read from text knows its places"
     assert weight is not None
+    text = texts[number.path]
     old = text[number.start : number.end]
     new = _decimal(probability)
-    if outcome.seen is None:
-        return [Edit(number, f"{new} [prior {old}, seen {seen}]")]
-    result = [] if probability == outcome.probability else [Edit(number, new)]
-    if seen != outcome.seen:
+    if stated.seen is None:
+        return _first_edits(stated, number, weight, text, new, f"prior {old}, seen {seen}")
+    result = [] if probability == stated.probability else [Edit(number, new)]
+    if seen != stated.seen:
         result.append(Edit(_seen_span(text, weight), str(seen)))
     return result
+
+
+def _first_edits(
+    stated: Outcome | Parameter, number: Span, weight: Span, text: str, new: str, marks: str
+) -> list[Edit]:
+    """Add the marks; beside a `prior` that stands there already, only what was seen."""
+    if stated.prior is None:
+        return [Edit(number, f"{new} [{marks}]")]
+    close = Span(weight.path, weight.end - 1, weight.end)
+    return [Edit(number, new), Edit(close, f", {marks.partition(', ')[2]}{text[close.start : close.end]}")]
 
 
 def _seen_span(text: str, weight: Span) -> Span:
@@ -94,18 +131,7 @@ def _seen_span(text: str, weight: Span) -> Span:
     return Span(weight.path, weight.start + found.start(1), weight.start + found.end(1))
 
 
-def _rounded(estimates: Sequence[float]) -> tuple[Fraction, ...]:
-    """The estimates in units of 10^-DIGITS, summing to exactly 1 (largest remainders are rounded up)."""
-    unit = 10**DIGITS
-    scaled = [estimate * unit for estimate in estimates]
-    floors = [math.floor(value) for value in scaled]
-    by_remainder = sorted(range(len(scaled)), key=lambda index: (floors[index] - scaled[index], index))
-    for index in by_remainder[: unit - sum(floors)]:
-        floors[index] += 1
-    return tuple(Fraction(value, unit) for value in floors)
-
-
 def _decimal(probability: Fraction) -> str:
-    """Shortest decimal of a multiple of 10^-DIGITS, with at least one digit after the point."""
-    text = f"{float(probability):.{DIGITS}f}".rstrip("0")
-    return text + "0" if text.endswith(".") else text
+    """The shortest exact decimal, with at least one digit after the point; `n/d` where there is none."""
+    text = print_fraction(probability)
+    return text if "." in text or "/" in text else f"{text}.0"

@@ -32,7 +32,9 @@ def explain(domain: Domain, transition: Transition) -> Explanation:
     outcomes = outcomes_of(domain, rule)
     priors = prior_probabilities(outcomes)
     changes = [before.changes(outcome, binding) for outcome in outcomes]
-    scope = set(transition.arguments).union(*(key[1] for change in changes for key in change))
+    scope = {*transition.arguments, *binding.values()}.union(
+        *(key[1] for change in changes for key in change)
+    )
     keys = _keys_within(domain, transition, scope).union(*changes)
     fitting = [
         index
