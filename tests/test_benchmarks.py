@@ -20,3 +20,9 @@ def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
     result = _run("fuzz.py", "2000", "--keep", str(tmp_path / "kept"), cwd=tmp_path)
     assert result.returncode == 0, result.stdout
     assert "0 failures in 2000 inputs" in result.stdout
+
+
+def test_generated_files_read_as_printed(tmp_path: Path) -> None:
+    result = _run("roundtrip.py", "90", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout
+    assert "30 domain, 30 problem, 30 scene" in result.stdout

@@ -93,6 +93,14 @@ def test_every_cut_and_every_lost_character_is_survived(path: Path) -> None:
                 assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(broken)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r", "\r\n"])
+def test_indentation_means_nothing_where_the_braces_match(end: str) -> None:
+    lines = ["scene s {", "    dirt {", "group {", "count = 1", "}", "  group { count = 2 }", "}", "}"]
+    result = parse(Source("x", end.join(lines)))
+    assert result.diagnostics == ()
+    assert result.root == parse(Source("x", " ".join(lines))).root
+
+
 def test_each_block_is_parsed_on_its_own() -> None:
     text = _read(HERE / "small.nid").text
     broken = text.replace("rest: noise", "rest noise").replace("1/3: size", "1/3; size")

@@ -45,10 +45,14 @@ class _Open:
 
 
 class _Scan:
-    """One pass over the tokens of a text; `stack` holds the blocks that are open."""
+    """One pass over the tokens of a text; `stack` holds the blocks that are open.
 
-    def __init__(self, source: Source) -> None:
+    With `by_margin`, a section of a scene that is not indented deeper than the open one stands beside it.
+    """
+
+    def __init__(self, source: Source, by_margin: bool) -> None:
         self.source = source
+        self.by_margin = by_margin
         self.stack: list[_Open] = []
         self.blocks: list[Block] = []
         self.unclosed: list[Block] = []
@@ -81,13 +85,19 @@ class _Scan:
         self.words.clear()
 
     def _cannot_hold(self, outer: _Open, inner: _Open) -> bool:
-        """Only scenes have sections within sections; there one that is not indented deeper stands beside."""
+        """Only scenes have sections within sections."""
         if not self.stack[0].name.startswith("scene") or len(self.stack) >= _DEEPEST:
             return True
-        line = self.source.text.rfind("\n", 0, inner.start) + 1
+        if not self.by_margin:
+            return False
+        line = self._line_start(inner.start)
         margin = self.source.text[line : inner.start]
-        outer_line = self.source.text.rfind("\n", 0, outer.start) + 1
+        outer_line = self._line_start(outer.start)
         return margin.isspace() and outer_line != line and len(margin) <= outer.start - outer_line
+
+    def _line_start(self, offset: int) -> int:
+        text = self.source.text
+        return max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
 
     def _header(self, match: re.Match[str]) -> _Open:
         if not self.stack and self.words:
@@ -154,9 +164,15 @@ class _Scan:
 
 
 def outline(source: Source) -> Outline:
-    """Find the sections of a file and report braces that do not match (E102, E103, E105)."""
-    scan = _Scan(source)
+    """Find the sections of a file and report braces that do not match (E102, E103, E105).
+
+    How a file is indented means nothing, and helps to find the brace that is missing where one is.
+    """
+    scan = _Scan(source, by_margin=False)
     scan.run()
+    if scan.diagnostics:
+        scan = _Scan(source, by_margin=True)
+        scan.run()
     body = source.text if scan.root_end is None else source.text[: scan.root_end]
     for block in scan.unclosed:
         body = blank(body, block.start, block.end)

@@ -1,0 +1,106 @@
+"""What is printed reads as itself: `python benchmarks/roundtrip.py [files]`, for shipped and generated files.
+
+Each generated domain comes with a problem, and every third file is a scene; their texts have odd blanks, line
+ends and comments. A text must give the same model as its tokens with single blanks between them, its printed
+model must read as the same model, and printing twice must change nothing. Exit code 1, with the seed, where
+that fails.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from random import Random
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "language"))
+
+import generate
+
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.format import print_domain, print_problem
+from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
+from cleancli.language.model import Domain, Problem
+from cleancli.scene.check import load_scene
+from cleancli.scene.format import print_scene
+from cleancli.scene.model import Scene
+from cleancli.shipped import find, shipped
+
+Model = Domain | Problem | Scene
+
+
+def printed(model: Model) -> str:
+    """The model as text."""
+    match model:
+        case Domain():
+            return print_domain(model)
+        case Problem():
+            return print_problem(model)
+        case Scene():
+            return print_scene(model)
+
+
+def differs(text: str, load: Callable[[Source], Model]) -> str:
+    """What goes wrong when a text is read, printed and read again; "" for nothing."""
+    model = load(Source("given", text))
+    first = printed(model)
+    again = load(Source("printed", first))
+    if again != model:
+        return f"reads as another model:\n{first}"
+    return "" if printed(again) == first else f"prints differently the second time:\n{first}"
+
+
+def generated(seed: int) -> Iterator[tuple[generate.Generated, Callable[[Source], Model]]]:
+    """The files of one seed, with what reads them."""
+    rng = Random(seed)
+    made, world = generate.domain(rng)
+    domain = load_domain(Source("plain", made.plain))
+    yield made, load_domain
+    yield generate.problem(world, rng), lambda source: load_problem(source, domain)
+    yield generate.scene(rng), load_scene
+
+
+def wrong_with_shipped(path: Path) -> str:
+    """What goes wrong with a shipped file."""
+    source = read_source(path)
+    match kind_of(source):
+        case "domain":
+            return differs(source.text, load_domain)
+        case "scene":
+            return differs(source.text, load_scene)
+        case _:
+            domain = load_domain(read_source(find(domain_named(source).text, "domains")))
+            return differs(source.text, lambda given: load_problem(given, domain))
+
+
+def wrong_with_generated(seed: int) -> Iterator[tuple[str, str]]:
+    """The kind of each file of a seed, and what goes wrong with it."""
+    try:
+        for made, load in generated(seed):
+            same = load(Source("text", made.text)) == load(Source("plain", made.plain))
+            yield made.tokens[0], differs(made.text, load) if same else f"the layout matters:\n{made.text}"
+    except Refused as refused:
+        yield "refused", str(refused)
+
+
+def main() -> int:
+    files = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
+    counts: Counter[str] = Counter()
+    for path in sorted([*shipped("domains").glob("*.nid"), *shipped("problems").glob("*.nid")]):
+        counts["shipped"] += 1
+        if wrong := wrong_with_shipped(path):
+            print(f"{path.name} {wrong}")
+            return 1
+    for seed in range(-(-files // 3)):
+        for kind, wrong in wrong_with_generated(seed):
+            counts[kind] += 1
+            if wrong:
+                print(f"seed {seed}, {kind}: {wrong}")
+                return 1
+    print(", ".join(f"{count} {kind}" for kind, count in counts.items()) + ": all read as themselves")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,362 @@
+"""Whole domains, problems and scenes as text, valid by construction and laid out oddly.
+
+Each text is made twice from one list of tokens: plainly, one blank between tokens, and with any blanks, line
+ends and comments that the language allows. The same state of the random generator gives the same text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from random import Random
+
+VALUES = ("none", "low", "mid", "high", "full")
+REMARKS = ("", " twice", " { no block", " }", " größer als 3 ≤ 4", "# two signs", " rule r: a() {", "\ttab")
+TIGHT = frozenset("(){}[],;")
+
+
+@dataclass(frozen=True, slots=True)
+class Generated:
+    """One file: its tokens, and they laid out."""
+
+    tokens: tuple[str, ...]
+    text: str
+
+    @property
+    def plain(self) -> str:
+        return " ".join(self.tokens)
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A predicate (no values) or function with the types of its parameters."""
+
+    name: str
+    types: tuple[str, ...]
+    values: tuple[str, ...] = ()
+    symmetric: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What a generated domain declares; every type but the root is below the root."""
+
+    types: tuple[str, ...]
+    constants: tuple[tuple[str, str], ...]
+    symbols: tuple[Symbol, ...]
+    actions: tuple[tuple[str, tuple[str, ...]], ...]
+
+    def fits(self, type_name: str, wanted: str) -> bool:
+        return type_name == wanted or wanted == self.types[0]
+
+
+Typed = Sequence[tuple[str, str]]
+"""Terms as they are written, each with its type."""
+
+
+# ---- layout
+
+
+def comments_of(text: str) -> list[str]:
+    """The comments of a text in order; no token but a comment can hold a `#`."""
+    return [comment.rstrip() for comment in re.findall(r"#[^\r\n]*", text)]
+
+
+def lay_out(tokens: Sequence[str], rng: Random) -> str:
+    """The tokens with any blanks and comments between them that leave them what they are."""
+    ends = rng.choice((("\n",), ("\r\n",), ("\r",), ("\n", "\r\n", "\r")))
+    parts = [rng.choice(("", "", "\ufeff", "  ", _comment(rng, ends)))]
+    for left, right in zip(tokens, (*tokens[1:], ""), strict=True):
+        parts += [left, _between(left, right, rng, ends)]
+    return "".join(parts)
+
+
+def _between(left: str, right: str, rng: Random, ends: Sequence[str]) -> str:
+    may_touch = left in TIGHT or right in TIGHT or not right
+    choice = rng.random()
+    if choice < 0.6:
+        return "" if may_touch and rng.random() < 0.7 else " "
+    if choice < 0.9:
+        return "".join(rng.choice((" ", "\t", "\f", *ends)) for _ in range(rng.randint(1, 4)))
+    return rng.choice(("", " ", "\t", *ends)) + _comment(rng, ends)
+
+
+def _comment(rng: Random, ends: Sequence[str]) -> str:
+    return f"#{rng.choice(REMARKS)}{rng.choice(ends)}"
+
+
+def _generated(tokens: list[str], rng: Random) -> Generated:
+    return Generated(tuple(tokens), lay_out(tokens, rng))
+
+
+# ---- domains
+
+
+def domain(rng: Random) -> tuple[Generated, World]:
+    """A domain, and what it declares."""
+    world = _world(rng)
+    blocks = [_types(world), _constants(world, rng), _symbols(world, rng), _actions(world, rng)]
+    blocks += [["derived", "{", *_count("total", world, rng), *_count("other", world, rng), "}"]]
+    blocks += [_rules(action, types, world, rng) for action, types in world.actions]
+    blocks += [["reward", "{", "decrease", "(", "total", ")", "}"]]
+    if rng.random() < 0.5:
+        blocks.append(["default", "{", *_chances([["nothing"], ["noise"]], rng), "}"])
+    rng.shuffle(blocks)
+    tokens = ["domain", "generated", "{", *(token for block in blocks for token in block), "}"]
+    return _generated(tokens, rng), world
+
+
+def _world(rng: Random) -> World:
+    types = ("thing", *(f"type{n}" for n in range(rng.randint(1, 3))))
+    constants = tuple((f"fixed{n}", rng.choice(types)) for n in range(rng.randint(0, 2)))
+    symbols = []
+    for number in range(rng.randint(2, 5)):
+        arity = tuple(rng.choice(types) for _ in range(rng.choice((0, 1, 1, 2, 3))))
+        symmetric = len(arity) == 2 and arity[0] == arity[1] and rng.random() < 0.6
+        symbols.append(Symbol(f"p{number}", arity, (), symmetric))
+    for number in range(rng.randint(1, 2)):
+        values = VALUES[: rng.randint(2, len(VALUES))]
+        symbols.append(Symbol(f"f{number}", (types[0],), values))
+    actions = tuple(
+        (f"act{number}", tuple(rng.choice(types) for _ in range(rng.randint(0, 3))))
+        for number in range(rng.randint(1, 4))
+    )
+    return World(types, constants, tuple(symbols), actions)
+
+
+def _types(world: World) -> list[str]:
+    root, *others = world.types
+    below = [token for name in others for token in (";", name, "-", root)]
+    return ["types", "{", root, *below, "}"]
+
+
+def _constants(world: World, rng: Random) -> list[str]:
+    if not world.constants and rng.random() < 0.5:
+        return []
+    return ["constants", "{", *(token for name, kind in world.constants for token in (name, "-", kind)), "}"]
+
+
+def _parameters(names: Sequence[str], types: Sequence[str], rng: Random) -> list[str]:
+    tokens: list[str] = []
+    for place, (name, kind) in enumerate(zip(names, types, strict=True)):
+        tokens.append(f"?{name}")
+        is_last = place + 1 == len(types)
+        if is_last or types[place + 1] != kind or rng.random() < 0.5:
+            tokens += ["-", kind]
+            tokens += [","] if not is_last and rng.random() < 0.5 else []
+    return tokens
+
+
+def _symbols(world: World, rng: Random) -> list[str]:
+    predicates, functions = ["predicates", "{"], ["functions", "{"]
+    for symbol in world.symbols:
+        head = [symbol.name, "(", *_parameters("abc"[: len(symbol.types)], symbol.types, rng), ")"]
+        if symbol.values:
+            functions += [*head, ":", *_joined([[value] for value in symbol.values], "<")]
+        else:
+            predicates += [*head, *(("[", "symmetric", "]") if symbol.symmetric else ())]
+    return [*predicates, "}", *functions, "}"]
+
+
+def _actions(world: World, rng: Random) -> list[str]:
+    tokens = ["actions", "{"]
+    for name, types in world.actions:
+        tokens += [name, "(", *_parameters("xyz"[: len(types)], types, rng), ")"]
+        if rng.random() < 0.5:
+            tokens += ["[", "duration", "=", rng.choice(("9", "0.25", "14.2", "100000.125")), "s", "]"]
+    return [*tokens, "}"]
+
+
+def _joined(parts: Sequence[Sequence[str]], separator: str) -> list[str]:
+    return [token for place, part in enumerate(parts) for token in ((separator, *part) if place else part)]
+
+
+def _count(name: str, world: World, rng: Random) -> list[str]:
+    kind = rng.choice(world.types)
+    literals = _literals(_applications(world, [("?v", kind), *world.constants], rng)[:2], rng)
+    return [name, ":=", "count", "?v", "-", kind, ":", *_joined(literals, ",")]
+
+
+# ---- rules
+
+
+def _applications(world: World, terms: Typed, rng: Random) -> list[tuple[Symbol, list[str]]]:
+    """Symbols with terms that fit, each symbol at most once, in random order."""
+    found = []
+    for symbol in rng.sample(world.symbols, len(world.symbols)):
+        choices = [[name for name, kind in terms if world.fits(kind, wanted)] for wanted in symbol.types]
+        if all(choices):
+            found.append((symbol, [rng.choice(names) for names in choices]))
+    return found
+
+
+def _literals(applied: Sequence[tuple[Symbol, list[str]]], rng: Random) -> list[list[str]]:
+    return [rng.choice(_cases(symbol, terms, rng)) for symbol, terms in applied]
+
+
+def _applied(symbol: Symbol, terms: Sequence[str]) -> list[str]:
+    return [symbol.name, "(", *_joined([[term] for term in terms], ","), ")"]
+
+
+def _cases(symbol: Symbol, terms: Sequence[str], rng: Random) -> list[list[str]]:
+    """Literals that exclude each other, each of them possible."""
+    head = _applied(symbol, terms)
+    if not symbol.values:
+        return [head, ["not", *head]]
+    if rng.random() < 0.5:
+        return [[*head, "=", value] for value in symbol.values]
+    cut = rng.randrange(1, len(symbol.values))
+    low, high = symbol.values[cut - 1], symbol.values[cut]
+    below, above = rng.choice((("<", high), ("<=", low))), rng.choice(((">", low), (">=", high)))
+    return [[*head, *below], [*head, *above]]
+
+
+def _rules(action: str, types: Sequence[str], world: World, rng: Random) -> list[str]:
+    """Rules of an action that exclude each other: they differ in the case of one literal."""
+    terms = [*((f"?{place}", kind) for place, kind in enumerate(types)), *world.constants]
+    applied = _applications(world, terms, rng)
+    cases = _cases(*applied[0], rng) if applied and rng.random() < 0.8 else [[]]
+    tokens: list[str] = []
+    for number, case in enumerate(rng.sample(cases, rng.randint(1, len(cases)))):
+        literals = [case] if case else []
+        literals += _literals(applied[1 : rng.randint(1, 3)], rng)
+        if len(types) > 1 and types[0] == types[1] and rng.random() < 0.3:
+            literals.append(["?0", "!=", "?1"])
+        rng.shuffle(literals)
+        names = rng.sample(("a", "b", "c", "d_1", "E"), len(types))
+        head = ["rule", f"{action}_{number}", ":", action, "("]
+        head += [*_joined([[f"?{place}"] for place in range(len(types))], ","), ")", "{"]
+        when = ["when", *_joined(literals, ",")] if literals else []
+        rule = [*head, *when, "then", *_chances(_results(terms, world, rng), rng), "}"]
+        tokens += [f"?{names[int(token[1:])]}" if re.match(r"\?\d", token) else token for token in rule]
+    return tokens
+
+
+def _results(terms: Typed, world: World, rng: Random) -> list[list[str]]:
+    """What may happen: no two alike."""
+    results = [["noise"], ["nothing"]][: rng.randint(0, 2)]
+    for _ in range(rng.randint(1, 3)):
+        effects = [_effect(*application, rng) for application in _applications(world, terms, rng)[:2]]
+        if rng.random() < 0.4:
+            effects.append(_forall(terms, world, rng))
+        result = _joined(effects, ",")
+        if result and result not in results:
+            results.append(result)
+    results = results or [["noise"]]
+    rng.shuffle(results)
+    return results
+
+
+def _effect(symbol: Symbol, terms: Sequence[str], rng: Random) -> list[str]:
+    head = _applied(symbol, terms)
+    if symbol.values:
+        return [*head, ":=", rng.choice(symbol.values)]
+    return rng.choice((head, ["not", *head]))
+
+
+def _forall(terms: Typed, world: World, rng: Random) -> list[str]:
+    kind = rng.choice(world.types)
+    inner = [("?m", kind), *terms]
+    condition = _joined(_literals(_applications(world, inner, rng)[: rng.randint(0, 2)], rng), ",")
+    effects = [_effect(*application, rng) for application in _applications(world, inner, rng)[-2:]]
+    listed = ["(", *_joined(effects, ","), ")"] if len(effects) > 1 or rng.random() < 0.3 else effects[0]
+    return ["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]
+
+
+def _chances(results: Sequence[Sequence[str]], rng: Random) -> list[str]:
+    """The results with probabilities that sum to 1, as decimals, fractions and perhaps a `rest`."""
+    whole = rng.choice((10, 1000, 3, 7, 360))
+    cuts = sorted(rng.randint(0, whole) for _ in results[1:])
+    shares = [high - low for low, high in zip([0, *cuts], [*cuts, whole], strict=True)]
+    rest = rng.randrange(len(results)) if rng.random() < 0.6 else None
+    tokens = []
+    for place, (share, result) in enumerate(zip(shares, results, strict=True)):
+        decimal = whole in (10, 1000) and rng.random() < 0.8
+        tokens.append("rest" if place == rest else str(share / whole) if decimal else f"{share}/{whole}")
+        marks = rng.choice(([], [["prior", "0.25"]], [["seen", "12"], ["prior", "1/3"]], [["seen", "0"]]))
+        tokens += ["[", *_joined(marks, ","), "]"] if marks else []
+        tokens += [":", *result]
+    return tokens
+
+
+# ---- problems
+
+
+def problem(world: World, rng: Random) -> Generated:
+    """A problem for a generated domain."""
+    objects = [(f"o{number}", rng.choice(world.types)) for number in range(rng.randint(1, 4))]
+    everything = [*objects, *world.constants]
+    listed = [token for name, kind in objects for token in (name, "-", kind)]
+    blocks = [["domain", "=", "generated"], ["objects", "{", *listed, "}"]]
+    blocks.append(["init", "{", *_facts(world, everything, rng), "}"])
+    if rng.random() < 0.7:
+        horizon = rng.choice((["7"], ["total"], ["1", "+", "total"]))
+        blocks.append(["horizon", "=", *horizon])
+    if rng.random() < 0.7:
+        blocks.append(["discount", "=", rng.choice(("1", "0", "0.95", "0.1234567890123456"))])
+    rng.shuffle(blocks)
+    tokens = ["problem", "p", "{", *(token for block in blocks for token in block), "}"]
+    return _generated(tokens, rng)
+
+
+def _facts(world: World, objects: Typed, rng: Random) -> list[str]:
+    facts = []
+    for symbol in world.symbols:
+        fitting = [[name for name, kind in objects if world.fits(kind, wanted)] for wanted in symbol.types]
+        for names in product(*fitting):
+            if symbol.values:
+                facts.append([*_applied(symbol, names), "=", rng.choice(symbol.values)])
+            elif rng.random() < 0.3:
+                facts.append(_applied(symbol, names))
+    rng.shuffle(facts)
+    return [token for fact in facts for token in (*fact, *rng.choice(((), (",",))))]
+
+
+# ---- scenes
+
+
+def scene(rng: Random) -> Generated:
+    """A scene; what it leaves out has a default."""
+    blocks = [["domain", "=", "cleaning"], ["seed", "=", str(rng.randrange(2**31))]]
+    blocks += [
+        _section("surface", rng, width=_length(rng, 600, 1000), depth=_length(rng, 550, 750)),
+        _section("container", rng, edge=[rng.choice(("east", "north", "south", "west"))]),
+        _section("container", rng, width=_length(rng, 200, 320), offset=_length(rng, -100, 100)),
+        _section("rag", rng, width=_length(rng, 40, 200)),
+        _section("camera", rng, height=_length(rng, 900, 1200), image=["640", "x", "480"]),
+        _section("symbols", rng, near=_length(rng, 100, 300), link=_length(rng, 10, 90)),
+    ]
+    del blocks[rng.choice((3, 4))]
+    chosen = [block for block in blocks if rng.random() < 0.7]
+    chosen.append(["dirt", "{", *(t for _ in range(rng.randint(1, 4)) for t in _dirt(rng)), "}"])
+    rng.shuffle(chosen)
+    return _generated(["scene", "s", "{", *(t for block in chosen for t in block), "}"], rng)
+
+
+def _section(name: str, rng: Random, **settings: list[str]) -> list[str]:
+    kept = [[key, "=", *value] for key, value in settings.items() if rng.random() < 0.7]
+    rng.shuffle(kept)
+    return [name, "{", *(token for setting in kept for token in setting), "}"]
+
+
+def _length(rng: Random, low: int, high: int) -> list[str]:
+    """A length between two numbers of mm, in any unit."""
+    value = rng.randint(low, high)
+    sign, size = (["-"] if value < 0 else []), abs(value)
+    number, unit = rng.choice(((str(size), "mm"), (f"{size / 10}", "cm"), (f"{size / 1000}", "m")))
+    return [*sign, number, unit]
+
+
+def _point(rng: Random, low: int, high: int) -> list[str]:
+    return ["(", *_length(rng, low, high), ",", *_length(rng, low, high), ")"]
+
+
+def _dirt(rng: Random) -> list[str]:
+    count = ["count", "=", str(rng.randint(1, 40))]
+    if rng.random() < 0.5:
+        place = ["at", "=", *_point(rng, -200, 200), "radius", "=", *_length(rng, 10, 40)]
+        return ["group", "{", *count, *place, "}"]
+    corners = ["from", "=", *_point(rng, -200, -10), "to", "=", *_point(rng, 10, 200)]
+    return ["scattered", "{", *count, *corners, "}"]
