@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from cleancli.cli.files import STDIN, read
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
@@ -43,12 +44,14 @@ def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
 
 
 def check_file(name_or_path: str) -> None:
-    """Read a file of any kind, and the domain that a problem names; raises Refused with every mistake.
+    """Read a file of any kind (`-`: standard input), and the domain that a problem names; raises Refused with
+    every mistake.
 
     A problem's domain is sought beside the problem before it is sought among the shipped ones.
     """
-    path = find(name_or_path, "domains", "problems")
-    source = read_source(path)
+    is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
+    path = find(name_or_path, "domains", "problems") if is_named else Path(name_or_path)
+    source = read(str(path))
     match kind_of(source):
         case "domain":
             load_domain(source)

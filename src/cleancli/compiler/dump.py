@@ -4,12 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cleancli.compiler.task import GroundCondition, GroundOutcome, Task, literal_text
+from cleancli.compiler.task import GroundCondition, GroundOutcome, GroundRule, Task, literal_text
 
 
 def dump(task: Task) -> str:
     """All of the task, one item a line, in its own order; rules by their number in the domain, from 0."""
     return "\n".join(_lines(task)) + "\n"
+
+
+def as_data(task: Task) -> dict[str, object]:
+    """All of the task for JSON, in its own order; rules by number in the domain, actions by place."""
+    return {
+        "horizon": task.horizon,
+        "discount": task.discount,
+        "variables": [
+            {
+                "symbol": variable.symbol,
+                "objects": list(variable.objects),
+                "values": list(variable.values),
+                "initial": variable.values[value],
+            }
+            for variable, value in zip(task.variables, task.initial, strict=True)
+        ],
+        "actions": [
+            {"name": action.name, "objects": list(action.objects), "duration": action.duration}
+            for action in task.actions
+        ],
+        "rules": [_rule_data(task, rule) for rule in task.rules],
+        "counted": [_condition(task, condition) for condition in task.counted],
+        "counted_always": task.counted_always,
+    }
+
+
+def _rule_data(task: Task, rule: GroundRule) -> dict[str, object]:
+    outcomes = [
+        {"probability": outcome.probability, "effects": _effects(task, outcome)} for outcome in rule.outcomes
+    ]
+    when = _condition(task, rule.condition)
+    return {"rule": rule.rule, "action": rule.action, "when": when, "outcomes": outcomes}
 
 
 def _lines(task: Task) -> Iterator[str]:

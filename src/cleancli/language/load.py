@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import BinaryIO
 
 from cleancli.language.check import check_domain
 from cleancli.language.check_problem import check_problem
@@ -13,7 +14,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.language.parse import kind_of, parse
 from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode, Root
 
-__all__ = ["domain_named", "kind_of", "load_domain", "load_problem", "parse_as", "read_source"]
+__all__ = ["domain_named", "kind_of", "load_domain", "load_problem", "parse_as", "read_source", "read_stream"]
 
 _LARGEST = 8 * 1024 * 1024
 
@@ -32,6 +33,11 @@ def read_source(path: Path | str) -> Source:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
     return Source(name, _decode(name, raw))
+
+
+def read_stream(stream: BinaryIO, name: str) -> Source:
+    """The text that a stream holds, under the name that its messages shall have; refuses as `read_source`."""
+    return Source(name, _decode(name, stream.read(_LARGEST + 1)))
 
 
 def _decode(name: str, raw: bytes) -> str:
