@@ -34,7 +34,7 @@ def completed(line: str, cwd: Path) -> list[str]:
         check=True,
     )
     assert result.stderr == ""
-    kinds = [entry.partition(",") for entry in result.stdout.splitlines()]
+    kinds = [entry.partition(",") for entry in result.stdout.splitlines() if entry]
     return [value if kind == "plain" else f"({kind})" for kind, _, value in kinds]
 
 
