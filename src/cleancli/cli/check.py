@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import click
 
+from cleancli.cli.completion import check_files
 from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
+from cleancli.cli.report import echo_refused
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
-from cleancli.language.render import as_json, render
+from cleancli.language.render import as_json, as_sarif
 
 
 @click.command("check", short_help="Report every mistake in domain, problem and scene files.")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--json", "as_data", is_flag=True, help="Print the diagnostics as JSON.")
-def command(files: tuple[str, ...], as_data: bool) -> int:
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=check_files)
+@click.option(
+    "--format", "style", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True
+)
+@click.option("--json", "style", flag_value="json", help="The same as --format json.")
+def command(files: tuple[str, ...], style: str) -> int:
     """Report every mistake in FILEs: domains, problems or scenes, by path or shipped name.
 
-    Exit code 1 if there is any, 0 if there is none; warnings are printed and change nothing.
+    A folder stands for all .nid files in it and in its folders, `-` for standard input. A problem is checked
+    with the domain that it names, found beside it or among the shipped ones. Exit code 1 if there is any
+    mistake, 0 if there is none; warnings are printed and change nothing.
     """
-    found = [_found(name) for name in files]
-    levels = [diagnostic.level for diagnostics, _ in found for diagnostic in diagnostics]
-    mistakes, warnings = levels.count(Level.ERROR), levels.count(Level.WARNING)
-    if as_data:
-        data = [entry for diagnostics, sources in found for entry in as_json(diagnostics, sources)]
-        click.echo(json.dumps(data, indent=2))
-    else:
-        for diagnostics, sources in found:
-            if diagnostics:
-                click.echo(render(diagnostics, sources, colour=_is_terminal()))
-        also = f" and {_number(warnings, 'warning')}" if warnings else ""
-        click.echo(f"{_number(mistakes, 'mistake')}{also} in {_number(len(files), 'file')}")
-    return ExitCode.REFUSED if mistakes else ExitCode.DONE
+    names = tuple(expanded(files))
+    found = [_found(name) for name in names]
+    diagnostics = [diagnostic for some, _ in found for diagnostic in some]
+    sources = tuple(dict.fromkeys(source for _, some in found for source in some))
+    levels = [diagnostic.level for diagnostic in diagnostics]
+    match style:
+        case "json":
+            click.echo(json.dumps(as_json(diagnostics, sources), indent=2))
+        case "sarif":
+            click.echo(json.dumps(as_sarif(diagnostics, sources), indent=2))
+        case _:
+            for some, texts in found:
+                if some:
+                    echo_refused(Refused(some, texts), err=False)
+            click.echo(_summary(levels.count(Level.ERROR), levels.count(Level.WARNING), len(names)))
+    return ExitCode.REFUSED if Level.ERROR in levels else ExitCode.DONE
 
 
 def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
@@ -43,9 +53,10 @@ def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
         return refused.diagnostics, refused.sources
 
 
+def _summary(mistakes: int, warnings: int, files: int) -> str:
+    also = f" and {_number(warnings, 'warning')}" if warnings else ""
+    return f"{_number(mistakes, 'mistake')}{also} in {_number(files, 'file')}"
+
+
 def _number(count: int, what: str) -> str:
     return f"{count} {what}{'s' * (count != 1)}"
-
-
-def _is_terminal() -> bool:
-    return sys.stdout.isatty()

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from cleancli import __version__
+from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.cli.live import show
@@ -26,8 +27,8 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
-@click.argument("domain")
-@click.argument("scene")
+@click.argument("domain", shell_complete=domains)
+@click.argument("scene", shell_complete=problems)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's]")
 @click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
 @click.option(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from cleancli.cli.files import STDIN, read
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import (
     checked_domain,
@@ -51,13 +52,14 @@ def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
 
 
 def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """All mistakes and warnings of a file of any kind, with the texts they point into.
+    """All mistakes and warnings of a file of any kind (`-`: standard input), with the texts they point into.
 
     A problem's domain is sought beside the problem before it is sought among the shipped ones. Raises Refused
     where the file, or the domain of a problem, cannot be read at all.
     """
-    path = find(name_or_path, "domains", "problems")
-    source = read_source(path)
+    is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
+    path = find(name_or_path, "domains", "problems") if is_named else Path(name_or_path)
+    source = read(str(path))
     match kind_of(source):
         case "domain":
             checked = checked_domain(source)

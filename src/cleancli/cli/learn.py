@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli.completion import domains
 from cleancli.cli.inputs import open_domain
 from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Edit, apply_edits, write_atomically
@@ -21,7 +22,7 @@ from cleancli.learning.match import outcomes_of
 
 
 @click.command("learn", short_help="Improve a domain's probabilities from recorded experience.")
-@click.argument("domain")
+@click.argument("domain", shell_complete=domains)
 @click.argument("experience", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--estimator",

@@ -13,12 +13,19 @@ from collections.abc import Sequence
 import click
 
 from cleancli import __version__
+from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.language.diagnostics import Refused
 from cleancli.world.physics import MissingPhysics
 
 SUMMARIES = {
+    "init": "Write a small domain and a problem to start from.",
     "check": "Report every mistake in domain, problem and scene files.",
+    "fmt": "Lay files out in the one canonical way, comments kept.",
+    "show": "Types, rules and groundings of a domain.",
+    "compile": "The grounded task, as text or JSON.",
+    "explain": "Which rule covers an action, and if none does, why.",
+    "rename": "Rename a declared thing in a domain and its problems.",
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
@@ -35,6 +42,9 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in SUMMARIES:
             return None
+        light = light_command(cmd_name)
+        if light is not None:
+            return light
         command = importlib.import_module(f"cleancli.cli.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
@@ -88,9 +98,9 @@ def run(arguments: Sequence[str]) -> int:
 
 def _print_refused(refused: Refused) -> None:
     """Imported here because most runs never need the renderer."""
-    from cleancli.language.render import render
+    from cleancli.cli.report import echo_refused
 
-    click.echo(render(refused.diagnostics, refused.sources, colour=sys.stderr.isatty()), err=True)
+    echo_refused(refused)
 
 
 if __name__ == "__main__":

@@ -5,23 +5,24 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 
 import click
 
+from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import working
+from cleancli.cli.seen import look
 from cleancli.compiler.ground import ground
-from cleancli.execution.seeds import Purpose, derived
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Problem
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
 
 
 @click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
-@click.argument("domain")
-@click.argument("problem")
+@click.argument("domain", shell_complete=domains)
+@click.argument("problem", shell_complete=problems)
 @click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
 @click.option(
     "--samples",
@@ -45,7 +46,7 @@ def command(domain: str, problem: str, planner: str, samples: int, seed: int | N
     if isinstance(given, Scene):
         seed = given.seed if seed is None else seed
         with _timed(seconds, "look"), located_in(source), working("looking at the table"):
-            model, given = _problem_seen(model, given, seed)
+            model, given = look(model, given, seed)
     with _timed(seconds, "ground"), located_in(source):
         task = ground(model, given)
     with working("planning (the first run compiles the planner)"):
@@ -55,18 +56,6 @@ def command(domain: str, problem: str, planner: str, samples: int, seed: int | N
         click.echo(json.dumps(_as_data(given, result, seconds), indent=2))
     else:
         _print(given, result, seconds)
-
-
-def _problem_seen(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
-    """What one look at the scene's table says, and the actions that its robot has skills for.
-
-    The world and its eyes are imported here: planning for a written problem needs neither.
-    """
-    from cleancli.execution.loop import look_once, within_reach
-    from cleancli.world.table import PybulletTable
-
-    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
-        return within_reach(domain), look_once(domain, scene, table, seed)
 
 
 @contextmanager

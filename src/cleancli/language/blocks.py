@@ -1,4 +1,4 @@
-"""Which blocks of a text take lines of their own, and what the items in them are: what its layout is made from.
+"""Which blocks of a text take lines of their own, and what items they hold: what a layout is made from.
 
 Guaranteed by `tokens_of`: every token, and what stands between. Nothing here knows the constructs of the
 language: items are what the syntax tree lists between braces, whatever they mean.
@@ -101,7 +101,7 @@ class Blocks:
                 self._find_items(part, numbers)
 
     def _is_tall(self, opening: int) -> bool:
-        """Whether a block takes several lines: it was so written, is a rule or the whole file, or is too wide."""
+        """Whether a block takes several lines: was so written, is a rule or the whole file, is too wide."""
         closing = self.closing[opening]
         inside = range(opening + 1, closing)
         if not inside:

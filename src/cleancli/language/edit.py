@@ -46,13 +46,41 @@ def write_atomically(path: Path | str, text: str, expected_old_text: str | None)
     Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist). Raises OSError
     where it cannot be read or written.
     """
-    old = expected_old_text.encode("utf-8") if expected_old_text is not None else None
-    target = Path(path)
-    now = target.read_bytes() if target.exists() else None
-    if now != old:
-        what = "already exists" if old is None else "has changed on disk since it was read"
-        raise Refused([Diagnostic("E006", f"`{path}` {what}", None, help="nothing was written")])
-    replace_file(path, text)
+    write_all([Change(Path(path), text, expected_old_text)])
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A file to be replaced by `text` if it still reads `expected`; None: it must not exist."""
+
+    path: Path
+    text: str
+    expected: str | None
+
+
+def write_all(changes: Iterable[Change]) -> None:
+    """Replace several files, each in one step, after all of them were found to read as expected.
+
+    Refuses (E006) before the first is replaced, naming all that do not. Raises OSError where one cannot be
+    read or written; those before it are replaced then.
+    """
+    changes = tuple(changes)
+    refused = [diagnostic for change in changes if (diagnostic := _unexpected(change)) is not None]
+    if refused:
+        raise Refused(refused)
+    for change in changes:
+        replace_file(change.path, change.text)
+
+
+def _unexpected(change: Change) -> Diagnostic | None:
+    try:
+        now: bytes | None = change.path.read_bytes()
+    except FileNotFoundError:
+        now = None
+    if now == (None if change.expected is None else change.expected.encode("utf-8")):
+        return None
+    what = "already exists" if change.expected is None else "has changed on disk since it was read"
+    return Diagnostic("E006", f"`{change.path}` {what}", None, help="nothing was written")
 
 
 def replace_file(path: Path | str, text: str) -> None:

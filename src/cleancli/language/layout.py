@@ -1,10 +1,10 @@
-"""One layout for every text: `cleancli fmt` and the editors. Tokens and comments stay, blanks and line ends move.
+"""One layout for every text: tokens and comments stay, blanks and line breaks move.
 
 Guaranteed by `tokens_of`: every token, and what stands between. The layout knows braces, separators and the
-words that begin a clause; what the items between braces are, it learns from the syntax tree, whatever they mean.
+words that begin a clause; the items between braces it learns from the syntax tree, whatever they mean.
 
 - A block on one line stays so if it fits; all others have an item or more to a line, two blanks deeper.
-- The file's own block, and rules, are never on one line; `when`, `with`, `then` and every outcome begin a line.
+- The file's own block and rules are never on one line; `when`, `with`, `then` and every outcome begin one.
 - Heads of settings and of blocks on one line, marks, and comments behind the code stand in columns.
 """
 
@@ -158,8 +158,8 @@ def _line(blocks: Blocks, start: int, stop: int, indent: int) -> _Line:
 
 
 def _in_columns(lines: Sequence[_Line]) -> list[str]:
-    """The lines as text: heads of one block in a column up to a blank line or another item; marks and comments of adjacent
-    lines."""
+    """The lines as text: heads of one block stand in a column up to a blank line or another item, marks and
+    comments in one where their lines are adjacent."""
     lines = _adjacent(_heads(lines), lambda line: line.mark is not None, _marks)
     return [text for _, run in groupby(lines, lambda line: bool(line.remarks)) for text in _text(list(run))]
 

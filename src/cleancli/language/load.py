@@ -13,7 +13,7 @@ from cleancli.language.findings import Findings
 from cleancli.language.include import Read, with_includes
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parse import kind_of
-from cleancli.language.read import parse_as, read_source
+from cleancli.language.read import parse_as, read_source, read_stream
 from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "load_problem",
     "parse_as",
     "read_source",
+    "read_stream",
 ]
 
 _Model = TypeVar("_Model", Domain, Problem)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import BinaryIO
 
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import Findings
@@ -27,6 +28,11 @@ def read_source(path: Path | str) -> Source:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
     return Source(name, _decode(name, raw))
+
+
+def read_stream(stream: BinaryIO, name: str) -> Source:
+    """The text that a stream holds, under the name that its messages shall have; refuses as `read_source`."""
+    return Source(name, _decode(name, stream.read(LARGEST + 1)))
 
 
 def _decode(name: str, raw: bytes) -> str:

@@ -46,7 +46,7 @@ class _Gap:
 
 
 def tokens_of(text: str) -> tuple[Token, ...]:
-    """All tokens in order, the end of the file last; raises lark's UnexpectedInput where the text is wrong."""
+    """All tokens in order, the end of the file last; raises lark's UnexpectedInput for a mistake."""
     found = [
         (str(token), token.type, cast(int, token.start_pos))
         for token in grammar().parse_interactive(text).iter_parse()

@@ -1,0 +1,112 @@
+"""What the shell offers for an argument: shipped names, files of the user, and names declared in them.
+
+A completion answers while a person waits. So the arguments of all commands stand here again: a command is
+only imported, with all that it needs, where an option is to be completed. lark is only loaded to complete
+names that are declared in a file.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import click
+from click.shell_completion import CompletionItem
+
+from cleancli.language.diagnostics import Refused
+from cleancli.shipped import find, shipped_names
+
+Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+def _matching(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
+    return [CompletionItem(name) for name in sorted(set(names)) if name.startswith(incomplete)]
+
+
+def _shipped_or_file(*kinds: str) -> Completer:
+    """Shipped names, .nid files and folders; where only folders fit, the shell goes on by itself."""
+
+    def complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        files, folders = _paths(incomplete)
+        names = [name for kind in kinds for name in shipped_names(kind)]
+        found = _matching([*names, *files], incomplete)
+        return found + _matching(folders, incomplete) if found else [CompletionItem(incomplete, type="file")]
+
+    return complete
+
+
+def _paths(incomplete: str) -> tuple[list[str], list[str]]:
+    """The .nid files and the folders that a path may go on with; hidden ones only if it says so."""
+    start, slash, beginning = incomplete.rpartition("/")
+    try:
+        entries = [e for e in Path(start + slash or ".").iterdir() if e.name.startswith(beginning)]
+    except OSError:
+        return [], []
+    shown = [entry for entry in entries if beginning or not entry.name.startswith(".")]
+    files = [start + slash + e.name for e in shown if e.suffix == ".nid" and e.is_file()]
+    return files, [f"{start}{slash}{e.name}/" for e in shown if e.is_dir()]
+
+
+nid_files = _shipped_or_file()
+domains = _shipped_or_file("domains")
+problems = _shipped_or_file("problems")
+check_files = _shipped_or_file("domains", "problems")
+
+
+def actions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """The actions of the domain that stands before, with their opening bracket."""
+    names = _declared(ctx.params.get("domain"), {"action"})
+    return _matching([f"{name}(" for name in names], incomplete)
+
+
+def renamable(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """What the domain of --domain declares, if it stands before; else what the files of this folder do."""
+    kinds = {"type", "object", "symbol", "value", "count", "action", "rule"}
+    given = ctx.params.get("domain")
+    files = [given] if given else _paths("")[0]
+    return _matching([name for file in files for name in _declared(file, kinds)], incomplete)
+
+
+def _declared(domain: str | None, kinds: set[str]) -> list[str]:
+    """Names of some kinds that a domain declares; none where it cannot be read.
+
+    lark is loaded here, and so by no other completion.
+    """
+    from cleancli.language.load import read_source
+    from cleancli.language.names import names_in
+
+    if domain is None:
+        return []
+    try:
+        found = names_in(read_source(find(domain, "domains")))
+    except Refused:
+        return []
+    return [name.name for name in found if name.declares and name.kind.value in kinds]
+
+
+ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
+    "init": (("folder", 1, None),),
+    "check": (("files", -1, check_files),),
+    "fmt": (("files", -1, nid_files),),
+    "show": (("domain", 1, domains), ("problem", 1, problems)),
+    "compile": (("domain", 1, domains), ("problem", 1, problems)),
+    "explain": (("domain", 1, domains), ("problem", 1, problems), ("action", 1, actions)),
+    "plan": (("domain", 1, domains), ("problem", 1, problems)),
+    "execute": (("domain", 1, domains), ("scene", 1, problems)),
+    "learn": (("domain", 1, domains), ("experience", -1, None)),
+}
+"""The arguments of the commands: name, how many values (-1: any), what completes them."""
+
+
+def light_command(name: str) -> click.Command | None:
+    """A command's arguments without the command, while the shell completes a line that has no options."""
+    if "_CLEANCLI_COMPLETE" not in os.environ or name not in ARGUMENTS:
+        return None
+    if any(word.startswith("-") for word in os.environ.get("COMP_WORDS", "").split()):
+        return None
+    parameters: list[click.Parameter] = [
+        click.Argument([argument], nargs=count, required=False, shell_complete=complete)
+        for argument, count, complete in ARGUMENTS[name]
+    ]
+    return click.Command(name, params=parameters)

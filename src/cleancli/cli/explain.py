@@ -1,0 +1,182 @@
+"""`cleancli explain`: which rule covers an action, and if none does, what each of its rules lacks."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from typing import NoReturn
+
+import click
+
+from cleancli.cli.completion import actions, domains, problems
+from cleancli.cli.seen import open_both
+from cleancli.compiler.explain import Attempt, Bound, Explanation, Failure, OutcomeHere, explain
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.findings import meant
+from cleancli.language.format import print_fraction, print_literal
+from cleancli.language.model import Action, Domain, Equality, Literal, Object, OutcomeKind, Problem, Value
+
+_CALL = re.compile(r"\s*(?P<action>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
+_ARGUMENT = re.compile(r"[^\s,]+")
+
+
+@click.command("explain", short_help="Which rule covers an action, and if none does, why.")
+@click.argument("domain", shell_complete=domains)
+@click.argument("problem", shell_complete=problems)
+@click.argument("action", shell_complete=actions)
+@click.option("--json", "as_data", is_flag=True, help="Print the explanation as JSON.")
+def command(domain: str, problem: str, action: str, as_data: bool) -> None:
+    """Say what ACTION, like "join2(a1, a3)", would do in the initial state of PROBLEM, and by which rule.
+
+    If no rule covers it, say of each of its rules which literals fail, and what holds instead. For a scene,
+    the state is that of one look at its table.
+    """
+    _, model, given = open_both(domain, problem)
+    name, arguments = read_action(action, model, given)
+    found = explain(model, given, name, arguments)
+    if as_data:
+        click.echo(json.dumps(_as_data(model, found), indent=2))
+    else:
+        click.echo("\n".join(_lines(model, given, found)))
+
+
+# ---- reading the action
+
+
+def read_action(text: str, domain: Domain, problem: Problem) -> tuple[str, tuple[str, ...]]:
+    """An action as a user writes it, like `join2(a1, a3)`; raises Refused (E104, E205, E206, E208, E209)."""
+    source = Source("ACTION", text)
+    match = _CALL.fullmatch(text)
+    if match is None:
+        help = "write for example `join2(a1, a3)`, in quotation marks for the shell"
+        _refuse(source, "E104", "this is no action with its objects", 0, len(text), help)
+    name = match["action"]
+    declared = {action.name: action for action in domain.actions}
+    if name not in declared:
+        help = meant(name, declared, "action")
+        _refuse(source, "E206", f"unknown action `{name}`", match.start("action"), match.end("action"), help)
+    start = max(match.start("arguments"), 0)
+    places = [
+        (m.group(), start + m.start(), start + m.end()) for m in _ARGUMENT.finditer(match["arguments"] or "")
+    ]
+    wanted = declared[name].parameters
+    if len(places) != len(wanted):
+        message = f"`{name}` takes {len(wanted)} object{'s' * (len(wanted) != 1)}, not {len(places)}"
+        help = f"it is declared as `{_signature(declared[name])}`"
+        _refuse(source, "E208", message, match.start("action"), len(text.rstrip()), help)
+    _check_objects(source, places, declared[name], domain, problem)
+    return name, tuple(place[0] for place in places)
+
+
+def _check_objects(
+    source: Source, places: Sequence[tuple[str, int, int]], action: Action, domain: Domain, problem: Problem
+) -> None:
+    objects: dict[str, Object] = {o.name: o for o in (*domain.constants, *problem.objects)}
+    for (name, start, end), parameter in zip(places, action.parameters, strict=True):
+        fitting = [o.name for o in objects.values() if domain.is_a(o.type, parameter.type)]
+        help = meant(name, fitting, "object")
+        if name not in objects:
+            _refuse(source, "E205", f"unknown object `{name}`", start, end, help)
+        if name not in fitting:
+            message = f"`{name}` is of type `{objects[name].type}`, `{action.name}` wants `{parameter.type}`"
+            _refuse(source, "E209", message, start, end, help)
+
+
+def _refuse(source: Source, code: str, message: str, start: int, end: int, help: str) -> NoReturn:
+    raise Refused([Diagnostic(code, message, Span(source.path, start, end), help=help)], [source])
+
+
+def _signature(action: Action) -> str:
+    return f"{action.name}({', '.join(f'?{p.name} - {p.type}' for p in action.parameters)})"
+
+
+# ---- saying it
+
+
+def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str]:
+    called = f"{found.action}({', '.join(found.arguments)})"
+    if found.covering is not None:
+        yield f"{called}: covered by rule {found.covering.name}{_binding(found.covering.binding)}"
+        yield from (f"  {_outcome(outcome)}" for outcome in found.covering.outcomes)
+    else:
+        yield f"{called}: no rule covers it in the initial state of {problem.name}"
+        yield "default"
+        yield from (f"  {_outcome(outcome)}" for outcome in found.default)
+    for attempt in found.attempts:
+        yield f"rule {attempt.name} does not apply{_binding(attempt.binding)}"
+        yield from _attempt(domain, attempt)
+
+
+def _attempt(domain: Domain, attempt: Attempt) -> Iterator[str]:
+    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    parts = [print_literal(failure.part, symbols) for failure in attempt.failures]
+    width = max(map(len, parts), default=0)
+    for part, failure in zip(parts, attempt.failures, strict=True):
+        yield f"  {part:<{width}}  fails: {_instead(failure)}"
+
+
+def _instead(failure: Failure) -> str:
+    """What holds where a part of a condition does not."""
+    match failure.part:
+        case Equality(equal=equal):
+            one, other = failure.objects
+            return f"{one} and {other} are different" if equal else f"both are {one}"
+        case Literal(symbol):
+            return f"{symbol}({', '.join(failure.objects)}) is {_value(failure.actual)}"
+
+
+def _outcome(outcome: OutcomeHere) -> str:
+    otherwise = "changes nothing here" if outcome.kind is OutcomeKind.CHANGE else outcome.kind.value
+    return f"{print_fraction(outcome.probability)}: {', '.join(_effects(outcome)) or otherwise}"
+
+
+def _effects(outcome: OutcomeHere) -> list[str]:
+    return [_effect(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
+
+
+def _effect(symbol: str, objects: tuple[str, ...], value: Value) -> str:
+    applied = f"{symbol}({', '.join(objects)})"
+    if isinstance(value, bool):
+        return applied if value else f"not {applied}"
+    return f"{applied} := {value}"
+
+
+def _binding(binding: Bound) -> str:
+    shown = ", ".join(f"?{variable} = {name}" for variable, name in binding)
+    return f" ({shown})" if shown else ""
+
+
+def _value(value: Value | None) -> str:
+    return (
+        "without a value" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+    )
+
+
+def _as_data(domain: Domain, found: Explanation) -> dict[str, object]:
+    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    covering = found.covering
+    return {
+        "action": found.action,
+        "arguments": list(found.arguments),
+        "rule": None if covering is None else covering.name,
+        "outcomes": [
+            {
+                "probability": float(outcome.probability),
+                "kind": outcome.kind.value,
+                "effects": _effects(outcome),
+            }
+            for outcome in (found.default if covering is None else covering.outcomes)
+        ],
+        "other_rules": [
+            {
+                "rule": attempt.name,
+                "binding": dict(attempt.binding),
+                "failing": [
+                    {"literal": print_literal(failure.part, symbols), "instead": _instead(failure)}
+                    for failure in attempt.failures
+                ],
+            }
+            for attempt in found.attempts
+        ],
+    }

@@ -1,0 +1,55 @@
+"""The .nid files that FILES, FOLDERS and `-` on a command line mean, and changes to them as diffs."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.load import read_source, read_stream
+
+STDIN = "-"
+
+
+def below(folder: Path) -> tuple[Path, ...]:
+    """All .nid files in a folder and its folders, sorted, no hidden ones; refuses (E002) where none is."""
+    found = [
+        path
+        for path in sorted(folder.rglob("*.nid"))
+        if path.is_file() and not any(part.startswith(".") for part in path.relative_to(folder).parts)
+    ]
+    if not found:
+        raise Refused([Diagnostic("E002", f"`{folder}` is a folder without .nid files", None)])
+    return tuple(found)
+
+
+def expanded(names: tuple[str, ...]) -> Iterator[str]:
+    """The names with the files below each folder in its place; a folder without any stands for itself."""
+    for name in names:
+        if Path(name).is_dir():
+            try:
+                yield from map(str, below(Path(name)))
+            except Refused:
+                yield name
+        else:
+            yield name
+
+
+def read(name: str) -> Source:
+    """The text of a file, or of standard input for `-`; raises Refused."""
+    if name == STDIN:
+        return read_stream(sys.stdin.buffer, "<stdin>")
+    if Path(name).is_dir():
+        below(Path(name))
+    return read_source(name)
+
+
+def echo_difference(source: Source, text: str, what: str) -> None:
+    """Print a unified diff from the text as it is to what it would be."""
+    old, new = source.text.splitlines(), text.splitlines()
+    for line in difflib.unified_diff(old, new, source.path, f"{source.path} ({what})", lineterm=""):
+        click.echo(line)

@@ -1,0 +1,37 @@
+"""A problem as a file states it, or as one look at a scene's table shows it."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+from cleancli.cli.inputs import located_in, open_domain, open_problem
+from cleancli.cli.live import working
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.language.diagnostics import Source
+from cleancli.language.model import Domain, Problem
+from cleancli.scene.model import Scene
+
+
+def open_both(domain: str, problem: str) -> tuple[Source, Domain, Problem]:
+    """A domain with its text, and a problem of it; a scene is looked at once, with its own seed.
+
+    Of a scene's domain, the actions stay that the robot has skills for. Raises Refused.
+    """
+    _, source, model = open_domain(domain)
+    given = open_problem(problem, model)
+    if isinstance(given, Scene):
+        with located_in(source), working("looking at the table"):
+            model, given = look(model, given, given.seed)
+    return source, model, given
+
+
+def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
+    """What one look at the scene's table says, and the actions that its robot has skills for.
+
+    The world and its eyes are imported here: a written problem needs neither.
+    """
+    from cleancli.execution.loop import look_once, within_reach
+    from cleancli.world.table import PybulletTable
+
+    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
+        return within_reach(domain), look_once(domain, scene, table, seed)
