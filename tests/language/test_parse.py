@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import gc
 import os
 import re
 from pathlib import Path
@@ -113,6 +115,13 @@ def test_each_block_is_parsed_on_its_own() -> None:
 def test_no_more_than_twenty_syntax_errors() -> None:
     rules = "".join(f"rule r{i}: a() {{ then oops }}\n" for i in range(30))
     assert len(parse(Source("x", f"domain d {{\n{rules}}}")).diagnostics) == 20
+
+
+def test_collecting_goes_on_after_a_parse() -> None:
+    for text in ("domain d { }", "nothing"):
+        with contextlib.suppress(Refused):
+            parse(Source("x", text))
+        assert gc.isenabled()
 
 
 def test_kind() -> None:

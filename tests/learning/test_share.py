@@ -1,0 +1,137 @@
+"""Fixed outcomes and shared parameters: who keeps what, and that a rule still sums to 1."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cleancli.language.diagnostics import Source
+from cleancli.language.edit import apply_edits
+from cleancli.language.load import checked_domain, load_domain, read_source
+from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
+from cleancli.learning.experience import Transition
+from cleancli.learning.learn import edits, learn
+from cleancli.learning.share import probabilities_of
+
+TEXT = """\
+domain mop {
+  types      { area }
+  predicates { dirt(?a - area)  wet(?a - area) }
+  functions  { load(?a - area): 0..3 }
+  derived    { left := count ?a - area: dirt(?a) }
+  parameters { spill = 0.2 }
+  actions    { wipe(?a - area) rinse(?a - area) drop(?a - area) }
+  rule wipe_it: wipe(?a) {
+    when dirt(?a)
+    then 0.5: not dirt(?a)
+         spill: wet(?a)
+         rest: noise
+  }
+  rule rinse_it: rinse(?a) {
+    when dirt(?a)
+    then spill: wet(?a)
+         0.8: not dirt(?a)
+  }
+  rule drop_it: drop(?a) {
+    when dirt(?a)
+    then 1/3 [fixed]: noise
+         1/3: load(?a) += 2
+         1/3: nothing
+  }
+  reward { decrease(left) }
+}
+"""
+ROOM = (Object("a", "area"),)
+
+
+def _state(*true: str, load: int = 0) -> State:
+    return frozenset({Fact("load", ("a",), load), *(Fact(name, ("a",)) for name in true)})
+
+
+def _transition(action: str, after: State, before: State | None = None) -> Transition:
+    return Transition(action, ("a",), ROOM, before or _state("dirt"), after)
+
+
+def test_a_parameter_pools_the_examples_of_its_rules() -> None:
+    domain = load_domain(Source("mop.nid", TEXT))
+    wet, gone = _state("dirt", "wet"), _state()
+    experience = [_transition("wipe", wet), _transition("rinse", wet), _transition("rinse", gone)]
+    wipe, rinse = learn(domain, experience)
+    # Eq. 5 with 2 of 3: m / sqrt(3) = 5.7735.
+    spill = (2 + 5.7735 * 0.2) / (3 + 5.7735)
+    assert float(wipe.probabilities[1]) == pytest.approx(spill, abs=1e-4)
+    assert wipe.probabilities[1] == rinse.probabilities[0]
+    assert rinse.probabilities[1] == 1 - rinse.probabilities[0]
+    assert sum(wipe.probabilities) == 1
+    text = apply_edits(TEXT, edits(domain, [Source("mop.nid", TEXT)], (wipe, rinse)))
+    assert "spill = 0.3596 [prior 0.2, seen 2]" in text
+    assert "0.6404 [prior 0.8, seen 1]: not dirt(?a)" in text
+    again = load_domain(Source("mop.nid", text))
+    assert apply_edits(text, edits(again, [Source("mop.nid", text)], learn(again, experience))) == text
+
+
+def test_a_rule_without_examples_makes_room_for_its_parameter() -> None:
+    domain = load_domain(Source("mop.nid", TEXT))
+    learned = learn(domain, [_transition("wipe", _state("dirt", "wet"))])
+    text = apply_edits(TEXT, edits(domain, [Source("mop.nid", TEXT)], learned))
+    rinse = load_domain(Source("mop.nid", text)).rules[1]
+    assert rinse.outcomes[0].probability > Fraction(1, 5)
+    assert sum(o.probability for o in rinse.outcomes) == 1
+
+
+def test_what_is_fixed_stays_and_a_shift_is_explained() -> None:
+    domain = load_domain(Source("mop.nid", TEXT))
+    saturated = _transition("drop", _state("dirt", load=3), _state("dirt", load=2))
+    (learned,) = learn(domain, [saturated] * 5)
+    assert learned.seen == (0, 5, 0)
+    assert learned.probabilities[0] == Fraction(1, 3)
+    assert learned.probabilities[1] > Fraction(1, 2)
+    assert sum(learned.probabilities) == 1
+    text = apply_edits(TEXT, edits(domain, [Source("mop.nid", TEXT)], (learned,)))
+    assert "1/3 [fixed]: noise" in text
+    assert load_domain(Source("mop.nid", text)).rules[2].outcomes[1].seen == 5
+
+
+def test_each_number_goes_to_the_file_that_holds_it(tmp_path: Path) -> None:
+    base, top = tmp_path / "base.nid", tmp_path / "top.nid"
+    base.write_text("domain base { parameters { spill = 0.2 } }")
+    top.write_text(
+        TEXT.replace("domain mop {", 'domain mop { include "base.nid"').replace(
+            "  parameters { spill = 0.2 }\n", ""
+        )
+    )
+    checked = checked_domain(read_source(top))
+    domain = checked.get()
+    found = edits(domain, checked.sources, learn(domain, [_transition("wipe", _state("dirt", "wet"))]))
+    in_base = [edit for edit in found if edit.span.path == str(base)]
+    assert "[prior 0.2, seen 1]" in apply_edits(base.read_text(), in_base)
+    assert {edit.span.path for edit in found} == {str(base), str(top)}
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(["free", "fixed", "shared"]), st.integers(0, 30)), min_size=1),
+    st.booleans(),
+    st.integers(1, 30),
+)
+def test_a_rule_always_sums_to_one(parts: list[tuple[str, int]], has_rest: bool, last: int) -> None:
+    total = sum(weight for _, weight in parts) + last
+    outcomes = [
+        Outcome(
+            Fraction(weight, total),
+            OutcomeKind.NOTHING,
+            fixed=kind == "fixed",
+            parameter=f"p{number}" if kind == "shared" else None,
+        )
+        for number, (kind, weight) in enumerate(parts)
+    ]
+    outcomes.append(Outcome(Fraction(last, total), OutcomeKind.NOISE, is_rest=has_rest))
+    shared = {o.parameter: o.probability for o in outcomes if o.parameter is not None}
+    estimates = [1 / len(outcomes)] * len(outcomes)
+    result = probabilities_of(outcomes, estimates, shared)
+    assert sum(result) == 1
+    assert all(0 <= p <= 1 for p in result)
+    assert all(p == o.probability for p, o in zip(result, outcomes, strict=True) if o.fixed)
