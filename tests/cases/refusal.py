@@ -66,7 +66,9 @@ def _file(name: str, sources: list[Source]) -> tuple[Diagnostic, ...]:
             return checked_domain(source).diagnostics
         case "problem":
             own = Path(PARTS) / name
-            return checked_problem(source, load_domain(read_source(own if own.exists() else SMALL))).diagnostics
+            return checked_problem(
+                source, load_domain(read_source(own if own.exists() else SMALL))
+            ).diagnostics
         case _:
             load_scene(source)
             return ()

@@ -4,18 +4,37 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NoReturn
 
 import click
 
 from cleancli.cli.completion import actions, domains, problems
 from cleancli.cli.seen import open_both
-from cleancli.compiler.explain import Attempt, Bound, Explanation, Failure, OutcomeHere, explain
+from cleancli.compiler.explain import (
+    Attempt,
+    Bound,
+    Explanation,
+    Failure,
+    OutcomeHere,
+    UnclearReference,
+    explain,
+)
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import meant
-from cleancli.language.format import print_fraction, print_literal
-from cleancli.language.model import Action, Domain, Equality, Literal, Object, OutcomeKind, Problem, Value
+from cleancli.language.format import print_condition, print_fraction, symbols_of
+from cleancli.language.model import (
+    Action,
+    Domain,
+    Equality,
+    Literal,
+    Object,
+    OutcomeKind,
+    Problem,
+    Quantified,
+    Symbol,
+    Value,
+)
 
 _CALL = re.compile(r"\s*(?P<action>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
 _ARGUMENT = re.compile(r"[^\s,]+")
@@ -109,11 +128,14 @@ def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str
 
 
 def _attempt(domain: Domain, attempt: Attempt) -> Iterator[str]:
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
-    parts = [print_literal(failure.part, symbols) for failure in attempt.failures]
+    symbols = symbols_of(domain)
+    parts = [print_condition((failure.part,), symbols) for failure in attempt.failures]
     width = max(map(len, parts), default=0)
     for part, failure in zip(parts, attempt.failures, strict=True):
         yield f"  {part:<{width}}  fails: {_instead(failure)}"
+        yield from (f"    since {reason}" for reason in _reasons(failure, symbols))
+    if attempt.unclear is not None:
+        yield f"  {_unclear(attempt.unclear, symbols)}"
 
 
 def _instead(failure: Failure) -> str:
@@ -124,6 +146,25 @@ def _instead(failure: Failure) -> str:
             return f"{one} and {other} are different" if equal else f"both are {one}"
         case Literal(symbol):
             return f"{symbol}({', '.join(failure.objects)}) is {_value(failure.actual)}"
+        case Quantified(exists=exists):
+            return "nothing fits" if exists else f"there is{_or(failure.witnesses)}"
+
+
+def _reasons(failure: Failure, symbols: Mapping[str, Symbol]) -> Iterator[str]:
+    """What a derived predicate lacks that should hold, and what that lacks in turn."""
+    for reason in failure.because:
+        yield f"{print_condition((reason.part,), symbols)} fails: {_instead(reason)}"
+        yield from (f"  since {deeper}" for deeper in _reasons(reason, symbols))
+
+
+def _unclear(unclear: UnclearReference, symbols: Mapping[str, Symbol]) -> str:
+    condition = print_condition(unclear.reference.condition, symbols)
+    fitting = f"these fit:{_or(unclear.fitting)}" if unclear.fitting else "nothing fits"
+    return f"the reference to {condition} must fit one binding: {fitting}"
+
+
+def _or(bindings: Sequence[Bound]) -> str:
+    return " or".join(_binding(binding) for binding in bindings)
 
 
 def _outcome(outcome: OutcomeHere) -> str:
@@ -154,7 +195,7 @@ def _value(value: Value | None) -> str:
 
 
 def _as_data(domain: Domain, found: Explanation) -> dict[str, object]:
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    symbols = symbols_of(domain)
     covering = found.covering
     return {
         "action": found.action,
@@ -173,9 +214,10 @@ def _as_data(domain: Domain, found: Explanation) -> dict[str, object]:
                 "rule": attempt.name,
                 "binding": dict(attempt.binding),
                 "failing": [
-                    {"literal": print_literal(failure.part, symbols), "instead": _instead(failure)}
+                    {"literal": print_condition((failure.part,), symbols), "instead": _instead(failure)}
                     for failure in attempt.failures
                 ],
+                "unclear": None if attempt.unclear is None else _unclear(attempt.unclear, symbols),
             }
             for attempt in found.attempts
         ],

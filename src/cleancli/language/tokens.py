@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import cast
 
-from cleancli.language.parse import grammar
+from cleancli.language.grammar import grammar
 
 LINE_END = re.compile(r"\r\n|\n|\r")
 _BLANKS = " \t\f\ufeff"
