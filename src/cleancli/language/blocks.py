@@ -1,6 +1,6 @@
 """Which blocks of a text take lines of their own, and what items they hold: what a layout is made from.
 
-Guaranteed by `tokens_of`: every token, and what stands between. Nothing here knows the constructs of the
+Guaranteed by `read_tokens`: every token, and what stands between. Nothing here knows the constructs of the
 language: items are what the syntax tree lists between braces, whatever they mean.
 """
 

@@ -1,6 +1,6 @@
 """One layout for every text: tokens and comments stay, blanks and line breaks move.
 
-Guaranteed by `tokens_of`: every token, and what stands between. The layout knows braces, separators and the
+Guaranteed by `read_tokens`: every token, and what stands between. The layout knows braces, separators and the
 words that begin a clause; the items between braces it learns from the syntax tree, whatever they mean.
 
 - A block on one line stays so if it fits; all others have an item or more to a line, two blanks deeper.
@@ -16,10 +16,8 @@ from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 from cleancli.language.blocks import INDENT, Blocks
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.parse import parse
-from cleancli.language.syntax import Root
-from cleancli.language.tokens import LINE_END, Token, tokens_of
+from cleancli.language.diagnostics import Source
+from cleancli.language.tokens import LINE_END, Token, read_tokens
 
 _CONTINUED = 4
 _BEHIND_CLAUSE = len("then ")
@@ -31,22 +29,15 @@ def layout(text: str, path: str = "<text>") -> str:
 
     Raises Refused with the mistakes of a text that does not parse.
     """
-    root = _parsed(Source(path, text))
-    tokens = tokens_of(text)
+    root, tokens = read_tokens(Source(path, text))
     lines = _in_columns(_lines(Blocks(tokens, root)))
     found = LINE_END.search(text)
     end = found.group() if found else "\n"
     new = ("\ufeff" if text.startswith("\ufeff") else "") + "".join(line + end for line in lines)
-    if _content(tokens_of(new)) != _content(tokens) or _parsed(Source(path, new)) != root:
+    new_root, new_tokens = read_tokens(Source(path, new))
+    if new_root != root or _content(new_tokens) != _content(tokens):
         raise AssertionError(f"the layout would change what `{path}` says")
     return new
-
-
-def _parsed(source: Source) -> Root:
-    parsed = parse(source)
-    if parsed.root is None or parsed.diagnostics:
-        raise Refused(parsed.diagnostics, [source])
-    return parsed.root
 
 
 def _content(tokens: Iterable[Token]) -> list[str]:

@@ -1,6 +1,6 @@
 """The tokens of a text with what stands between them: comments, blank lines and line breaks.
 
-Guaranteed by the caller: the text parses. Nothing is lost but the spaces between tokens.
+Nothing is lost but the spaces between tokens.
 """
 
 from __future__ import annotations
@@ -9,7 +9,13 @@ import re
 from dataclasses import dataclass
 from typing import cast
 
-from cleancli.language.grammar import grammar
+from lark import Token as LarkToken
+from lark import UnexpectedInput
+
+from cleancli.language.build import Builder
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.grammar import grammar, parse
+from cleancli.language.syntax import Root
 
 LINE_END = re.compile(r"\r\n|\n|\r")
 _BLANKS = " \t\f\ufeff"
@@ -46,11 +52,26 @@ class _Gap:
 
 
 def tokens_of(text: str) -> tuple[Token, ...]:
-    """All tokens in order, the end of the file last; raises lark's UnexpectedInput for a mistake."""
-    found = [
-        (str(token), token.type, cast(int, token.start_pos))
-        for token in grammar().parse_interactive(text).iter_parse()
-    ]
+    """All tokens of a text, see `read_tokens`."""
+    return read_tokens(Source("<text>", text))[1]
+
+
+def read_tokens(source: Source) -> tuple[Root, tuple[Token, ...]]:
+    """The syntax tree of a text, and all its tokens in order, the end of the file last, in one pass.
+
+    Raises Refused with every syntax error.
+    """
+    parser = grammar().parse_interactive(source.text)
+    try:
+        found = [(str(t), t.type, cast(int, t.start_pos)) for t in parser.iter_parse()]
+        root = cast(Root, Builder(source.path).build(parser.feed_token(LarkToken("$END", ""))))
+    except UnexpectedInput:
+        raise Refused(parse(source).diagnostics, [source]) from None
+    return root, _with_gaps(source.text, found)
+
+
+def _with_gaps(text: str, found: list[tuple[str, str, int]]) -> tuple[Token, ...]:
+    """Tokens from text, type and start."""
     found.append(("", "$END", len(text)))
     ends = [0, *(start + len(word) for word, _, start in found[:-1])]
     gaps = [_gap(text, end, start) for end, (_, _, start) in zip(ends, found, strict=True)]
