@@ -56,10 +56,14 @@ def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]
 
 def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for each rule or count that has too many instances, or for the rules together."""
+    found = [
+        Groundings(index, rule.name, _product(rule.variables, universe), False, "")
+        for index, rule in enumerate(domain.rules)
+    ]
     for steps in (0, EXACT_STEPS, PATIENT_STEPS):
-        found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
         if sum(each.count for each in found) <= RULE_LIMIT:
             break
+        found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
     if sum(each.count for each in found) > RULE_LIMIT:
         worst = max(found, key=lambda each: each.count)
         in_all = "" if worst.count > RULE_LIMIT else f" of {sum(each.count for each in found):,} in all"
@@ -68,6 +72,8 @@ def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Ite
     for each in found:
         yield from _too_many_parts(each, domain.rules[each.rule], universe)
     for count in domain.counts:
+        if _product(count.variables, universe) <= RULE_LIMIT:
+            continue
         number, exact, blame = _count(count.variables, count.condition, universe, EXACT_STEPS)
         if number > RULE_LIMIT:
             yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), "", None)
@@ -98,6 +104,9 @@ def _refusal(what: str, found: Groundings, in_all: str, span: Span | None) -> Di
 
 def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for a rule whose instances are few, but each is long: of an effect, quantifier or reference."""
+    foralls = [e for outcome in rule.outcomes for e in outcome.effects if isinstance(e, ForAll)]
+    if not (foralls or rule.references or any(_length(p, set(), universe) for p in rule.condition)):
+        return
     bound = set(rule.variables)
     lengths: dict[str, int] = {part_text(p): _length(p, bound, universe) for p in rule.condition}
     for reference in rule.references:
@@ -105,11 +114,13 @@ def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterat
         # Each binding of a reference makes an instance that speaks of all the others.
         lengths[text] = _bound(reference.variables, reference.condition, universe, bound) ** 2
         bound |= set(reference.variables)
-    for effect in (e for o in rule.outcomes for e in o.effects if isinstance(e, ForAll)):
+    for effect in foralls:
         variables = " ".join(print_term(variable) for variable in effect.variables)
         length = _bound(effect.variables, effect.condition, universe, bound)
         lengths[f"forall {variables}"] = lengths.get(f"forall {variables}", 0) + length
     total = found.count * sum(lengths.values())
+    if total > PART_LIMIT and not found.exact:
+        total = _groundings(found.rule, rule, universe, PATIENT_STEPS).count * sum(lengths.values())
     if total > PART_LIMIT:
         worst = max(lengths, key=lambda text: lengths[text])
         yield Diagnostic(
@@ -186,6 +197,11 @@ def _count_connected(
             return _bound(variables, tuple(own), universe, set()), False
         found += binding is not None
     return found, True
+
+
+def _product(variables: Sequence[Variable], universe: Universe) -> int:
+    """How many tuples of objects fit by their types alone."""
+    return prod(len(universe.objects(variable.type)) for variable in variables)
 
 
 def _connected(
