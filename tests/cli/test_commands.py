@@ -188,3 +188,12 @@ def test_record_that_cannot_be_written_is_an_error_before_motion(tmp_path: Path)
     assert result.returncode == 5
     assert "runs" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_check_prints_warnings_and_passes(tmp_path: Path) -> None:
+    path = tmp_path / "d.nid"
+    path.write_text("domain d { types { shelf } actions { wait() } reward { cost } }")
+    result = cleancli("check", path, cwd=tmp_path)
+    assert result.returncode == 0
+    assert "warning[W201]" in result.stdout
+    assert "0 mistakes and 2 warnings in 1 file" in result.stdout

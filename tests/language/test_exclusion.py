@@ -78,7 +78,7 @@ def _part_holds(
         case Equality(left, right, equal):
             return (binding[left] == binding[right]) == equal
         case Literal("has", terms, values):
-            inner = {A: binding[terms[0]]}
+            inner: Mapping[Term, int] = {A: binding[terms[0]]}
             return _holds(HAS_NEIGHBOUR.condition, inner, state, size) == (True in values)
         case Literal(symbol, terms, values):
             return ((symbol, tuple(binding[t] for t in terms)) in state) in values
@@ -148,7 +148,7 @@ def test_thousands_of_rules_are_told_apart_without_comparing_all() -> None:
     def bits(number: int) -> Iterator[bool]:
         return (bool(number >> place & 1) for place in range(11))
 
-    asked = [
+    asked: list[dict[tuple[str, tuple[int | str, ...]], frozenset[bool | int | str]]] = [
         {("p", (place,)): frozenset({bit}) for place, bit in enumerate(bits(number))}
         for number in range(2048)
     ]

@@ -62,6 +62,7 @@ def _holds_somewhere(condition: Condition, binding: dict[Term, str]) -> bool:
             if (binding[part.left] == binding[part.right]) != part.equal:
                 return False
             continue
+        assert isinstance(part, Literal)
         objects = sorted(binding[t] for t in part.terms)
         key = (part.symbol, *objects)
         allowed.setdefault(key, set(DECLARED.symbols[part.symbol].values)).intersection_update(part.values)
