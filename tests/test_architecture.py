@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "cleancli"
-HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich"}
+HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich", "pygls", "lsprotocol"}
 
 
 def table() -> dict[str, tuple[set[str], set[str]]]:

@@ -1,0 +1,149 @@
+"""The files an editor works on: open texts before what is on disk, problems together with their domains."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cleancli.editor.names import Kind, Meaning, Occurrence, occurrences
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.load import kind_of, read_source
+from cleancli.language.parse import parse
+from cleancli.language.syntax import Root
+from cleancli.shipped import shipped, shipped_names
+
+_MOST_FOLDERS = 2000
+"""Searched for problems below the folders an editor has open; beyond it, a search would be felt."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A text with what could be read of it. `kind` is empty where not even that can be told; `is_whole`
+    says that nothing was left out because of a syntax error."""
+
+    source: Source
+    kind: str
+    root: Root | None
+    is_whole: bool
+    names: tuple[Occurrence, ...]
+
+    @property
+    def path(self) -> Path:
+        return Path(self.source.path)
+
+    def at(self, offset: int) -> Occurrence | None:
+        """The name at an offset; one that begins there is preferred to one that ends there."""
+        touching = [o for o in self.names if o.span.start <= offset <= o.span.end]
+        return touching[-1] if touching else None
+
+    def declared(self) -> Iterator[Occurrence]:
+        """The names that this file declares."""
+        return (occurrence for occurrence in self.names if occurrence.declares)
+
+    def domain_name(self) -> str | None:
+        """The domain that a problem or scene names."""
+        uses = (o for o in self.names if o.meaning.kind is Kind.DOMAIN and not o.declares)
+        return next((o.meaning.name for o in uses), None)
+
+
+@functools.lru_cache(maxsize=256)
+def document(source: Source) -> Document:
+    """Read a text; never fails, whatever it holds."""
+    try:
+        kind = kind_of(source)
+        parsed = parse(source)
+    except Refused:
+        return Document(source, "", None, False, ())
+    names = () if parsed.root is None else occurrences(parsed.root)
+    return Document(source, kind, parsed.root, not parsed.diagnostics, names)
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """Texts that are `open` in the editor by their path, and the folders (`roots`) it works in."""
+
+    open: Mapping[str, str] = field(default_factory=dict)
+    roots: tuple[Path, ...] = ()
+
+    def document(self, path: Path | str) -> Document | None:
+        """A file as the editor sees it; None where it cannot be read."""
+        name = str(path)
+        if name in self.open:
+            return document(Source(name, self.open[name]))
+        try:
+            return document(read_source(path))
+        except Refused:
+            return None
+
+    def domain_named(self, name: str, near: Path) -> Document | None:
+        """The domain `name.nid` beside a file, else one that is open, else the shipped one."""
+        beside = near.parent / f"{name}.nid"
+        elsewhere = sorted(path for path in self.open if Path(path).name == beside.name)
+        candidates: list[Path | str] = [beside, *elsewhere]
+        if name in shipped_names("domains"):
+            candidates.append(shipped("domains") / beside.name)
+        for path in candidates:
+            found = self.document(path)
+            if found is not None and found.kind == "domain":
+                return found
+        return None
+
+    def domain_of(self, asked: Document) -> Document | None:
+        """The domain that a file is for: itself, or the one it names."""
+        if asked.kind == "domain":
+            return asked
+        name = asked.domain_name()
+        return None if name is None else self.domain_named(name, asked.path)
+
+    def users_of(self, domain: Document, near_only: bool = False) -> tuple[Document, ...]:
+        """What is for a domain: problems and scenes open, beside it or, unless `near_only`, below a root."""
+        folders = [domain.path.parent, *(() if near_only else _folders(self.roots))]
+        files = {str(path) for folder in folders for path in folder.glob("*.nid")}
+        found = (self.document(path) for path in sorted(files | self.open.keys()))
+        return tuple(
+            user for user in found if user is not None and user.kind != "domain" and self._uses(user, domain)
+        )
+
+    def family(self, asked: Document) -> tuple[Document, ...]:
+        """A file's domain and all its problems, in that order; the file itself where it has no domain."""
+        domain = self.domain_of(asked)
+        return (asked,) if domain is None else (domain, *self.users_of(domain))
+
+    def declaration(self, asked: Document, meaning: Meaning) -> Occurrence | None:
+        """Where a name of a file is declared, there or in its domain."""
+        for place in (asked, self.domain_of(asked)):
+            for occurrence in place.declared() if place is not None else ():
+                if occurrence.meaning == meaning:
+                    return occurrence
+        return None
+
+    def visible(self, asked: Document) -> tuple[Occurrence, ...]:
+        """Everything declared in a file and its domain."""
+        domain = self.domain_of(asked)
+        others: Iterable[Occurrence] = () if domain is None or domain is asked else domain.declared()
+        return (*asked.declared(), *others)
+
+    def domain_names(self, near: Path) -> tuple[str, ...]:
+        """What a problem may name as its domain."""
+        files = {*self.open, *(str(path) for path in near.parent.glob("*.nid"))}
+        domains = (found for path in files if (found := self.document(path)) and found.kind == "domain")
+        return tuple(sorted({d.path.stem for d in domains} | set(shipped_names("domains"))))
+
+    def _uses(self, user: Document, domain: Document) -> bool:
+        found = self.domain_of(user)
+        return found is not None and found.source.path == domain.source.path
+
+
+def _folders(roots: Iterable[Path]) -> list[Path]:
+    """The folders below some others, those that a version control or package tool keeps left out."""
+    found = []
+    for root in roots:
+        for name, inner, _ in os.walk(root):
+            inner[:] = sorted(n for n in inner if not n.startswith((".", "_")) and n != "node_modules")
+            found.append(Path(name))
+            if len(found) >= _MOST_FOLDERS:
+                return found
+    return found
