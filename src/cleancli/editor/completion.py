@@ -69,8 +69,8 @@ def _names(place: Context, asked: Document, library: Library) -> Iterator[Comple
     elif not place.section:
         if place.takes("NAME") and last in ("=", "+"):
             yield from _declared(place, asked, library, Kind.COUNT)
-    elif _open_bracket(place.words) is not None:
-        for mark in MARKS.get(place.section, ()):
+    elif _is_in_brackets(place.words):
+        for mark in MARKS.get(place.section, ()) if last in ("[", ",") else ():
             yield Completion(mark, Kind.MARK, place.start, "mark")
     elif place.section not in _DECLARING:
         yield from _in_body(place, asked, library)
@@ -108,8 +108,9 @@ def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Comp
         if function is not None:
             yield from _declared(place, asked, library, Kind.VALUE, function)
             return
-        yield from _terms(place, asked, library, "")
-        return
+        if texts[-1] != ":=":
+            yield from _terms(place, asked, library, "")
+            return
     if place.takes("NAME"):
         yield from _declared(place, asked, library, Kind.SYMBOL)
         if place.section == "reward":
@@ -199,14 +200,10 @@ def _ends_weight(word: Lexeme) -> bool:
     return word.kind is LexemeKind.NUMBER or word.text in ("rest", "]")
 
 
-def _open_bracket(words: tuple[Lexeme, ...]) -> int | None:
-    """The index of the last `[` if it is not closed yet."""
-    for index in range(len(words) - 1, -1, -1):
-        if words[index].text == "[":
-            return index
-        if words[index].text in ("]", "{", "}"):
-            return None
-    return None
+def _is_in_brackets(words: tuple[Lexeme, ...]) -> bool:
+    """Whether the last `[` is not closed yet."""
+    ends = (word.text for word in reversed(words) if word.text in ("[", "]", "{", "}"))
+    return next(ends, "") == "["
 
 
 def _open_call(words: tuple[Lexeme, ...]) -> tuple[str, int] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +12,12 @@ from pathlib import Path
 from cleancli.editor.names import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import kind_of, read_source
+from cleancli.language.outline import blank, outline
 from cleancli.language.parse import parse
 from cleancli.language.syntax import Root
 from cleancli.shipped import shipped, shipped_names
+
+_NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
 
 _MOST_FOLDERS = 2000
 """Searched for problems below the folders an editor has open; beyond it, a search would be felt."""
@@ -55,10 +59,32 @@ def document(source: Source) -> Document:
     try:
         kind = kind_of(source)
         parsed = parse(source)
+        is_whole = not parsed.diagnostics
+        if parsed.root is None:
+            parsed = parse(_sections_alone(source))
     except Refused:
         return Document(source, "", None, False, ())
     names = () if parsed.root is None else occurrences(parsed.root)
-    return Document(source, kind, parsed.root, not parsed.diagnostics, names)
+    return Document(source, kind, parsed.root, is_whole, names)
+
+
+def _sections_alone(source: Source) -> Source:
+    """The text with all blanked that stands between its sections, but for the domain that it names: what is
+    half-typed there would otherwise hide the sections. No offset moves."""
+    shape = outline(source)
+    text = shape.body
+    begin = text.find("{") + 1
+    for block in sorted(shape.blocks, key=lambda block: block.start):
+        text = _blank_between(text, begin, block.start)
+        begin = block.end
+    return Source(source.path, _blank_between(text, begin, len(text) - text.endswith("}")))
+
+
+def _blank_between(text: str, start: int, end: int) -> str:
+    named = _NAMED_DOMAIN.search(text, start, end)
+    if named is None:
+        return blank(text, start, end)
+    return blank(blank(text, start, named.start()), named.end(), end)
 
 
 @dataclass(frozen=True, slots=True)

@@ -96,11 +96,10 @@ def rename(asked: Document, offset: int, new: str, library: Library) -> Mapping[
     if name == found.meaning.name:
         return {}
     places = (asked,) if _is_local(asked, found.meaning) else library.family(asked)
-    taken = next(
-        (o for place in places for o in place.declared() if _clash(o, found.meaning, name, asked)), None
-    )
+    declared = (*library.visible(asked), *(o for place in places for o in place.declared()))
+    taken = next((other for other in declared if _clash(other, found.meaning, name, asked)), None)
     if taken is not None:
-        raise CannotRename(f"there is already a {taken.meaning.kind.value} `{name}`")
+        raise CannotRename(f"the {taken.meaning.kind.value} `{name}` exists already")
     edits: dict[str, list[Edit]] = {}
     for occurrence in _occurrences(asked, found.meaning, library):
         edit = Edit(occurrence.span, f"?{name}" if is_variable else name)

@@ -32,7 +32,9 @@ def symbols(asked: Document) -> tuple[Entry, ...]:
     else:
         inner = tuple(entry for section in root.sections for entry in _declared(section, asked))
     kind = asked.names[0].meaning.kind
-    return (Entry(root.name.text, kind.value, kind, root.span, root.name.span, inner),)
+    # Where the last brace is missing, the parser has read one behind the text.
+    whole = Span(root.span.path, root.span.start, min(root.span.end, len(asked.source.text)))
+    return (Entry(root.name.text, kind.value, kind, whole, root.name.span, inner),)
 
 
 def _section(section: syntax.Section) -> Entry:
