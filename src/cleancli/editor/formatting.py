@@ -11,7 +11,7 @@ from cleancli.language.layout import layout
 def formatting(asked: Document) -> tuple[Edit, ...]:
     """The edit that gives a text its canonical layout; none where it has it, or a syntax error."""
     old = asked.source.text
-    if not asked.is_whole:
+    if asked.parsed is None or asked.parsed.diagnostics:
         return ()
     try:
         new = layout(old)

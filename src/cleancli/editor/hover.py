@@ -10,15 +10,13 @@ from fractions import Fraction
 from cleancli.compiler.instance import requirement
 from cleancli.compiler.join import Universe
 from cleancli.editor.library import Document, Library
-from cleancli.editor.mistakes import mistakes, model_of
+from cleancli.editor.mistakes import model_of, model_of_problem
 from cleancli.editor.names import Kind, Occurrence, children
 from cleancli.editor.scene_words import KEYS, TOP
 from cleancli.language import syntax
-from cleancli.language.check_problem import check_problem
-from cleancli.language.diagnostics import Level, Span
+from cleancli.language.diagnostics import Span
 from cleancli.language.format import print_fraction
 from cleancli.language.lines import Lines
-from cleancli.language.load import parse_as
 from cleancli.language.model import Domain, Problem, Rule
 
 _MOST_BINDINGS = 20_000
@@ -176,8 +174,9 @@ def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Ite
     rule = next(rule for rule in model.rules if rule.name == node.name.text)
     yield _sums(rule)
     for user in library.users_of(domain, near_only=True):
-        if user.kind == "problem" and not any(d.level is Level.ERROR for d in mistakes(user, library)):
-            yield f"`{user.path.name}`: {_groundings(rule, model, user)}"
+        problem = model_of_problem(user, model)
+        if problem is not None:
+            yield f"`{user.path.name}`: {_groundings(rule, model, problem)}"
 
 
 def _sums(rule: Rule) -> str:
@@ -190,11 +189,8 @@ def _sums(rule: Rule) -> str:
     return f"{count} outcome{'s' * (count != 1)}: {parts}"
 
 
-def _groundings(rule: Rule, domain: Domain, user: Document) -> str:
+def _groundings(rule: Rule, domain: Domain, problem: Problem) -> str:
     """For how many tuples of a problem's objects the facts that never change allow a rule."""
-    root, findings = parse_as(user.source, "problem")
-    assert isinstance(root, syntax.ProblemNode), "a problem without mistakes has a tree"
-    problem = check_problem(root, domain, findings)
     tried = _bindings(rule, domain, problem)
     if tried > _MOST_BINDINGS:
         return f"{tried} tuples of objects, too many to try here"

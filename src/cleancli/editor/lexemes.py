@@ -54,12 +54,3 @@ def keywords() -> dict[str, str]:
         for terminal in grammar().terminals
         if isinstance(terminal.pattern, PatternStr) and terminal.pattern.value.isalpha()
     }
-
-
-def is_between(text: str, offset: int, kind: LexemeKind) -> bool:
-    """Whether an offset lies inside a lexeme of a kind; the end of a comment is still inside it."""
-    line = max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
-    return any(
-        lexeme.kind is kind and line + lexeme.start < offset <= line + lexeme.end
-        for lexeme in lexemes(text[line:offset])
-    )

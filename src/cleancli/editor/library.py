@@ -13,7 +13,7 @@ from cleancli.editor.names import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import kind_of, read_source
 from cleancli.language.outline import blank, outline
-from cleancli.language.parse import parse
+from cleancli.language.parse import Parsed, parse
 from cleancli.language.syntax import Root
 from cleancli.shipped import shipped, shipped_names
 
@@ -25,13 +25,13 @@ _MOST_FOLDERS = 2000
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A text with what could be read of it. `kind` is empty where not even that can be told; `is_whole`
-    says that nothing was left out because of a syntax error."""
+    """A text with what could be read of it. Where not even its kind can be told, `kind` is empty and `parsed`
+    None. `root` and `names` may hold sections that the parser, stopped between them, left out."""
 
     source: Source
     kind: str
+    parsed: Parsed | None
     root: Root | None
-    is_whole: bool
     names: tuple[Occurrence, ...]
 
     @property
@@ -59,13 +59,10 @@ def document(source: Source) -> Document:
     try:
         kind = kind_of(source)
         parsed = parse(source)
-        is_whole = not parsed.diagnostics
-        if parsed.root is None:
-            parsed = parse(_sections_alone(source))
     except Refused:
-        return Document(source, "", None, False, ())
-    names = () if parsed.root is None else occurrences(parsed.root)
-    return Document(source, kind, parsed.root, is_whole, names)
+        return Document(source, "", None, None, ())
+    root = parsed.root or parse(_sections_alone(source)).root
+    return Document(source, kind, parsed, root, () if root is None else occurrences(root))
 
 
 def _sections_alone(source: Source) -> Source:

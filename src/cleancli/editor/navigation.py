@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from cleancli.editor.lexemes import keywords
 from cleancli.editor.library import Document, Library
 from cleancli.editor.names import Kind, Meaning, Occurrence
 from cleancli.language.diagnostics import Span
 from cleancli.language.edit import Edit
+from cleancli.language.findings import RESERVED
 
 RENAMED = frozenset(
     {Kind.TYPE, Kind.OBJECT, Kind.SYMBOL, Kind.VALUE, Kind.COUNT, Kind.ACTION, Kind.RULE, Kind.VARIABLE}
@@ -91,7 +91,7 @@ def rename(asked: Document, offset: int, new: str, library: Library) -> Mapping[
     name = new.removeprefix("?") if is_variable else new
     if not _NAME.fullmatch(name):
         raise CannotRename(f"`{new}` is no name: letters a to z, digits and `_`, no digit first")
-    if name in keywords().values() and not is_variable:
+    if name in RESERVED and not is_variable:
         raise CannotRename(f"`{name}` is a word of the language")
     if name == found.meaning.name:
         return {}
