@@ -83,6 +83,14 @@ def test_pieces_replaced(file: tuple[str, str], start: int, length: int, typed: 
     )
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["", "#", "domain", "domain d", "domain {", "domain rule { }", "problem p {}", "}", "scene s { a { b {"],
+)
+def test_beginnings(text: str) -> None:
+    ask_everything("/somewhere/new.nid", text, len(text))
+
+
 def test_what_stands_between_sections_hides_none() -> None:
     for typed in ("rule r: ", "rule r: push(?a", "predicates", "}", "rule"):
         text = DOMAIN.replace("  reward ", f"  {typed}\n  reward ")

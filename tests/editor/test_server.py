@@ -58,14 +58,18 @@ def place(text: str, mark: str) -> lsp.Position:
     return lsp.Position(before.count("\n"), len(line.encode("utf-16-le")) // 2)
 
 
-def talk(folder: Path, say: Callable[[Client], Awaitable[None]]) -> None:
-    """Start a server for a folder, say something to it, and see it leave in good order."""
+def talk(folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str) -> None:
+    """Start a server for a folder, say something to it, and see it leave in good order.
+
+    `encodings` are those that the client offers to count in; without any it is UTF-16.
+    """
 
     async def session() -> None:
         client = Client()
         await client.start_io(sys.executable, "-m", "cleancli.cli.main", "lsp")
         folders = [lsp.WorkspaceFolder(folder.as_uri(), "test")]
-        params = lsp.InitializeParams(lsp.ClientCapabilities(), workspace_folders=folders)
+        general = lsp.GeneralClientCapabilities(position_encodings=list(encodings) or None)
+        params = lsp.InitializeParams(lsp.ClientCapabilities(general=general), workspace_folders=folders)
         answer = await client.initialize_async(params)
         assert answer.server_info == lsp.ServerInfo("cleancli", __version__)
         client.initialized(lsp.InitializedParams())
@@ -99,24 +103,27 @@ def test_mistakes_come_while_typing(tmp_path: Path) -> None:
     talk(tmp_path, say)
 
 
-def test_places_are_counted_in_utf_16(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("encodings", "units"), [((), 6), (("utf-16",), 6), (("utf-8", "utf-16"), 9)])
+def test_places_are_counted_as_the_editor_counts(
+    encodings: tuple[str, ...], units: int, tmp_path: Path
+) -> None:
     comment = "# 🧽 é"
 
     async def say(client: Client) -> None:
         document = client.open(tmp_path / "tables.nid", DOMAIN.replace("domain", f"{comment}\ndomain", 1))
         colours = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(document))
         assert colours is not None
-        assert list(colours.data[5:10]) == [2, 0, len(comment) + 1, TYPES.index("comment"), 0]
+        assert list(colours.data[5:10]) == [2, 0, units, TYPES.index("comment"), 0]
         # An edit behind the character is made where the editor means it, and not one further.
-        spot = lsp.Position(2, len(comment) + 1)
+        spot = lsp.Position(2, units)
         edit = lsp.TextDocumentContentChangePartial(lsp.Range(spot, spot), "!")
         version = lsp.VersionedTextDocumentIdentifier(2, document.uri)
         client.text_document_did_change(lsp.DidChangeTextDocumentParams(version, [edit]))
         colours = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(document))
         assert colours is not None
-        assert colours.data[7] == len(comment) + 2
+        assert colours.data[7] == units + 1
 
-    talk(tmp_path, say)
+    talk(tmp_path, say, *encodings)
 
 
 def test_every_question_is_answered(tmp_path: Path) -> None:

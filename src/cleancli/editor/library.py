@@ -61,27 +61,38 @@ def document(source: Source) -> Document:
         parsed = parse(source)
     except Refused:
         return Document(source, "", None, None, ())
-    root = parsed.root or parse(_sections_alone(source)).root
+    root = parsed.root or _root_of_sections(source)
     return Document(source, kind, parsed, root, () if root is None else occurrences(root))
 
 
+def _root_of_sections(source: Source) -> Root | None:
+    """The tree of the sections of a text and of the domain that it names: what else stands between them is left
+    out, because when it is half-typed it hides them."""
+    try:
+        return parse(_sections_alone(source)).root
+    except Refused:
+        return None
+
+
 def _sections_alone(source: Source) -> Source:
-    """The text with all blanked that stands between its sections, but for the domain that it names: what is
-    half-typed there would otherwise hide the sections. No offset moves."""
+    """The text with all blanked that stands between its sections, but for the domain; no offset moves."""
     shape = outline(source)
     text = shape.body
     begin = text.find("{") + 1
     for block in sorted(shape.blocks, key=lambda block: block.start):
         text = _blank_between(text, begin, block.start)
-        begin = block.end
+        begin = max(begin, block.end)
     return Source(source.path, _blank_between(text, begin, len(text) - text.endswith("}")))
 
 
 def _blank_between(text: str, start: int, end: int) -> str:
-    named = _NAMED_DOMAIN.search(text, start, end)
-    if named is None:
-        return blank(text, start, end)
-    return blank(blank(text, start, named.start()), named.end(), end)
+    if start >= end:
+        return text  # sections that are not closed may lie one in another
+    for named in _NAMED_DOMAIN.finditer(text, start, end):
+        line = max(text.rfind("\n", 0, named.start()), text.rfind("\r", 0, named.start()))
+        if "#" not in text[line + 1 : named.start()]:
+            return blank(blank(text, start, named.start()), named.end(), end)
+    return blank(text, start, end)
 
 
 @dataclass(frozen=True, slots=True)
