@@ -66,8 +66,8 @@ def document(source: Source) -> Document:
 
 
 def _root_of_sections(source: Source) -> Root | None:
-    """The tree of the sections of a text and of the domain that it names: what else stands between them is left
-    out, because when it is half-typed it hides them."""
+    """The tree of the sections of a text and of the domain that it names, without what else stands between
+    them: half-typed, that hides them."""
     try:
         return parse(_sections_alone(source)).root
     except Refused:
