@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "cleancli"
-HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich"}
+HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich", "pygls", "lsprotocol"}
 
 
 def table() -> dict[str, tuple[set[str], set[str]]]:
@@ -82,6 +82,8 @@ def test_no_import_cycle_between_modules() -> None:
         ("import cleancli.cli.main", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.cli.check", HEAVY - {"click", "lark"} | {"numpy"}),
         ("import cleancli.cli.learn", {"numba", "cv2", "pybullet", "numpy"}),
+        ("import cleancli.cli.lsp", HEAVY - {"click"} | {"numpy"}),
+        ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
         ("import cleancli.planning.table", {"numba", "cv2", "pybullet"}),
         ("import cleancli.world.robot", {"pybullet", "cv2", "numba"}),
     ],

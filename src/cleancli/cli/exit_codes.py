@@ -12,6 +12,10 @@ class ExitCode(enum.IntEnum):
     REFUSED = 1
     USAGE = 2
     NOT_CLEAN = 3
-    NO_PHYSICS = 4
+    MISSING_PART = 4
     FILES = 5
     INTERRUPTED = 130
+
+
+class MissingPart(Exception):
+    """A command needs an optional part that is not installed; the message says how to install it."""

@@ -14,7 +14,7 @@ import click
 
 from cleancli import __version__
 from cleancli.cli.completion import light_command
-from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.exit_codes import ExitCode, MissingPart
 from cleancli.language.diagnostics import Refused
 from cleancli.world.physics import MissingPhysics
 
@@ -29,6 +29,7 @@ SUMMARIES = {
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
+    "lsp": "Serve editors: mistakes while typing, completion, rename.",
 }
 """Subcommands and their line in the help. Each lives in the module of the same name as `command`."""
 
@@ -78,9 +79,9 @@ def run(arguments: Sequence[str]) -> int:
     except Refused as refused:
         _print_refused(refused)
         return ExitCode.REFUSED
-    except MissingPhysics as missing:
+    except (MissingPart, MissingPhysics) as missing:
         click.echo(f"error: {missing}", err=True)
-        return ExitCode.NO_PHYSICS
+        return ExitCode.MISSING_PART
     except click.ClickException as error:
         error.show()
         return ExitCode.USAGE

@@ -1,0 +1,29 @@
+"""`cleancli lsp`: the language server that editors start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import click
+
+from cleancli.cli.exit_codes import MissingPart
+
+
+@click.command("lsp", short_help="Serve editors: mistakes while typing, completion, rename.")
+def command() -> None:
+    """Speak the Language Server Protocol over standard input and output.
+
+    An editor starts this, not a person: docs/editors.md says how.
+    """
+    _server()()
+
+
+def _server() -> Callable[[], None]:
+    """The server, imported here because pygls is an optional part; raises MissingPart."""
+    try:
+        from cleancli.editor.server import serve
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.split(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        raise MissingPart("the language server needs pygls: pip install cleancli[lsp]") from error
+    return serve

@@ -1,0 +1,269 @@
+"""What may be written at a place: words of the language as its parser would take them, and names that fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from cleancli.editor.context import Context, context
+from cleancli.editor.hover import comment, signature
+from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
+from cleancli.editor.library import Document, Library
+from cleancli.editor.names import Kind, Occurrence
+from cleancli.editor.scene_words import INNER, KEYS, LENGTHS, TOP
+from cleancli.language import syntax
+
+MARKS = {"predicates": ("symmetric",), "actions": ("duration",)}
+"""What declarations of a section may be marked with; the words beside a probability are the grammar's."""
+
+_DECLARING = frozenset({"types", "constants", "predicates", "functions", "actions", "objects"})
+"""Sections in which a name is a new one, or a type behind its `-`."""
+
+_RELATIONS = frozenset({"=", "!=", "<", "<=", ">", ">=", ":="})
+
+
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """A word to put in place of [start, offset); `kind` is None for a word of the language."""
+
+    text: str
+    kind: Kind | None
+    start: int
+    detail: str = ""
+    about: str = ""
+
+
+def completions(asked: Document, offset: int, library: Library) -> tuple[Completion, ...]:
+    """What fits at a place, whether or not the text can be read, each once and the nearest first."""
+    place = context(asked.source.text, offset)
+    if place is None:
+        return ()
+    names = _scene(place, library, asked) if place.kind == "scene" else _names(place, asked, library)
+    found: dict[str, Completion] = {}
+    for completion in (*names, *_keywords(place)):
+        found.setdefault(completion.text, completion)
+    return tuple(found.values())
+
+
+def _keywords(place: Context) -> Iterator[Completion]:
+    for terminal, word in sorted(keywords().items()):
+        if place.accepted is not None and terminal in place.accepted:
+            yield Completion(word, None, place.start, "word of the language")
+    if place.accepted is not None and "UNIT" in place.accepted and place.section in MARKS:
+        yield Completion("s", None, place.start, "unit")
+
+
+# ---- domains and problems
+
+
+def _names(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    texts = place.texts
+    last = texts[-1] if texts else ""
+    if last == "-" and place.section != "init":
+        yield from _declared(place, asked, library, Kind.TYPE)
+    elif not place.section and texts[:1] == ("rule",):
+        yield from _in_header(place, asked, library)
+    elif not place.section and texts[-2:] == ("domain", "="):
+        for name in library.domain_names(asked.path):
+            yield Completion(name, Kind.DOMAIN, place.start, "domain")
+    elif not place.section:
+        if place.takes("NAME") and last in ("=", "+"):
+            yield from _declared(place, asked, library, Kind.COUNT)
+    elif _is_in_brackets(place.words):
+        for mark in MARKS.get(place.section, ()) if last in ("[", ",") else ():
+            yield Completion(mark, Kind.MARK, place.start, "mark")
+    elif place.section not in _DECLARING:
+        yield from _in_body(place, asked, library)
+
+
+def _in_header(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    """`rule NAME: ACTION(?a, ?b)`."""
+    texts = place.texts
+    if "(" not in texts:
+        if ":" in texts:
+            yield from _declared(place, asked, library, Kind.ACTION)
+        return
+    action = _parameters(texts[texts.index("(") - 1], asked, library, Kind.ACTION)
+    position = texts.count(",")
+    if position < len(action):
+        name, type_name = action[position]
+        yield Completion(f"?{name}", Kind.VARIABLE, place.start, type_name)
+
+
+def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    """Inside a rule's braces and other places where literals and effects stand."""
+    texts = place.texts
+    call = _open_call(place.words)
+    if call is not None:
+        symbol, position = call
+        if symbol == "decrease":
+            yield from _declared(place, asked, library, Kind.COUNT)
+            return
+        parameters = _parameters(symbol, asked, library, Kind.SYMBOL)
+        wanted = parameters[position][1] if position < len(parameters) else ""
+        yield from _terms(place, asked, library, wanted)
+        return
+    if texts[-1] in _RELATIONS:
+        function = _function_before(place.words[:-1])
+        if function is not None:
+            yield from _declared(place, asked, library, Kind.VALUE, function)
+            return
+        if texts[-1] != ":=":
+            yield from _terms(place, asked, library, "")
+            return
+    if place.takes("NAME"):
+        yield from _declared(place, asked, library, Kind.SYMBOL)
+        if place.section == "reward":
+            yield from _declared(place, asked, library, Kind.COUNT)
+    if place.takes("VARIABLE"):
+        yield from _variables(place)
+
+
+def _declared(
+    place: Context, asked: Document, library: Library, kind: Kind, home: str | None = None
+) -> Iterator[Completion]:
+    for occurrence in library.visible(asked):
+        meaning = occurrence.meaning
+        if meaning.kind is kind and (home is None or meaning.home == home):
+            yield _completion(place, occurrence, asked, library)
+
+
+def _completion(place: Context, declaration: Occurrence, asked: Document, library: Library) -> Completion:
+    holder = library.document(declaration.span.path)
+    text = "" if holder is None else holder.source.text
+    detail = signature(declaration, text, asked, library)
+    node = declaration.node
+    span = declaration.span if isinstance(node, syntax.Group) else node.span
+    about = " ".join(comment(text, span)) if text else ""
+    return Completion(declaration.meaning.name, declaration.meaning.kind, place.start, detail, about)
+
+
+def _terms(place: Context, asked: Document, library: Library, wanted: str) -> Iterator[Completion]:
+    """Variables that are bound here, then objects of a type or of one below it (of any where it is empty)."""
+    if place.section not in ("init", "objects"):
+        yield from _variables(place)
+    parents = _parents(library.visible(asked))
+    for occurrence in library.visible(asked):
+        node = occurrence.node
+        if occurrence.meaning.kind is Kind.OBJECT and isinstance(node, syntax.Group):
+            own = "" if node.type is None else node.type.text
+            if not wanted or wanted in _line(own, parents):
+                yield _completion(place, occurrence, asked, library)
+
+
+def _parents(declared: Iterable[Occurrence]) -> dict[str, str]:
+    return {
+        o.meaning.name: o.node.type.text
+        for o in declared
+        if o.meaning.kind is Kind.TYPE and isinstance(o.node, syntax.Group) and o.node.type is not None
+    }
+
+
+def _line(name: str, parents: dict[str, str]) -> list[str]:
+    """A type and those above it; a circle, which is a mistake, is walked once."""
+    line = [name]
+    while line[-1] in parents and parents[line[-1]] not in line:
+        line.append(parents[line[-1]])
+    return line
+
+
+def _parameters(name: str, asked: Document, library: Library, kind: Kind) -> list[tuple[str, str]]:
+    """The parameters of a declared symbol or action, as (name, type)."""
+    for occurrence in library.visible(asked):
+        if occurrence.meaning.kind is kind and occurrence.meaning.name == name:
+            groups: tuple[syntax.Group, ...] = getattr(occurrence.node, "parameters", ())
+            return [(n.text, g.type.text) for g in groups if g.type is not None for n in g.names]
+    return []
+
+
+def _variables(place: Context) -> Iterator[Completion]:
+    """The variables bound before a place in its section: the header's, then those of quantifiers."""
+    header = place.words[: next((i for i, w in enumerate(place.words) if w.text == "{"), 0)]
+    quantified: list[str] = []
+    pending: list[str] = []
+    outcomes = False
+    for before, word in zip(place.words, place.words[1:], strict=False):
+        outcomes = outcomes or word.text == "then"
+        if outcomes and word.text == ":" and _ends_weight(before):
+            quantified.clear()  # what a quantifier binds ends with its outcome
+        if word.kind is LexemeKind.VARIABLE:
+            pending.append(word.text)
+        elif word.text == "-":
+            quantified += pending
+        else:
+            pending.clear()
+    for text in dict.fromkeys([w.text for w in header if w.kind is LexemeKind.VARIABLE] + quantified):
+        yield Completion(text, Kind.VARIABLE, place.start, "variable")
+
+
+def _ends_weight(word: Lexeme) -> bool:
+    return word.kind is LexemeKind.NUMBER or word.text in ("rest", "]")
+
+
+def _is_in_brackets(words: tuple[Lexeme, ...]) -> bool:
+    """Whether the last `[` is not closed yet."""
+    ends = (word.text for word in reversed(words) if word.text in ("[", "]", "{", "}"))
+    return next(ends, "") == "["
+
+
+def _open_call(words: tuple[Lexeme, ...]) -> tuple[str, int] | None:
+    """The symbol whose terms are being written, and how many are there; None outside of parentheses."""
+    depth, commas = 0, 0
+    for index in range(len(words) - 1, -1, -1):
+        match words[index].text:
+            case ")":
+                depth += 1
+            case "(" if depth:
+                depth -= 1
+            case "(":
+                named = index > 0 and words[index - 1].kind is LexemeKind.WORD
+                return (words[index - 1].text, commas) if named else None
+            case "," if not depth:
+                commas += 1
+            case "{" | "}":
+                return None
+    return None
+
+
+def _function_before(words: tuple[Lexeme, ...]) -> str | None:
+    """The symbol of the application that ends here; None for anything else."""
+    if not words or words[-1].text != ")":
+        return None
+    call = _open_call(words[:-1])
+    return None if call is None else call[0]
+
+
+# ---- scenes
+
+
+def _scene(place: Context, library: Library, asked: Document) -> Iterator[Completion]:
+    """Keys and sections where an entry may begin; values behind `=`; units behind a number."""
+    texts = place.texts
+    keys = KEYS.get(place.section, {})
+    key = _key(place.words)
+    if texts and texts[-1] == "=":
+        if (place.section, key) == (TOP, "domain"):
+            for name in library.domain_names(asked.path):
+                yield Completion(name, Kind.DOMAIN, place.start, "domain")
+        elif key in keys:
+            for value in keys[key].values:
+                yield Completion(value, Kind.WORD, place.start, keys[key].meaning)
+        return
+    if place.words and place.words[-1].kind is LexemeKind.NUMBER and place.takes("UNIT"):
+        for unit in keys[key].units if key in keys else LENGTHS:
+            yield Completion(unit, None, place.start, "unit")
+    if place.takes("NAME") and place.kind and (place.words or place.path or place.accepted is not None):
+        for name, known in keys.items():
+            yield Completion(name, Kind.KEY, place.start, known.meaning)
+        for name in INNER.get(place.section, ()):
+            yield Completion(name, Kind.SECTION, place.start, "section")
+
+
+def _key(words: tuple[Lexeme, ...]) -> str:
+    """The key of the setting that is being written."""
+    for index in range(len(words) - 1, 0, -1):
+        if words[index].text == "=":
+            return words[index - 1].text
+        if words[index].text in ("{", "}"):
+            break
+    return ""

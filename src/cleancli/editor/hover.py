@@ -1,0 +1,240 @@
+"""What an editor shows over a name: its declaration, the comment beside or above it, what follows from it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cleancli.compiler.instance import requirement
+from cleancli.compiler.join import Universe
+from cleancli.editor.library import Document, Library
+from cleancli.editor.mistakes import model_of, model_of_problem
+from cleancli.editor.names import Kind, Occurrence, children
+from cleancli.editor.scene_words import KEYS, TOP
+from cleancli.language import syntax
+from cleancli.language.diagnostics import Span
+from cleancli.language.format import print_fraction
+from cleancli.language.lines import Lines
+from cleancli.language.model import Domain, Problem, Rule
+
+_MOST_BINDINGS = 20_000
+"""Bindings of a rule that are looked at while the mouse rests: some tens of milliseconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """Markdown about the text at a span."""
+
+    text: str
+    span: Span
+
+
+def hover(asked: Document, offset: int, library: Library) -> Hover | None:
+    """What there is to say about a place; None for nothing."""
+    found = asked.at(offset)
+    if found is None:
+        return _learned(asked, offset)
+    parts = tuple(_about(asked, found, library))
+    return Hover("\n\n".join(parts), found.span) if parts else None
+
+
+def _about(asked: Document, found: Occurrence, library: Library) -> Iterator[str]:
+    kind = found.meaning.kind
+    if kind is Kind.KEY:
+        yield from _about_key(asked, found)
+        return
+    if kind is Kind.DOMAIN:
+        domain = library.domain_of(asked)
+        if domain is not None and domain.root is not None:
+            yield _code(f"domain {domain.root.name.text}")
+            yield from _first_comment(domain.source.text)
+        return
+    declaration = library.declaration(asked, found.meaning)
+    if declaration is None:
+        return
+    text = _text_of(declaration, library)
+    yield _code(signature(declaration, text, asked, library))
+    yield from comment(text, _whole(declaration))
+    if isinstance(declaration.node, syntax.RuleNode) and kind is Kind.RULE:
+        yield from _about_rule(asked, declaration.node, library)
+
+
+def _text_of(declaration: Occurrence, library: Library) -> str:
+    place = library.document(declaration.span.path)
+    assert place is not None, "it was declared there"
+    return place.source.text
+
+
+def _whole(declaration: Occurrence) -> Span:
+    return declaration.span if isinstance(declaration.node, syntax.Group) else declaration.node.span
+
+
+def _code(text: str) -> str:
+    return f"```nid\n{text}\n```"
+
+
+# ---- declarations
+
+
+def signature(declaration: Occurrence, text: str, asked: Document, library: Library) -> str:
+    """A declaration in one line, as it is written but for blanks; `text` is that of its file."""
+    node, meaning = declaration.node, declaration.meaning
+    if isinstance(node, syntax.Group):
+        variable = "?" if meaning.kind is Kind.VARIABLE else ""
+        above = f" - {node.type.text}" if node.type is not None else ""
+        return f"{meaning.kind.value} {variable}{meaning.name}{above}"
+    if isinstance(node, syntax.RuleNode):
+        if meaning.kind is Kind.VARIABLE:
+            type_name = _type_of_term(node, meaning.name, asked, library)
+            return f"variable ?{meaning.name}" + (f" - {type_name}" if type_name else "")
+        terms = ", ".join(f"?{t.name}" if t.is_variable else t.name for t in node.terms)
+        return f"rule {node.name.text}: {node.action.text}({terms})"
+    if meaning.kind is Kind.VALUE:
+        return f"value {meaning.name} of " + " ".join(text[node.span.start : node.span.end].split())
+    return f"{_noun(node)} " + " ".join(text[node.span.start : node.span.end].split())
+
+
+def _noun(node: syntax.Node) -> str:
+    match node:
+        case syntax.PredicateNode():
+            return "predicate"
+        case syntax.FunctionNode():
+            return "function"
+        case syntax.ActionNode():
+            return "action"
+    return "derived"
+
+
+def _type_of_term(rule: syntax.RuleNode, name: str, asked: Document, library: Library) -> str:
+    """The type that the rule's action gives to one of its variables; empty where it is not declared."""
+    position = next((i for i, term in enumerate(rule.terms) if term.is_variable and term.name == name), 0)
+    for occurrence in library.visible(asked):
+        node = occurrence.node
+        if isinstance(node, syntax.ActionNode) and node.name.text == rule.action.text:
+            types = [g.type.text for g in node.parameters if g.type is not None for _ in g.names]
+            return types[position] if position < len(types) else ""
+    return ""
+
+
+def comment(text: str, span: Span) -> Iterator[str]:
+    """The comment behind a declaration in the line where it begins, else the comment right above it."""
+    lines = Lines(text)
+    number, column = lines.place(span.start)
+    _, hash_sign, beside = lines.line(number)[column - 1 :].partition("#")
+    if hash_sign:
+        yield beside.strip()
+        return
+    above: list[str] = []
+    while number - len(above) > 1:
+        line = lines.line(number - len(above) - 1).strip()
+        if not line.startswith("#"):
+            break
+        above.insert(0, line.lstrip("#").strip())
+    if any(above):
+        yield "\n".join(above).strip()
+
+
+def _first_comment(text: str) -> Iterator[str]:
+    """The comment that a file begins with."""
+    lines = itertools.takewhile(lambda line: line.startswith("#"), text.lstrip("\ufeff").splitlines())
+    about = "\n".join(line.lstrip("#").strip() for line in lines).strip()
+    if about:
+        yield about
+
+
+def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
+    section = _section_around(asked.root, found.span.start)
+    known = KEYS.get(section, {}).get(found.meaning.name)
+    if known is not None:
+        values = f" ({', '.join(f'`{value}`' for value in known.values)})" if known.values else ""
+        yield f"**{found.meaning.name}**: {known.meaning}{values}"
+
+
+def _section_around(node: syntax.Node | None, offset: int) -> str:
+    """The name of the innermost section of a scene around an offset."""
+    name = TOP
+    entries = getattr(node, "entries", ())
+    while inner := [
+        e for e in entries if isinstance(e, syntax.Section) and e.span.start < offset < e.span.end
+    ]:
+        name, entries = inner[0].name.text, inner[0].entries
+    return name
+
+
+# ---- rules
+
+
+def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Iterator[str]:
+    domain = library.domain_of(asked)
+    model = None if domain is None else model_of(domain)
+    if domain is None or model is None:
+        return
+    rule = next(rule for rule in model.rules if rule.name == node.name.text)
+    yield _sums(rule)
+    for user in library.users_of(domain, near_only=True):
+        problem = model_of_problem(user, model)
+        if problem is not None:
+            yield f"`{user.path.name}`: {_groundings(rule, model, problem)}"
+
+
+def _sums(rule: Rule) -> str:
+    """How much probability a rule gives to changes, to nothing and to noise."""
+    sums: dict[str, Fraction] = {}
+    for outcome in rule.outcomes:
+        sums[outcome.kind.value] = sums.get(outcome.kind.value, Fraction(0)) + outcome.probability
+    count = len(rule.outcomes)
+    parts = ", ".join(f"{print_fraction(probability)} {kind}" for kind, probability in sums.items())
+    return f"{count} outcome{'s' * (count != 1)}: {parts}"
+
+
+def _groundings(rule: Rule, domain: Domain, problem: Problem) -> str:
+    """For how many tuples of a problem's objects the facts that never change allow a rule."""
+    tried = _bindings(rule, domain, problem)
+    if tried > _MOST_BINDINGS:
+        return f"{tried} tuples of objects, too many to try here"
+    universe = Universe(domain, problem)
+    bindings = universe.extensions(rule.variables, rule.condition, {})
+    count = sum(requirement(rule.condition, binding, universe) is not None for binding in bindings)
+    return f"{count} grounding{'s' * (count != 1)}"
+
+
+def _bindings(rule: Rule, domain: Domain, problem: Problem) -> int:
+    """How many tuples of objects have the types of the rule's variables."""
+    objects = (*domain.constants, *problem.objects)
+    tuples = 1
+    for variable in rule.variables:
+        tuples *= sum(domain.is_a(item.type, variable.type) for item in objects)
+    return tuples
+
+
+# ---- probabilities
+
+
+def _learned(asked: Document, offset: int) -> Hover | None:
+    """What the learner noted beside the probability at an offset."""
+    weight = None if asked.root is None else _weight_at(asked.root, offset)
+    if weight is None:
+        return None
+    text = asked.source.text[weight.span.start : weight.span.end]
+    parts = [f"now `{text.partition('[')[0].strip()}`"]
+    for _, mark in children(weight):
+        if isinstance(mark, syntax.Prior):
+            parts.append(f"before anything was learned `{print_fraction(mark.probability.value)}`")
+        elif isinstance(mark, syntax.Seen):
+            times = mark.count.value
+            parts.append(f"seen {print_fraction(times)} time{'s' * (times != 1)}")
+    return Hover("; ".join(parts), weight.span)
+
+
+def _weight_at(node: syntax.Node, offset: int) -> syntax.Node | None:
+    """The node around an offset that holds the notes of the learner."""
+    for _, child in children(node):
+        if isinstance(child, syntax.Prior | syntax.Seen):
+            return node
+        if child.span.start <= offset <= child.span.end:
+            found = _weight_at(child, offset)
+            if found is not None:
+                return found
+    return None

@@ -1,0 +1,183 @@
+"""The files an editor works on: open texts before what is on disk, problems together with their domains."""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cleancli.editor.names import Kind, Meaning, Occurrence, occurrences
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.load import kind_of, read_source
+from cleancli.language.outline import blank, outline
+from cleancli.language.parse import Parsed, parse
+from cleancli.language.syntax import Root
+from cleancli.shipped import shipped, shipped_names
+
+_NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
+
+_MOST_FOLDERS = 2000
+"""Searched for problems below the folders an editor has open; beyond it, a search would be felt."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A text with what could be read of it. Where not even its kind can be told, `kind` is empty and `parsed`
+    None. `root` and `names` may hold sections that the parser, stopped between them, left out."""
+
+    source: Source
+    kind: str
+    parsed: Parsed | None
+    root: Root | None
+    names: tuple[Occurrence, ...]
+
+    @property
+    def path(self) -> Path:
+        return Path(self.source.path)
+
+    def at(self, offset: int) -> Occurrence | None:
+        """The name at an offset; one that begins there is preferred to one that ends there."""
+        touching = [o for o in self.names if o.span.start <= offset <= o.span.end]
+        return touching[-1] if touching else None
+
+    def declared(self) -> Iterator[Occurrence]:
+        """The names that this file declares."""
+        return (occurrence for occurrence in self.names if occurrence.declares)
+
+    def domain_name(self) -> str | None:
+        """The domain that a problem or scene names."""
+        uses = (o for o in self.names if o.meaning.kind is Kind.DOMAIN and not o.declares)
+        return next((o.meaning.name for o in uses), None)
+
+
+@functools.lru_cache(maxsize=256)
+def document(source: Source) -> Document:
+    """Read a text; never fails, whatever it holds."""
+    try:
+        kind = kind_of(source)
+        parsed = parse(source)
+    except Refused:
+        return Document(source, "", None, None, ())
+    root = parsed.root or _root_of_sections(source)
+    return Document(source, kind, parsed, root, () if root is None else occurrences(root))
+
+
+def _root_of_sections(source: Source) -> Root | None:
+    """The tree of the sections of a text and of the domain that it names, without what else stands between
+    them: half-typed, that hides them."""
+    try:
+        return parse(_sections_alone(source)).root
+    except Refused:
+        return None
+
+
+def _sections_alone(source: Source) -> Source:
+    """The text with all blanked that stands between its sections, but for the domain; no offset moves."""
+    shape = outline(source)
+    text = shape.body
+    begin = text.find("{") + 1
+    for block in sorted(shape.blocks, key=lambda block: block.start):
+        text = _blank_between(text, begin, block.start)
+        begin = max(begin, block.end)
+    return Source(source.path, _blank_between(text, begin, len(text) - text.endswith("}")))
+
+
+def _blank_between(text: str, start: int, end: int) -> str:
+    if start >= end:
+        return text  # sections that are not closed may lie one in another
+    for named in _NAMED_DOMAIN.finditer(text, start, end):
+        line = max(text.rfind("\n", 0, named.start()), text.rfind("\r", 0, named.start()))
+        if "#" not in text[line + 1 : named.start()]:
+            return blank(blank(text, start, named.start()), named.end(), end)
+    return blank(text, start, end)
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """Texts that are `open` in the editor by their path, and the folders (`roots`) it works in."""
+
+    open: Mapping[str, str] = field(default_factory=dict)
+    roots: tuple[Path, ...] = ()
+
+    def document(self, path: Path | str) -> Document | None:
+        """A file as the editor sees it; None where it cannot be read."""
+        name = str(path)
+        if name in self.open:
+            return document(Source(name, self.open[name]))
+        try:
+            return document(read_source(path))
+        except Refused:
+            return None
+
+    def domain_named(self, name: str, near: Path) -> Document | None:
+        """The domain `name.nid` beside a file, else one that is open, else the shipped one."""
+        beside = near.parent / f"{name}.nid"
+        elsewhere = sorted(path for path in self.open if Path(path).name == beside.name)
+        candidates: list[Path | str] = [beside, *elsewhere]
+        if name in shipped_names("domains"):
+            candidates.append(shipped("domains") / beside.name)
+        for path in candidates:
+            found = self.document(path)
+            if found is not None and found.kind == "domain":
+                return found
+        return None
+
+    def domain_of(self, asked: Document) -> Document | None:
+        """The domain that a file is for: itself, or the one it names."""
+        if asked.kind == "domain":
+            return asked
+        name = asked.domain_name()
+        return None if name is None else self.domain_named(name, asked.path)
+
+    def users_of(self, domain: Document, near_only: bool = False) -> tuple[Document, ...]:
+        """What is for a domain: problems and scenes open, beside it or, unless `near_only`, below a root."""
+        folders = [domain.path.parent, *(() if near_only else _folders(self.roots))]
+        files = {str(path) for folder in folders for path in folder.glob("*.nid")}
+        found = (self.document(path) for path in sorted(files | self.open.keys()))
+        return tuple(
+            user for user in found if user is not None and user.kind != "domain" and self._uses(user, domain)
+        )
+
+    def family(self, asked: Document) -> tuple[Document, ...]:
+        """A file's domain and all its problems, in that order; the file itself where it has no domain."""
+        domain = self.domain_of(asked)
+        return (asked,) if domain is None else (domain, *self.users_of(domain))
+
+    def declaration(self, asked: Document, meaning: Meaning) -> Occurrence | None:
+        """Where a name of a file is declared, there or in its domain."""
+        for place in (asked, self.domain_of(asked)):
+            for occurrence in place.declared() if place is not None else ():
+                if occurrence.meaning == meaning:
+                    return occurrence
+        return None
+
+    def visible(self, asked: Document) -> tuple[Occurrence, ...]:
+        """Everything declared in a file and its domain."""
+        domain = self.domain_of(asked)
+        others: Iterable[Occurrence] = () if domain is None or domain is asked else domain.declared()
+        return (*asked.declared(), *others)
+
+    def domain_names(self, near: Path) -> tuple[str, ...]:
+        """What a problem may name as its domain."""
+        files = {*self.open, *(str(path) for path in near.parent.glob("*.nid"))}
+        domains = (found for path in files if (found := self.document(path)) and found.kind == "domain")
+        return tuple(sorted({d.path.stem for d in domains} | set(shipped_names("domains"))))
+
+    def _uses(self, user: Document, domain: Document) -> bool:
+        found = self.domain_of(user)
+        return found is not None and found.source.path == domain.source.path
+
+
+def _folders(roots: Iterable[Path]) -> list[Path]:
+    """The folders below some others, those that a version control or package tool keeps left out."""
+    found = []
+    for root in roots:
+        for name, inner, _ in os.walk(root):
+            inner[:] = sorted(n for n in inner if not n.startswith((".", "_")) and n != "node_modules")
+            found.append(Path(name))
+            if len(found) >= _MOST_FOLDERS:
+                return found
+    return found

@@ -1,0 +1,82 @@
+"""What may be written in a scene, for completion and hover: sections, keys, and what their values look like.
+
+The checker (`scene.check`) decides; the tests hold this table against it and against docs/language.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cleancli.scene.check import DRIVES, EDGES, GRASPS, SECTIONS
+
+
+@dataclass(frozen=True, slots=True)
+class KeyWords:
+    """What a key means, and what a value of it begins with: units for a number, names, or an example."""
+
+    meaning: str
+    units: tuple[str, ...] = ()
+    values: tuple[str, ...] = ()
+
+
+LENGTHS = ("cm", "mm", "m")
+
+
+def _length(meaning: str) -> KeyWords:
+    return KeyWords(meaning, LENGTHS)
+
+
+TOP = ""
+"""The place outside of all sections."""
+
+KEYS: Mapping[str, Mapping[str, KeyWords]] = {
+    TOP: {
+        "domain": KeyWords("the domain that says what cleaning actions do"),
+        "seed": KeyWords("the seed of all randomness, a whole number"),
+    },
+    "surface": {
+        "width": _length("the surface's extent along x"),
+        "depth": _length("the surface's extent along y"),
+        "friction": KeyWords("the friction coefficient, above 0 and at most 2"),
+        "colour": KeyWords("red, green and blue from 0 to 255", values=("rgb(205, 198, 184)",)),
+    },
+    "container": {
+        "edge": KeyWords("the edge of the surface below which the container stands", values=EDGES),
+        "offset": _length("how far its middle is shifted along the edge, towards east or north"),
+        "width": _length("its extent along the edge"),
+        "depth": _length("its extent away from the edge"),
+    },
+    "robot": {"drive": KeyWords("what moves the rag", values=DRIVES)},
+    "rag": {
+        "grasp": KeyWords("how the rag is held", values=GRASPS),
+        "width": _length("the rag's width"),
+    },
+    "camera": {
+        "height": _length("the camera's height above the surface"),
+        "image": KeyWords("the picture's size in pixels", values=("640 x 480",)),
+        "focal": KeyWords("the focal length in pixels"),
+    },
+    "dirt": {},
+    "group": {
+        "count": KeyWords("how many lentils"),
+        "at": KeyWords("the group's middle", LENGTHS, ("(0 cm, 0 cm)",)),
+        "radius": _length("the circle that the lentils lie in"),
+    },
+    "scattered": {
+        "count": KeyWords("how many lentils"),
+        "from": KeyWords("the rectangle's south-west corner", LENGTHS, ("(-10 cm, -10 cm)",)),
+        "to": KeyWords("the rectangle's north-east corner", LENGTHS, ("(10 cm, 10 cm)",)),
+    },
+    "symbols": {
+        "link": _length("dirt closer than this is one area"),
+        "small": _length("an area up to this long is small"),
+        "medium": _length("an area up to this long is medium, a longer one big"),
+        "density": KeyWords("an area with a smaller share of dirt is scattered, above 0 and at most 1"),
+        "near": _length("areas closer than this are near each other"),
+        "traversal": _length("an area closer than this to a straight way lies on it"),
+    },
+}
+
+INNER: Mapping[str, tuple[str, ...]] = {TOP: SECTIONS, "dirt": ("group", "scattered")}
+"""The sections that a section may hold."""

@@ -1,0 +1,121 @@
+"""What is offered while a text is being typed: the `|` is the cursor."""
+
+from __future__ import annotations
+
+import pytest
+from texts import DOMAIN, PROBLEM, SCENE, marked
+
+from cleancli.editor.completion import MARKS, completions
+from cleancli.editor.context import context
+
+SYMBOLS = ["dirt", "near", "traversal", "size", "weight"]
+RULE = DOMAIN[: DOMAIN.index("  rule join_two")]
+
+
+def offered(name: str, text: str) -> list[str]:
+    asked, offset, library = marked(name, text)
+    return [completion.text for completion in completions(asked, offset, library)]
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("rule r: |", ["push", "join"]),
+        ("rule r: pu|", ["push", "join"]),
+        ("rule r: join(|", ["?a"]),
+        ("rule r: join(?a, |", ["?b"]),
+        ("rule r: join(?a, ?b) { |", ["then", "when"]),
+        ("rule r: push(?a) { when |", [*SYMBOLS, "?a", "not"]),
+        ("rule r: push(?a) { when dirt(|", ["?a"]),
+        ("rule r: push(?a) { when traversal(?a, |", ["?a", "bin"]),
+        ("rule r: push(?a) { when size(?a) |", ["then"]),
+        ("rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),
+        ("rule r: push(?a) { when weight(?a) >= |", ["small", "large"]),
+        ("rule r: push(?a) { then |", ["rest"]),
+        ("rule r: push(?a) { then 0.5 [|", ["prior", "seen"]),
+        ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, "forall", "noise", "not", "nothing"]),
+        ("rule r: push(?a) { then 0.5: size(?a) := |", ["small", "medium", "big"]),
+        ("rule r: push(?a) { then 0.5: forall ?m - |", ["place", "area", "container"]),
+        ("rule r: push(?a) { then 0.5: forall ?m - area: near(?a, |", ["?a", "?m"]),
+        ("rule r: push(?a) { then 0.5: forall ?m - area => dirt(?m) 0.1: dirt(|", ["?a"]),
+        ("predicates { wet(?a - |", ["place", "area", "container"]),
+        ("predicates { wet(?a ?b - area) [|", ["symmetric"]),
+        ("actions { wipe(?a - area) [duration = 3 |", ["s"]),
+        ("reward { |", ["decrease"]),
+        ("reward { decrease(|", ["dirty_areas"]),
+        ("derived { n := |", ["count"]),
+        ("rule broken: ( { { ] \n } rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),
+    ],
+)
+def test_in_a_domain(typed: str, expected: list[str]) -> None:
+    found = offered("tables.nid", f"{RULE}  {typed}")
+    assert [text for text in found if text in expected] == expected
+    assert set(found) == set(expected)
+
+
+def test_between_sections() -> None:
+    found = offered("tables.nid", f"{RULE}\n  |\n}}\n")
+    assert found == sorted(found)
+    assert {"rule", "reward", "default", "actions"} <= set(found)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("= tables", "= |", ["cleaning", "tables"]),
+        ("a1 a2 - area", "a1 a2 - |", ["place", "area", "container"]),
+        ("near(a1, a2)", "near(a1, |)", ["a1", "a2"]),
+        ("near(a1, a2)", "|", SYMBOLS),
+        ("weight(a1) = small", "weight(a1) = |", ["small", "large"]),
+        ("1 + dirty_areas", "1 + |", ["dirty_areas"]),
+        ("\n  horizon = 1 + dirty_areas", "\n  |", ["discount", "domain", "horizon", "init", "objects"]),
+    ],
+)
+def test_in_a_problem(old: str, new: str, expected: list[str]) -> None:
+    found = offered("two.nid", PROBLEM.replace(old, new))
+    assert found[: len(expected)] == expected
+    assert found[len(expected) :] in ([], ["discount", "domain", "horizon", "init", "objects"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("width = 10 cm", "|", {"grasp", "width"}),
+        ("width = 10 cm", "grasp = |", {"wide"}),
+        ("width = 10 cm", "width = 10 |", {"cm", "mm", "m"}),
+        ("radius = 2 cm", "|", {"count", "at", "radius"}),
+        ("domain = tables", "domain = |", {"tables", "cleaning"}),
+        ("dirt   { group", "dirt   { | group", {"group", "scattered"}),
+        ("domain = tables", "|", {"domain", "seed", "surface", "rag", "dirt"}),
+    ],
+)
+def test_in_a_scene(old: str, new: str, expected: set[str]) -> None:
+    assert expected <= set(offered("little.nid", SCENE.replace(old, new)))
+
+
+def test_nothing_is_offered_in_comments() -> None:
+    assert offered("tables.nid", DOMAIN.replace("the easy one", "the easy |")) == []
+
+
+def test_what_is_typed_so_far_is_replaced() -> None:
+    asked, offset, library = marked("tables.nid", f"{RULE}  rule r: push(?abc) {{ when dirt(?ab|")
+    (only,) = completions(asked, offset, library)
+    assert (only.text, only.start) == ("?abc", offset - 3)
+
+
+def test_offers_tell_what_they_are() -> None:
+    asked, offset, library = marked("tables.nid", f"{RULE}  rule r: push(?a) {{ when ne|")
+    (near,) = (found for found in completions(asked, offset, library) if found.text == "near")
+    assert near.detail == "predicate near(?a ?b - area) [symmetric]"
+    assert near.about == "two areas\nside by side"
+
+
+def test_marks_are_those_that_the_checker_takes() -> None:
+    marks = {word for words in MARKS.values() for word in words}
+    assert marks == {"symmetric", "duration"}
+
+
+def test_context_of_an_empty_text() -> None:
+    place = context("", 0)
+    assert place is not None
+    assert place.accepted == {"DOMAIN", "PROBLEM", "SCENE"}

@@ -1,0 +1,72 @@
+"""What is shown over a name."""
+
+from __future__ import annotations
+
+import pytest
+from texts import DOMAIN, OPEN, at, marked
+
+from cleancli.editor.hover import hover
+
+
+def shown(name: str, mark: str) -> str:
+    asked, offset = at(name, mark)
+    found = hover(asked, offset, OPEN)
+    assert found is not None
+    assert found.span.start <= offset <= found.span.end
+    return found.text
+
+
+@pytest.mark.parametrize(
+    ("name", "mark", "expected"),
+    [
+        ("tables.nid", "when |dirt(?x)", ["predicate dirt(?a - area)", "a dirty area 🧽 on the surface"]),
+        ("two.nid", "|near(a1", ["predicate near(?a ?b - area) [symmetric]", "two areas\nside by side"]),
+        ("tables.nid", "(|?x)", ["variable ?x - area"]),
+        ("tables.nid", "not dirt(|?m)", ["variable ?m - area"]),
+        ("tables.nid", "join(?a, |?b)", ["variable ?b - area"]),
+        ("tables.nid", ": |push(?x)", ["action push(?a - area) [duration = 9 s]"]),
+        ("tables.nid", "?x) = |small", ["value small of size(?a - area): small < medium < big"]),
+        ("tables.nid", "bin - |container", ["type container - place"]),
+        ("two.nid", "a1, |bin", ["object bin - container"]),
+        ("two.nid", "near(|a1", ["object a1 - area"]),
+        ("two.nid", "+ |dirty_areas", ["derived dirty_areas := count ?a - area: dirt(?a)"]),
+        ("two.nid", "= |tables", ["domain tables", "Tables and what lies on them."]),
+        ("little.nid", "|width", ["**width**: the rag's width"]),
+    ],
+)
+def test_declarations(name: str, mark: str, expected: list[str]) -> None:
+    text = shown(name, mark)
+    for words in expected:
+        assert words in text
+
+
+def test_a_rule_sums_its_outcomes_and_counts_its_groundings() -> None:
+    text = shown("tables.nid", "rule |push_small")
+    assert "rule push_small: push(?x)" in text
+    assert "the easy one" in text
+    assert "3 outcomes: 0.75 change, 0.25 noise" in text
+    assert "`two.nid`: 2 groundings" in text
+    # Both areas must differ: that leaves two of four tuples.
+    assert "`two.nid`: 2 groundings" in shown("tables.nid", "rule |join_two")
+
+
+def test_a_probability_tells_what_was_learned() -> None:
+    text = shown("tables.nid", "|0.65 [prior")
+    assert text == "now `0.65`; before anything was learned `0.6`; seen 14 times"
+
+
+def test_there_is_nothing_to_say_about_blanks_and_unlearned_numbers() -> None:
+    asked, offset = at("tables.nid", "|0.9: not")
+    assert hover(asked, offset, OPEN) is None
+    asked, offset, library = marked("tables.nid", DOMAIN + "\n\n|\n")
+    assert hover(asked, offset, library) is None
+
+
+def test_a_rule_of_a_domain_with_mistakes_still_shows_its_head() -> None:
+    asked, offset, library = marked(
+        "tables.nid", DOMAIN.replace("0.9:", "0.8:").replace("push_", "push|_", 1)
+    )
+    found = hover(asked, offset, library)
+    assert found is not None
+    assert "rule push_small: push(?x)" in found.text
+    assert "outcomes" not in found.text

@@ -1,0 +1,222 @@
+"""The server as an editor meets it: a process, spoken to by a client over standard input and output."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import subprocess
+import sys
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.client import LanguageClient
+from texts import DOMAIN, PROBLEM
+
+from cleancli import __version__
+from cleancli.editor.colours import MODIFIERS, TYPES
+
+
+class Client(LanguageClient):
+    """An editor that remembers the mistakes it was told of."""
+
+    def __init__(self) -> None:
+        super().__init__("test editor", "1")
+        self.told: asyncio.Queue[lsp.PublishDiagnosticsParams] = asyncio.Queue()
+
+        @self.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        def told(params: lsp.PublishDiagnosticsParams) -> None:
+            self.told.put_nowait(params)
+
+    async def mistakes(self, uri: str) -> list[lsp.Diagnostic]:
+        """The next list of mistakes of a text."""
+        while True:
+            params = await self.told.get()
+            if params.uri == uri:
+                return list(params.diagnostics)
+
+    def open(self, path: Path, text: str) -> lsp.TextDocumentIdentifier:
+        """Open a text that need not be saved."""
+        item = lsp.TextDocumentItem(path.as_uri(), "nid", 1, text)
+        self.text_document_did_open(lsp.DidOpenTextDocumentParams(item))
+        return lsp.TextDocumentIdentifier(item.uri)
+
+    def change(self, uri: str, text: str) -> None:
+        """Type a whole new text."""
+        changes = [lsp.TextDocumentContentChangeWholeDocument(text)]
+        self.text_document_did_change(
+            lsp.DidChangeTextDocumentParams(lsp.VersionedTextDocumentIdentifier(2, uri), changes)
+        )
+
+
+def place(text: str, mark: str) -> lsp.Position:
+    """The position, in UTF-16 units, of the `|` in a piece of the text."""
+    before = text[: text.index(mark.replace("|", "")) + mark.index("|")]
+    line = before.rpartition("\n")[2]
+    return lsp.Position(before.count("\n"), len(line.encode("utf-16-le")) // 2)
+
+
+def talk(folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str) -> None:
+    """Start a server for a folder, say something to it, and see it leave in good order.
+
+    `encodings` are those that the client offers to count in; without any it is UTF-16.
+    """
+
+    async def session() -> None:
+        client = Client()
+        await client.start_io(sys.executable, "-m", "cleancli.cli.main", "lsp")
+        folders = [lsp.WorkspaceFolder(folder.as_uri(), "test")]
+        general = lsp.GeneralClientCapabilities(position_encodings=list(encodings) or None)
+        params = lsp.InitializeParams(lsp.ClientCapabilities(general=general), workspace_folders=folders)
+        answer = await client.initialize_async(params)
+        assert answer.server_info == lsp.ServerInfo("cleancli", __version__)
+        client.initialized(lsp.InitializedParams())
+        await say(client)
+        await client.shutdown_async(None)
+        client.exit(None)
+        await client.stop()
+
+    asyncio.run(asyncio.wait_for(session(), 60))
+
+
+def test_mistakes_come_while_typing(tmp_path: Path) -> None:
+    async def say(client: Client) -> None:
+        domain = client.open(tmp_path / "tables.nid", DOMAIN)
+        assert await client.mistakes(domain.uri) == []
+        problem = client.open(tmp_path / "two.nid", PROBLEM)
+        assert await client.mistakes(problem.uri) == []
+        text = DOMAIN.replace("0.9: not", "0.8: not").replace("when dirt(?x)", "when dirty(?x)")
+        client.change(domain.uri, text)
+        unknown, missing = await client.mistakes(domain.uri)
+        assert (unknown.code, missing.code) == ("E203", "E301")
+        assert unknown.range == lsp.Range(place(text, "when |dirty"), place(text, "when dirty|"))
+        assert "did you mean `dirt`" in unknown.message
+        assert unknown.severity is lsp.DiagnosticSeverity.Error
+        (spoilt,) = await client.mistakes(problem.uri)
+        assert "2 mistakes" in spoilt.message
+        client.change(domain.uri, DOMAIN)
+        assert await client.mistakes(domain.uri) == []
+        assert await client.mistakes(problem.uri) == []
+
+    talk(tmp_path, say)
+
+
+@pytest.mark.parametrize(("encodings", "units"), [((), 6), (("utf-16",), 6), (("utf-8", "utf-16"), 9)])
+def test_places_are_counted_as_the_editor_counts(
+    encodings: tuple[str, ...], units: int, tmp_path: Path
+) -> None:
+    comment = "# 🧽 é"
+
+    async def say(client: Client) -> None:
+        document = client.open(tmp_path / "tables.nid", DOMAIN.replace("domain", f"{comment}\ndomain", 1))
+        colours = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(document))
+        assert colours is not None
+        assert list(colours.data[5:10]) == [2, 0, units, TYPES.index("comment"), 0]
+        # An edit behind the character is made where the editor means it, and not one further.
+        spot = lsp.Position(2, units)
+        edit = lsp.TextDocumentContentChangePartial(lsp.Range(spot, spot), "!")
+        version = lsp.VersionedTextDocumentIdentifier(2, document.uri)
+        client.text_document_did_change(lsp.DidChangeTextDocumentParams(version, [edit]))
+        colours = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(document))
+        assert colours is not None
+        assert colours.data[7] == units + 1
+
+    talk(tmp_path, say, *encodings)
+
+
+def test_every_question_is_answered(tmp_path: Path) -> None:
+    (tmp_path / "tables.nid").write_text(DOMAIN, encoding="utf-8")
+
+    async def say(client: Client) -> None:
+        problem = client.open(tmp_path / "two.nid", PROBLEM)
+        assert await client.mistakes(problem.uri) == []
+        domain_uri = (tmp_path / "tables.nid").as_uri()
+        spot = place(PROBLEM, "|near(a1")
+
+        hover = await client.text_document_hover_async(lsp.HoverParams(problem, spot))
+        assert hover is not None
+        assert isinstance(hover.contents, lsp.MarkupContent)
+        assert "predicate near(?a ?b - area) [symmetric]" in hover.contents.value
+        assert "two areas\nside by side" in hover.contents.value
+
+        found = await client.text_document_completion_async(
+            lsp.CompletionParams(problem, place(PROBLEM, "size(a1) = |small"))
+        )
+        assert isinstance(found, list)
+        assert [item.label for item in found] == ["small", "medium", "big"]
+
+        target = await client.text_document_definition_async(lsp.DefinitionParams(problem, spot))
+        assert isinstance(target, lsp.Location)
+        assert target == lsp.Location(
+            domain_uri, lsp.Range(place(DOMAIN, "|near(?a ?b"), place(DOMAIN, "near|(?a ?b"))
+        )
+
+        context = lsp.ReferenceContext(include_declaration=True)
+        uses = await client.text_document_references_async(lsp.ReferenceParams(context, problem, spot))
+        assert uses is not None
+        assert sorted(use.uri for use in uses) == [domain_uri, domain_uri, problem.uri]
+
+        ready = await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(problem, spot))
+        assert ready == lsp.Range(spot, place(PROBLEM, "near|(a1"))
+        edit = await client.text_document_rename_async(lsp.RenameParams(problem, spot, "beside"))
+        assert edit is not None
+        assert edit.changes is not None
+        assert {uri: len(edits) for uri, edits in edit.changes.items()} == {domain_uri: 2, problem.uri: 1}
+        with pytest.raises(JsonRpcException, match="the symbol `dirt` exists"):
+            await client.text_document_rename_async(lsp.RenameParams(problem, spot, "dirt"))
+
+        outline = await client.text_document_document_symbol_async(lsp.DocumentSymbolParams(problem))
+        assert outline is not None
+        assert [entry.name for entry in outline] == ["two"]
+
+        colours = await client.text_document_semantic_tokens_full_async(lsp.SemanticTokensParams(problem))
+        assert colours is not None
+        first = TYPES.index("keyword"), TYPES.index("namespace"), 1 << MODIFIERS.index("declaration")
+        assert list(colours.data[:10]) == [0, 0, 7, first[0], 0, 0, 8, 3, first[1], first[2]]
+
+    talk(tmp_path, say)
+
+
+def test_formatting_of_an_untidy_text(tmp_path: Path) -> None:
+    async def say(client: Client) -> None:
+        document = client.open(tmp_path / "tables.nid", DOMAIN.replace("# two areas\n", "# two areas   \n"))
+        options = lsp.FormattingOptions(tab_size=2, insert_spaces=True)
+        edits = await client.text_document_formatting_async(lsp.DocumentFormattingParams(document, options))
+        assert edits
+        client.change(document.uri, "domain d {")
+        assert (
+            await client.text_document_formatting_async(lsp.DocumentFormattingParams(document, options)) == ()
+        )
+
+    talk(tmp_path, say)
+
+
+def test_closing_clears_the_list(tmp_path: Path) -> None:
+    async def say(client: Client) -> None:
+        document = client.open(tmp_path / "bad.nid", "domain bad { }")
+        (missing,) = await client.mistakes(document.uri)
+        assert missing.code == "E219"
+        client.text_document_did_close(lsp.DidCloseTextDocumentParams(document))
+        assert await client.mistakes(document.uri) == []
+
+    talk(tmp_path, say)
+
+
+def test_without_pygls_the_command_says_what_to_install(tmp_path: Path) -> None:
+    code = "raise ModuleNotFoundError('not installed', name='pygls')\n"
+    (tmp_path / "pygls.py").write_text(code, encoding="utf-8")
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    result = subprocess.run(
+        [sys.executable, "-m", "cleancli.cli.main", "lsp"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path},
+        timeout=60,
+        stdin=subprocess.DEVNULL,
+    )
+    assert result.returncode == 4
+    assert "pip install cleancli[lsp]" in result.stderr
+    assert "Traceback" not in result.stderr
