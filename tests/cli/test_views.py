@@ -108,6 +108,7 @@ def test_explain_as_data(capsys: pytest.CaptureFixture[str]) -> None:
             {"literal": "size(?a) = small", "instead": "size(a2) is medium"},
             {"literal": "not scattered(?a)", "instead": "scattered(a2) is true"},
         ],
+        "unclear": None,
     }
 
 

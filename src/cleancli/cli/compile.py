@@ -24,7 +24,7 @@ def command(domain: str, problem: str, style: str) -> None:
     Everything is sorted, so that two tasks can be compared line by line. For a scene, the task is that of
     one look at its table.
     """
-    source, model, given = open_both(domain, problem)
-    with located_in(source):
+    sources, model, given = open_both(domain, problem)
+    with located_in(*sources):
         task = ground(model, given)
     click.echo(json.dumps(as_data(task), indent=2) + "\n" if style == "json" else dump(task), nl=False)

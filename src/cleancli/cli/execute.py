@@ -78,15 +78,15 @@ def command(
     Leaves a folder with run.json, experience.jsonl, a picture per action and a video. Exit code 3 if dirt is
     still seen at the end; the summary says where every lentil truly is, apart from what perception believed.
     """
-    _, domain_source, model = open_domain(domain)
+    _, domain_sources, model = open_domain(domain)
     scene_source, setting = open_scene(scene)
     seed = setting.seed if seed is None else seed
     options = EpisodeOptions(planner, samples, commit, max_actions, seed)
     with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
         folder = free_folder(runs, f"{setting.name}-seed{seed}")
-        header = _header(options, domain_source, scene_source)
+        header = _header(options, *domain_sources, scene_source)
         with (
-            located_in(domain_source),
+            located_in(*domain_sources),
             Recorder(folder, header, table.picture, video) as recorder,
             show(as_data) as view,
         ):

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import click
+
 from cleancli.cli.files import STDIN, read
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import (
@@ -13,7 +15,6 @@ from cleancli.language.load import (
     checked_problem,
     domain_named,
     kind_of,
-    load_domain,
     load_problem,
     read_source,
 )
@@ -32,11 +33,17 @@ def located_in(*sources: Source) -> Iterator[None]:
         raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None
 
 
-def open_domain(name_or_path: str) -> tuple[Path, Source, Domain]:
-    """A domain with the file it came from; raises Refused."""
+def open_domain(name_or_path: str) -> tuple[Path, tuple[Source, ...], Domain]:
+    """A domain with its file, and its text before those that it includes; raises Refused."""
     path = find(name_or_path, "domains")
-    source = read_source(path)
-    return path, source, load_domain(source)
+    checked = checked_domain(read_source(path), may_include_outside())
+    return path, checked.sources, checked.get()
+
+
+def may_include_outside() -> bool:
+    """Whether the user has allowed domains to include files from outside their own folder."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.find_root().params.get("include_outside"))
 
 
 def open_scene(name_or_path: str) -> tuple[Source, Scene]:
@@ -62,7 +69,7 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
     source = read(str(path))
     match kind_of(source):
         case "domain":
-            checked = checked_domain(source)
+            checked = checked_domain(source, may_include_outside())
             return checked.diagnostics, checked.sources
         case "scene":
             load_scene(source)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,9 +9,10 @@ from pathlib import Path
 import click
 
 from cleancli.cli.completion import domains
-from cleancli.cli.inputs import open_domain
+from cleancli.cli.files import echo_difference
+from cleancli.cli.inputs import may_include_outside, open_domain
 from cleancli.language.diagnostics import Source
-from cleancli.language.edit import Edit, apply_edits, write_atomically
+from cleancli.language.edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import checked_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
@@ -50,23 +50,22 @@ def command(
     Prints the change as a diff; only --write changes files. The prior stays in the file beside the learned
     number, so that learning again from the same experience changes nothing: give every file that shall count.
     """
-    path, _, model = open_domain(domain)
+    path, sources, model = open_domain(domain)
     if write and not Path(domain).is_file():
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
     learned = learn(model, transitions, ESTIMATORS[estimator], m)
-    sources = checked_domain(read_source(path)).sources
     texts = _edited(sources, edits(model, sources, learned))
-    checked_domain(texts[sources[0].path], read=lambda file: texts.get(str(file)) or read_source(file)).get()
+    checked_domain(texts[sources[0].path], may_include_outside(), lambda file: texts[str(file)]).get()
     if as_data:
         click.echo(json.dumps([_as_data(model, entry) for entry in learned], indent=2))
     else:
         _print_difference(sources, texts)
         _print(model, learned, len(transitions))
-    for source in sources if write else ():
-        text = texts[source.path].text
-        if text != source.text:
-            write_atomically(source.path, text, source.text)
+    if write:
+        changed = [source for source in sources if texts[source.path].text != source.text]
+        write_all(Change(Path(source.path), texts[source.path].text, source.text) for source in changed)
+        for source in changed:
             click.echo(f"wrote {source.path}", err=as_data)
 
 
@@ -87,9 +86,7 @@ def _experience_file(path: Path) -> Path:
 
 def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) -> None:
     for source in sources:
-        old, new = source.text.splitlines(), texts[source.path].text.splitlines()
-        for line in difflib.unified_diff(old, new, source.path, f"{source.path} (learned)", lineterm=""):
-            click.echo(line)
+        echo_difference(source, texts[source.path].text, "learned")
 
 
 def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:

@@ -57,7 +57,8 @@ class _Commands(click.Group):
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="cleancli")
-def cli() -> None:
+@click.option("--include-outside", is_flag=True, help="Let domains include files from outside their folder.")
+def cli(include_outside: bool) -> None:
     """Teach a robot to clean: probabilistic rules in, motion out, better rules back.
 
     DOMAIN, PROBLEM and SCENE are paths of .nid files, or the bare names of those that ship with cleancli:

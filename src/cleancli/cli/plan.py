@@ -16,46 +16,66 @@ from cleancli.cli.seen import look
 from cleancli.compiler.ground import ground
 from cleancli.language.model import Problem
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.table import PLANNERS, Planner
 from cleancli.scene.model import Scene
 
 
 @click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
 @click.argument("domain", shell_complete=domains)
 @click.argument("problem", shell_complete=problems)
-@click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
+@click.option("--planner", type=click.Choice(list(PLANNERS)), help="[default: the problem's, or prada]")
 @click.option(
     "--samples",
     type=click.IntRange(min=1),
-    default=10_000,
-    show_default=True,
-    help="Action sequences to draw (n in eq. 3).",
+    help="Action sequences to draw (n in eq. 3). [default: the problem's, or 10000]",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's, or 1]"
+    "--seed",
+    type=click.IntRange(min=0),
+    help="Seed of all randomness. [default: the problem's or the scene's, or 1]",
 )
 @click.option("--json", "as_data", is_flag=True, help="Print the plan as JSON.")
-def command(domain: str, problem: str, planner: str, samples: int, seed: int | None, as_data: bool) -> None:
+def command(
+    domain: str, problem: str, planner: str | None, samples: int | None, seed: int | None, as_data: bool
+) -> None:
     """Plan with the rules of DOMAIN for PROBLEM.
 
     For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.
     """
-    _, source, model = open_domain(domain)
+    _, sources, model = open_domain(domain)
     given = open_problem(problem, model)
     seconds: dict[str, float] = {}
     if isinstance(given, Scene):
         seed = given.seed if seed is None else seed
-        with _timed(seconds, "look"), located_in(source), working("looking at the table"):
+        with _timed(seconds, "look"), located_in(*sources), working("looking at the table"):
             model, given = look(model, given, seed)
-    with _timed(seconds, "ground"), located_in(source):
+    with _timed(seconds, "ground"), located_in(*sources):
         task = ground(model, given)
     with working("planning (the first run compiles the planner)"):
-        result = PLANNERS[planner](task, Options(samples, 1 if seed is None else seed))
+        result = _planner(planner, given)(task, _options(samples, seed, given))
     seconds |= result.seconds
     if as_data:
         click.echo(json.dumps(_as_data(given, result, seconds), indent=2))
     else:
         _print(given, result, seconds)
+
+
+def _planner(asked: str | None, problem: Problem) -> Planner:
+    """The planner that the command line names, or else the problem; raises UsageError for an unknown one."""
+    name = asked or problem.planner or "prada"
+    if name not in PLANNERS:
+        known = ", ".join(PLANNERS)
+        raise click.UsageError(f"the problem asks for the planner `{name}`; there is {known}")
+    return PLANNERS[name]
+
+
+def _options(samples: int | None, seed: int | None, problem: Problem) -> Options:
+    """What the command line says, or else the problem, or else the usual."""
+    usual = Options(seed=1)
+    return Options(
+        next(n for n in (samples, problem.samples, usual.samples) if n is not None),
+        next(n for n in (seed, problem.seed, usual.seed) if n is not None),
+    )
 
 
 @contextmanager

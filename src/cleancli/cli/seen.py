@@ -12,17 +12,17 @@ from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
 
 
-def open_both(domain: str, problem: str) -> tuple[Source, Domain, Problem]:
-    """A domain with its text, and a problem of it; a scene is looked at once, with its own seed.
+def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Problem]:
+    """A domain with its texts, and a problem of it; a scene is looked at once, with its own seed.
 
     Of a scene's domain, the actions stay that the robot has skills for. Raises Refused.
     """
-    _, source, model = open_domain(domain)
+    _, sources, model = open_domain(domain)
     given = open_problem(problem, model)
     if isinstance(given, Scene):
-        with located_in(source), working("looking at the table"):
+        with located_in(*sources), working("looking at the table"):
             model, given = look(model, given, given.seed)
-    return source, model, given
+    return sources, model, given
 
 
 def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:

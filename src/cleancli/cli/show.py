@@ -21,8 +21,14 @@ from cleancli.cli.report import wants_colour
 from cleancli.cli.seen import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
-from cleancli.language.format import print_condition, print_fraction, print_result
-from cleancli.language.model import Action, Domain, Problem, Rule, Symbol, Type, Variable
+from cleancli.language.format import (
+    print_condition,
+    print_fraction,
+    print_reference,
+    print_result,
+    symbols_of,
+)
+from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type, Variable
 from cleancli.planning.coverage import coverage
 
 _NO_EDGE = 10_000
@@ -64,8 +70,8 @@ def command(domain: str, problem: str | None, samples: int, as_data: bool) -> No
         _, _, model = open_domain(domain)
         sizes = None
     else:
-        source, model, given = open_both(domain, problem)
-        with located_in(source):
+        sources, model, given = open_both(domain, problem)
+        with located_in(*sources):
             sizes = _sizes(given, model, ground(model, given), samples)
     if as_data:
         click.echo(json.dumps(_as_data(model, sizes), indent=2))
@@ -110,7 +116,11 @@ def _parts(domain: Domain, sizes: Sizes | None) -> Iterator[RenderableType]:
     yield tree
     yield from _listed("constants", [f"{c.name} - {c.type}" for c in domain.constants])
     yield from _listed("symbols", [_symbol(symbol) for symbol in domain.symbols])
+    yield from _listed("derived", [_derived(definition, domain) for definition in domain.derived])
     yield from _listed("counts", [count.name for count in domain.counts])
+    yield from _listed(
+        "parameters", [f"{p.name} = {print_fraction(p.probability)}" for p in domain.parameters]
+    )
     for action in domain.actions:
         yield Text("")
         yield Text(_action(action, sizes), style="bold")
@@ -152,10 +162,12 @@ def _rules(domain: Domain, action: Action, sizes: Sizes | None) -> Table:
 
 def _rows(domain: Domain, rule: Rule, groundings: int | None) -> Iterator[list[Text]]:
     """The rule's name with its condition, and below it a row for each outcome."""
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    symbols = symbols_of(domain)
     counted = [] if groundings is None else [str(groundings)]
     condition = print_condition(rule.condition, symbols)
     yield [Text(cell) for cell in (rule.name, *counted, "", f"when {condition}" if condition else "always")]
+    for reference in rule.references:
+        yield [Text(cell) for cell in ("", *("" for _ in counted), "", print_reference(reference, symbols))]
     for outcome in rule.outcomes:
         chance, result = print_fraction(outcome.probability), print_result(outcome, symbols)
         yield [Text(cell) for cell in ("", *("" for _ in counted), chance, result)]
@@ -163,11 +175,23 @@ def _rows(domain: Domain, rule: Rule, groundings: int | None) -> Iterator[list[T
 
 def _symbol(symbol: Symbol) -> str:
     values = "" if symbol.is_predicate else f": {' < '.join(map(str, symbol.values))}"
-    return f"{symbol.name}({_typed(symbol.parameters)}){values}{' [symmetric]' if symbol.symmetric else ''}"
+    marks = ", ".join(word for word in ("symmetric", "static") if getattr(symbol, word))
+    return f"{symbol.name}({_typed(symbol.parameters)}){values}{f' [{marks}]' if marks else ''}"
+
+
+def _derived(definition: DerivedPredicate, domain: Domain) -> str:
+    meaning = (
+        print_condition(definition.condition, symbols_of(domain))
+        if definition.closure is None
+        else f"closure {definition.closure}"
+    )
+    return f"{definition.name}({_typed(definition.parameters)}) := {meaning}"
 
 
 def _action(action: Action, sizes: Sizes | None) -> str:
     duration = "" if action.duration is None else f"  {action.duration:g} s"
+    if action.cost:
+        duration += f"  cost {print_fraction(action.cost)}"
     counted = "" if sizes is None else f"  {sizes.actions[action.name]} groundings"
     return f"{action.name}({_typed(action.parameters)}){duration}{counted}"
 
@@ -185,7 +209,9 @@ def _as_data(domain: Domain, sizes: Sizes | None) -> dict[str, object]:
         "types": {type_.name: type_.parent for type_ in domain.types},
         "constants": {constant.name: constant.type for constant in domain.constants},
         "symbols": [_symbol(symbol) for symbol in domain.symbols],
+        "derived": [_derived(definition, domain) for definition in domain.derived],
         "counts": [count.name for count in domain.counts],
+        "parameters": {p.name: float(p.probability) for p in domain.parameters},
         "actions": [_action_data(domain, action, sizes) for action in domain.actions],
     }
     if sizes is not None:
@@ -214,7 +240,7 @@ def _action_data(domain: Domain, action: Action, sizes: Sizes | None) -> dict[st
 
 
 def _rule_data(domain: Domain, number: int, rule: Rule, sizes: Sizes | None) -> dict[str, object]:
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    symbols = symbols_of(domain)
     return {
         "name": rule.name,
         "when": print_condition(rule.condition, symbols),

@@ -280,7 +280,7 @@ def _action(action: Action) -> str:
 def _rule(rule: Rule, symbols: Symbols) -> str:
     terms = ", ".join(f"?{variable.name}" for variable in rule.variables)
     when = f"    when {print_condition(rule.condition, symbols)}\n" if rule.condition else ""
-    withs = "".join(f"    with {_reference(reference, symbols)}\n" for reference in rule.references)
+    withs = "".join(f"    {print_reference(reference, symbols)}\n" for reference in rule.references)
     fixed = all(outcome.fixed for outcome in rule.outcomes)
     first, *others = (print_outcome(outcome, symbols, not fixed) for outcome in rule.outcomes)
     outcomes = f"    then {first}\n" + "".join(f"         {other}\n" for other in others)
@@ -288,8 +288,9 @@ def _rule(rule: Rule, symbols: Symbols) -> str:
     return f"{head}{when}{withs}{outcomes}  }}\n"
 
 
-def _reference(reference: Reference, symbols: Symbols) -> str:
-    return f"{_variables(reference.variables)}: {print_condition(reference.condition, symbols)}"
+def print_reference(reference: Reference, symbols: Symbols) -> str:
+    """`with ?m - area: p(?m)`."""
+    return f"with {_variables(reference.variables)}: {print_condition(reference.condition, symbols)}"
 
 
 def _planner(problem: Problem) -> list[str]:

@@ -14,7 +14,8 @@ from lark import UnexpectedInput
 
 from cleancli.language.build import Builder
 from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.grammar import grammar, parse
+from cleancli.language.grammar import grammar
+from cleancli.language.parse import parse
 from cleancli.language.syntax import Root
 
 LINE_END = re.compile(r"\r\n|\n|\r")

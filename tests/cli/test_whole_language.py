@@ -1,0 +1,168 @@
+"""Commands on a domain that uses every construct, split over two files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cleancli.cli.main import run
+
+BASE = """\
+domain base {
+  types      { box  shelf }
+  predicates { dirty(?b - box)  wet(?b - box)  below(?a ?b - box) [static]  at(?b - box ?s - shelf) }
+  functions  { load(?b - box): 0..3 }
+  parameters { spill = 0.25 }
+}
+"""
+DOMAIN = """\
+domain tower {
+  include "parts/base.nid"
+  derived {
+    under(?a ?b - box) := closure below
+    buried(?b - box) := exists ?o - box: under(?o, ?b)
+    left := count ?b - box: dirty(?b)
+    soaked := count ?b - box: wet(?b)
+  }
+  actions { wipe(?b - box) [duration = 3 s, cost = 0.5]  lift(?b - box) }
+  rule wipe_free: wipe(?b) {
+    when dirty(?b), not buried(?b), forall ?o - box: not wet(?o)
+    with ?s - shelf: at(?b, ?s)
+    then 0.5: not dirty(?b), not at(?b, ?s)
+         spill: wet(?b)
+         rest: noise
+  }
+  rule lift_light: lift(?b) {
+    when load(?b) < 3
+    then 0.9 [fixed]: load(?b) += 1
+         0.1: nothing
+  }
+  default { 1: nothing }
+  reward  { 2 * decrease(left) - 0.5 * soaked + 10 * goal - cost }
+}
+"""
+PROBLEM = """\
+problem two_boxes {
+  domain  = tower
+  objects { b1 b2 - box  s1 s2 - shelf }
+  init {
+    dirty(b1), dirty(b2), below(b1, b2)
+    load(b1) = 0, load(b2) = 3
+    at(b1, s1), at(b2, s1), at(b2, s2)
+  }
+  goal    { not dirty(b1), load(b1) >= 2 }
+  planner { name = prada  samples = 300  seed = 5 }
+  horizon = 4
+}
+"""
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "base.nid").write_text(BASE, encoding="utf-8")
+    (tmp_path / "tower.nid").write_text(DOMAIN, encoding="utf-8")
+    (tmp_path / "two.nid").write_text(PROBLEM, encoding="utf-8")
+    return tmp_path
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    code = run(words)
+    output = capsys.readouterr()
+    assert code == 0, output.err
+    return output.out
+
+
+def test_check_finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert said(capsys, "check", "tower.nid", "two.nid") == "0 mistakes in 2 files\n"
+
+
+def test_plan_takes_what_the_problem_asks_for(capsys: pytest.CaptureFixture[str]) -> None:
+    data = json.loads(said(capsys, "plan", "tower.nid", "two.nid", "--json"))
+    assert (data["samples"], data["horizon"]) == (300, 4)
+    assert sorted(data["plan"])[:2] == ["lift(b1)", "lift(b1)"]
+    assert "wipe(b1)" in data["plan"]
+    asked = json.loads(said(capsys, "plan", "tower.nid", "two.nid", "--json", "--samples", "200"))
+    assert asked["samples"] == 200
+
+
+def test_explain_says_why_in_the_words_of_the_file(capsys: pytest.CaptureFixture[str]) -> None:
+    free = said(capsys, "explain", "tower.nid", "two.nid", "wipe(b1)")
+    assert "covered by rule wipe_free (?b = b1, ?s = s1)" in free
+    assert "1/2: not at(b1, s1), not dirty(b1)" in free or "0.5: not at(b1, s1), not dirty(b1)" in free
+    buried = said(capsys, "explain", "tower.nid", "two.nid", "wipe(b2)")
+    assert "not buried(?b)" in buried
+    assert "buried(b2) is true" in buried
+
+
+def test_explain_an_unclear_reference(files: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (files / "two.nid").write_text(PROBLEM.replace("below(b1, b2)", "wet(b2)"), encoding="utf-8")
+    text = said(capsys, "explain", "tower.nid", "two.nid", "wipe(b2)")
+    assert "there is (?o = b2)" in text
+    (files / "two.nid").write_text(PROBLEM.replace(", below(b1, b2)", ""), encoding="utf-8")
+    text = said(capsys, "explain", "tower.nid", "two.nid", "wipe(b2)")
+    assert "these fit: (?s = s1) or (?s = s2)" in text
+
+
+def test_show_and_compile_know_all_of_it(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = said(capsys, "show", "tower.nid", "two.nid")
+    for expected in ("under(?a - box, ?b - box) := closure below", "spill = 0.25", "[static]", "cost 0.5"):
+        assert expected in shown
+    assert "with ?s - shelf: at(?b, ?s)" in shown
+    compiled = said(capsys, "compile", "tower.nid", "two.nid")
+    assert "action lift(b1)" in compiled
+    assert json.loads(said(capsys, "compile", "tower.nid", "two.nid", "--format", "json"))["actions"]
+
+
+def test_learning_changes_the_file_that_holds_the_number(
+    files: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = [["dirty", ["b1"], True], ["at", ["b1", "s1"], True], ["load", ["b1"], 0]]
+    record = {
+        "action": "wipe",
+        "arguments": ["b1"],
+        "objects": {"b1": "box", "s1": "shelf"},
+        "before": before,
+        "after": [*before, ["wet", ["b1"], True]],
+    }
+    (files / "experience.jsonl").write_text((json.dumps(record) + "\n") * 4, encoding="utf-8")
+    text = said(capsys, "learn", "tower.nid", "experience.jsonl", "--write")
+    assert "wrote tower.nid" in text
+    learned = (files / "parts" / "base.nid").read_text(encoding="utf-8")
+    assert "[prior 0.25, seen 4]" in learned
+    assert "0.9 [fixed]" in (files / "tower.nid").read_text(encoding="utf-8")
+    said(capsys, "check", "tower.nid")
+    again = said(capsys, "learn", "tower.nid", "experience.jsonl", "--write")
+    assert "wrote" not in again
+
+
+def test_outside_files_are_included_only_if_allowed(
+    files: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inner = files / "inner"
+    inner.mkdir()
+    text = DOMAIN.replace("parts/base.nid", "../parts/base.nid")
+    (inner / "tower.nid").write_text(text, encoding="utf-8")
+    assert run(["check", "inner/tower.nid"]) == 1
+    assert "E109" in capsys.readouterr().out
+    assert said(capsys, "--include-outside", "check", "inner/tower.nid") == "0 mistakes in 1 file\n"
+
+
+def test_mistakes_found_when_grounding_show_their_line(
+    files: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    many = " ".join(f"x{number}" for number in range(400))
+    (files / "two.nid").write_text(PROBLEM.replace("b1 b2 - box", f"b1 b2 - box  {many} - shelf"))
+    wide = DOMAIN.replace("lift(?b - box)", "lift(?b - box)  sort(?r ?s ?t - shelf)").replace(
+        "  default", "  rule sort_any: sort(?r, ?s, ?t) { then 1: not at(b1, ?r) }\n  default"
+    )
+    (files / "tower.nid").write_text(wide.replace("  include", "  constants { b1 - box }\n  include"))
+    (files / "two.nid").write_text((files / "two.nid").read_text().replace("objects { b1 b2", "objects { b2"))
+    assert run(["plan", "tower.nid", "two.nid"]) == 1
+    error = capsys.readouterr().err
+    assert "E604" in error
+    assert "rule sort_any: sort(?r, ?s, ?t)" in error, "the line is shown"
+    assert "64,964,808" in error or "64964808" in error
