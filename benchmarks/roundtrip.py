@@ -2,8 +2,8 @@
 
 Each generated domain comes with a problem, and every third file is a scene; their texts have odd blanks, line
 ends and comments. A text must give the same model as its tokens with single blanks between them, its printed
-model must read as the same model, and printing twice must change nothing. Exit code 1, with the seed, where
-that fails.
+model must read as the same model, and printing twice must change nothing. The same holds for the layout of
+the text, which must also keep every comment. Exit code 1, with the seed, where that fails.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import generate
 
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.format import print_domain, print_problem
+from cleancli.language.layout import layout
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.check import load_scene
@@ -30,35 +31,47 @@ from cleancli.shipped import find, shipped
 Model = Domain | Problem | Scene
 
 
-def printed(model: Model) -> str:
-    """The model as text."""
+def printed(model: Model, domain: Domain | None) -> str:
+    """The model as text; a problem's needs its domain."""
     match model:
         case Domain():
             return print_domain(model)
         case Problem():
-            return print_problem(model)
+            return print_problem(model, domain)
         case Scene():
             return print_scene(model)
 
 
-def differs(text: str, load: Callable[[Source], Model]) -> str:
+def differs(text: str, load: Callable[[Source], Model], domain: Domain | None = None) -> str:
     """What goes wrong when a text is read, printed and read again; "" for nothing."""
     model = load(Source("given", text))
-    first = printed(model)
+    first = printed(model, domain)
     again = load(Source("printed", first))
     if again != model:
         return f"reads as another model:\n{first}"
-    return "" if printed(again) == first else f"prints differently the second time:\n{first}"
+    if printed(again, domain) != first:
+        return f"prints differently the second time:\n{first}"
+    return laid_out_differs(text, model, load)
 
 
-def generated(seed: int) -> Iterator[tuple[generate.Generated, Callable[[Source], Model]]]:
-    """The files of one seed, with what reads them."""
+def laid_out_differs(text: str, model: Model, load: Callable[[Source], Model]) -> str:
+    """What goes wrong when a text of a model is laid out; "" for nothing."""
+    tidy = layout(text)
+    if load(Source("laid out", tidy)) != model:
+        return f"reads as another model when laid out:\n{tidy}"
+    if generate.comments_of(tidy) != generate.comments_of(text):
+        return f"has other comments when laid out:\n{tidy}"
+    return "" if layout(tidy) == tidy else f"is laid out differently the second time:\n{tidy}"
+
+
+def generated(seed: int) -> Iterator[tuple[generate.Generated, Callable[[Source], Model], Domain]]:
+    """The files of one seed, with what reads them and the seed's domain."""
     rng = Random(seed)
     made, world = generate.domain(rng)
     domain = load_domain(Source("plain", made.plain))
-    yield made, load_domain
-    yield generate.problem(world, rng), lambda source: load_problem(source, domain)
-    yield generate.scene(rng), load_scene
+    yield made, load_domain, domain
+    yield generate.problem(world, rng), lambda source: load_problem(source, domain), domain
+    yield generate.scene(rng), load_scene, domain
 
 
 def wrong_with_shipped(path: Path) -> str:
@@ -71,15 +84,16 @@ def wrong_with_shipped(path: Path) -> str:
             return differs(source.text, load_scene)
         case _:
             domain = load_domain(read_source(find(domain_named(source).text, "domains")))
-            return differs(source.text, lambda given: load_problem(given, domain))
+            return differs(source.text, lambda given: load_problem(given, domain), domain)
 
 
 def wrong_with_generated(seed: int) -> Iterator[tuple[str, str]]:
     """The kind of each file of a seed, and what goes wrong with it."""
     try:
-        for made, load in generated(seed):
+        for made, load, domain in generated(seed):
             same = load(Source("text", made.text)) == load(Source("plain", made.plain))
-            yield made.tokens[0], differs(made.text, load) if same else f"the layout matters:\n{made.text}"
+            wrong = differs(made.text, load, domain) if same else f"the layout matters:\n{made.text}"
+            yield made.tokens[0], wrong
     except Refused as refused:
         yield "refused", str(refused)
 

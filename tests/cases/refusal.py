@@ -63,7 +63,9 @@ def _file(name: str, sources: list[Source]) -> tuple[Diagnostic, ...]:
     source = _read(name, sources)
     match kind_of(source):
         case "domain":
-            return checked_domain(source).diagnostics
+            domain = checked_domain(source)
+            sources += domain.sources[1:]
+            return domain.diagnostics
         case "problem":
             own = Path(PARTS) / name
             return checked_problem(

@@ -12,6 +12,9 @@ SYMBOLS = ["dirt", "near", "traversal", "size", "weight"]
 RULE = DOMAIN[: DOMAIN.index("  rule join_two")]
 
 
+SECTIONS = ["discount", "domain", "goal", "horizon", "init", "objects", "planner"]
+
+
 def offered(name: str, text: str) -> list[str]:
     asked, offset, library = marked(name, text)
     return [completion.text for completion in completions(asked, offset, library)]
@@ -24,24 +27,30 @@ def offered(name: str, text: str) -> list[str]:
         ("rule r: pu|", ["push", "join"]),
         ("rule r: join(|", ["?a"]),
         ("rule r: join(?a, |", ["?b"]),
-        ("rule r: join(?a, ?b) { |", ["then", "when"]),
-        ("rule r: push(?a) { when |", [*SYMBOLS, "?a", "not"]),
+        ("rule r: join(?a, ?b) { |", ["then", "when", "with"]),
+        ("rule r: push(?a) { when |", [*SYMBOLS, "?a", "exists", "forall", "not"]),
         ("rule r: push(?a) { when dirt(|", ["?a"]),
         ("rule r: push(?a) { when traversal(?a, |", ["?a", "bin"]),
-        ("rule r: push(?a) { when size(?a) |", ["then"]),
+        ("rule r: push(?a) { when size(?a) |", ["then", "with"]),
         ("rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),
         ("rule r: push(?a) { when weight(?a) >= |", ["small", "large"]),
         ("rule r: push(?a) { then |", ["rest"]),
-        ("rule r: push(?a) { then 0.5 [|", ["prior", "seen"]),
+        ("rule r: push(?a) { then 0.5 [|", ["fixed", "prior", "seen"]),
         ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, "forall", "noise", "not", "nothing"]),
         ("rule r: push(?a) { then 0.5: size(?a) := |", ["small", "medium", "big"]),
         ("rule r: push(?a) { then 0.5: forall ?m - |", ["place", "area", "container"]),
         ("rule r: push(?a) { then 0.5: forall ?m - area: near(?a, |", ["?a", "?m"]),
         ("rule r: push(?a) { then 0.5: forall ?m - area => dirt(?m) 0.1: dirt(|", ["?a"]),
         ("predicates { wet(?a - |", ["place", "area", "container"]),
-        ("predicates { wet(?a ?b - area) [|", ["symmetric"]),
+        ("predicates { wet(?a ?b - area) [|", ["static", "symmetric"]),
         ("actions { wipe(?a - area) [duration = 3 |", ["s"]),
-        ("reward { |", ["decrease"]),
+        ("functions { wet(?a - area): 0..3 [|", ["static"]),
+        ("rule r: push(?a) [|", ["fixed"]),
+        ("rule r: push(?a) { with ?b - area: near(?b, |", ["?a", "?b"]),
+        ("rule r: push(?a) { when forall ?b - area: near(?a, |", ["?a", "?b"]),
+        ("parameters { often = 0.5 } rule r: push(?a) { then |", ["often", "rest"]),
+        ("derived { beside(?a ?b - area) := closure |", SYMBOLS),
+        ("reward { |", ["dirty_areas", "cost", "decrease", "goal"]),
         ("reward { decrease(|", ["dirty_areas"]),
         ("derived { n := |", ["count"]),
         ("rule broken: ( { { ] \n } rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),
@@ -67,14 +76,16 @@ def test_between_sections() -> None:
         ("near(a1, a2)", "near(a1, |)", ["a1", "a2"]),
         ("near(a1, a2)", "|", SYMBOLS),
         ("weight(a1) = small", "weight(a1) = |", ["small", "large"]),
+        ("\n  horizon =", "\n  planner { |\n  horizon =", ["name", "samples", "seed"]),
+        ("\n  horizon =", "\n  planner { name = |\n  horizon =", []),
         ("1 + dirty_areas", "1 + |", ["dirty_areas"]),
-        ("\n  horizon = 1 + dirty_areas", "\n  |", ["discount", "domain", "horizon", "init", "objects"]),
+        ("\n  horizon = 1 + dirty_areas", "\n  |", SECTIONS),
     ],
 )
 def test_in_a_problem(old: str, new: str, expected: list[str]) -> None:
     found = offered("two.nid", PROBLEM.replace(old, new))
     assert found[: len(expected)] == expected
-    assert found[len(expected) :] in ([], ["discount", "domain", "horizon", "init", "objects"])
+    assert found[len(expected) :] in ([], SECTIONS)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +123,7 @@ def test_offers_tell_what_they_are() -> None:
 
 def test_marks_are_those_that_the_checker_takes() -> None:
     marks = {word for words in MARKS.values() for word in words}
-    assert marks == {"symmetric", "duration"}
+    assert marks == {"cost", "duration", "static", "symmetric"}
 
 
 def test_context_of_an_empty_text() -> None:

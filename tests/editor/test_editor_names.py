@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import inspect
 import typing
+from collections.abc import Iterator
 
 import pytest
 from texts import DOMAIN, at, marked, opened
 
-from cleancli.editor.names import DECLARED, USED, Kind
 from cleancli.language import syntax
+from cleancli.language.names import DECLARED, USED, Kind
+
+
+def parts_of(kind: object) -> Iterator[object]:
+    """A type and all that it is made of."""
+    yield kind
+    for part in typing.get_args(kind):
+        yield from parts_of(part)
 
 
 def name_fields() -> list[tuple[type[syntax.Node], str]]:
@@ -18,7 +26,7 @@ def name_fields() -> list[tuple[type[syntax.Node], str]]:
     found = []
     for node in nodes:
         for field, kind in typing.get_type_hints(node, vars(syntax)).items():
-            if syntax.Name in (kind, *typing.get_args(kind)) and (node, field) != (syntax.Group, "names"):
+            if syntax.Name in parts_of(kind) and (node, field) != (syntax.Group, "names"):
                 found.append((node, field))
     return found
 
@@ -74,6 +82,26 @@ def test_a_quantifier_binds_its_own_variable() -> None:
     same = [o for o in asked.names if o.meaning == found.meaning]
     assert len(same) == 3, "those of the other outcome are another variable"
     assert [o.declares for o in same] == [True, False, False]
+
+
+def test_a_reference_binds_for_the_whole_rule() -> None:
+    text = DOMAIN.replace(
+        "size(?x) = small\n    then", "size(?x) = small\n    with ?r - area: near(?x, ?r)\n    then"
+    ).replace("0.1: size(?x) := medium", "0.1: not dirt(|?r)")
+    asked, offset, _ = marked("tables.nid", text)
+    found = asked.at(offset)
+    assert found is not None
+    assert [o.declares for o in asked.names if o.meaning == found.meaning] == [True, False, False]
+
+
+def test_a_quantified_condition_binds_only_there() -> None:
+    text = DOMAIN.replace(
+        "when dirt(?x), size", "when exists ?q - area: near(?x, ?q), not exists ?q - area: dirt(|?q), size"
+    )
+    asked, offset, _ = marked("tables.nid", text)
+    found = asked.at(offset)
+    assert found is not None
+    assert [o.declares for o in asked.names if o.meaning == found.meaning] == [True, False]
 
 
 def test_a_broken_section_hides_no_names_of_the_others() -> None:

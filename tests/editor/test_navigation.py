@@ -82,12 +82,12 @@ def test_what_is_renamed_still_means_the_same(name: str, mark: str, new: str, si
 @pytest.mark.parametrize(
     ("name", "mark", "new", "reason"),
     [
-        ("two.nid", "|near(a1", "dirt", "the symbol `dirt` exists"),
-        ("two.nid", "|near(a1", "dirty_areas", "the count `dirty_areas` exists"),
-        ("tables.nid", "push(|?x)", "?m", "the variable `m` exists"),
-        ("tables.nid", "size(?x) = |small", "big", "the value `big` exists"),
-        ("tables.nid", "|bin -", "a1", "the object `a1` exists"),
-        ("two.nid", "near(|a1", "bin", "the object `bin` exists"),
+        ("two.nid", "|near(a1", "dirt", "already a symbol `dirt`"),
+        ("two.nid", "|near(a1", "dirty_areas", "already a count `dirty_areas`"),
+        ("tables.nid", "push(|?x)", "?m", "already a variable `m`"),
+        ("tables.nid", "size(?x) = |small", "big", "already a value `big`"),
+        ("tables.nid", "|bin -", "a1", "already an object `a1`"),
+        ("two.nid", "near(|a1", "bin", "already an object `bin`"),
         ("two.nid", "|near(a1", "when", "word of the language"),
         ("two.nid", "|near(a1", "2b", "no name"),
         ("two.nid", "|near(a1", "?b", "no name"),

@@ -7,7 +7,8 @@ import re
 import pytest
 from texts import ROOT
 
-from cleancli.editor.scene_words import INNER, KEYS, TOP
+from cleancli.editor.scene_words import INNER, KEYS, PLANNER, TOP
+from cleancli.language import planner_options
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.scene.check import load_scene
 
@@ -54,3 +55,7 @@ def test_values_and_units_are_right() -> None:
             for value in (*known.values, *(f"11 {unit}" for unit in known.units)):
                 found = codes(scene(section, key).replace("1 deg", value))
                 assert not {"E503", "E506"} & found, f"{key} = {value}"
+
+
+def test_the_settings_of_a_planner_are_those_that_the_checker_takes() -> None:
+    assert set(PLANNER) == set(planner_options._KEYS)

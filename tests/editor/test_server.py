@@ -164,7 +164,7 @@ def test_every_question_is_answered(tmp_path: Path) -> None:
         assert edit is not None
         assert edit.changes is not None
         assert {uri: len(edits) for uri, edits in edit.changes.items()} == {domain_uri: 2, problem.uri: 1}
-        with pytest.raises(JsonRpcException, match="the symbol `dirt` exists"):
+        with pytest.raises(JsonRpcException, match="already a symbol `dirt`"):
             await client.text_document_rename_async(lsp.RenameParams(problem, spot, "dirt"))
 
         outline = await client.text_document_document_symbol_async(lsp.DocumentSymbolParams(problem))

@@ -35,7 +35,7 @@ domain tables {
          rest: noise
   }
   rule join_two: join(?a, ?b) {
-    when dirt(?a), dirt(?b), near(?a, ?b), ?a != ?b
+    when dirt(?a), dirt(?b), near(?a, ?b), weight(?a) = small, ?a != ?b
     then 0.9: not dirt(?a), size(?b) := big
          0.1: nothing
   }

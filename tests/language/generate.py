@@ -9,12 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import product
 from random import Random
 
 VALUES = ("none", "low", "mid", "high", "full")
 REMARKS = ("", " twice", " { no block", " }", " größer als 3 ≤ 4", "# two signs", " rule r: a() {", "\ttab")
 TIGHT = frozenset("(){}[],;")
+SHARED = (("slip", Fraction(1, 100)), ("gain", Fraction(1, 5)))
+"""The shared parameters of every generated domain."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,8 @@ class World:
     constants: tuple[tuple[str, str], ...]
     symbols: tuple[Symbol, ...]
     actions: tuple[tuple[str, tuple[str, ...]], ...]
+    levels: range
+    pays_goal: bool
 
     def fits(self, type_name: str, wanted: str) -> bool:
         return type_name == wanted or wanted == self.types[0]
@@ -98,9 +103,10 @@ def domain(rng: Random) -> tuple[Generated, World]:
     """A domain, and what it declares."""
     world = _world(rng)
     blocks = [_types(world), _constants(world, rng), _symbols(world, rng), _actions(world, rng)]
-    blocks += [["derived", "{", *_count("total", world, rng), *_count("other", world, rng), "}"]]
+    counts = [*_count("total", world, rng), *_count("other", world, rng)]
+    blocks += [["derived", "{", *_derived(world, rng), *counts, "}"], _shared(rng)]
     blocks += [_rules(action, types, world, rng) for action, types in world.actions]
-    blocks += [["reward", "{", "decrease", "(", "total", ")", "}"]]
+    blocks.append(_reward(world, rng))
     if rng.random() < 0.5:
         blocks.append(["default", "{", *_chances([["nothing"], ["noise"]], rng), "}"])
     rng.shuffle(blocks)
@@ -123,7 +129,9 @@ def _world(rng: Random) -> World:
         (f"act{number}", tuple(rng.choice(types) for _ in range(rng.randint(0, 3))))
         for number in range(rng.randint(1, 4))
     )
-    return World(types, constants, tuple(symbols), actions)
+    low = rng.randint(-3, 2)
+    levels = range(low, low + rng.randint(2, 9))
+    return World(types, constants, tuple(symbols), actions, levels, rng.random() < 0.5)
 
 
 def _types(world: World) -> list[str]:
@@ -157,7 +165,56 @@ def _symbols(world: World, rng: Random) -> list[str]:
             functions += [*head, ":", *_joined([[value] for value in symbol.values], "<")]
         else:
             predicates += [*head, *(("[", "symmetric", "]") if symbol.symmetric else ())]
+    root = world.types[0]
+    predicates += ["mark", "(", "?a", "-", root, ")"]
+    marks = rng.choice((["static"], ["static", ",", "symmetric"]))
+    predicates += ["link", "(", "?a", "?b", "-", root, ")", "[", *marks, "]"]
+    functions += ["level", "(", "?a", "-", root, ")", ":"]
+    functions += [*_integer(world.levels[0]), "..", *_integer(world.levels[-1])]
     return [*predicates, "}", *functions, "}"]
+
+
+def _integer(value: int) -> list[str]:
+    return ["-", str(-value)] if value < 0 else [str(value)]
+
+
+def _derived(world: World, rng: Random) -> list[str]:
+    """Derived predicates, none of which can be always or never true."""
+    root = world.types[0]
+    head = ["(", "?a", "-", root, ")", ":="]
+    closure = ["reach", "(", "?a", "?b", "-", root, ")", ":=", "closure", "link"]
+    alone = ["alone", *head, "not", "exists", "?n", "-", root, ":", "link", "(", "?a", ",", "?n", ")"]
+    ready = ["ready", *head, "mark", "(", "?a", ")", ",", "not", "alone", "(", "?a", ")"]
+    parts = [closure, alone, ready]
+    rng.shuffle(parts)
+    return [token for part in parts for token in part]
+
+
+def _shared(rng: Random) -> list[str]:
+    tokens = ["parameters", "{"]
+    for name, value in SHARED:
+        marks = rng.choice(([], ["fixed"], ["prior", "0.25"], ["seen", "12", ",", "prior", "1/3"]))
+        tokens += [
+            name,
+            "=",
+            f"{value.numerator}/{value.denominator}",
+            *(("[", *marks, "]") if marks else ()),
+        ]
+    return [*tokens, "}"]
+
+
+def _reward(world: World, rng: Random) -> list[str]:
+    """Some of the terms that there are, each at most once; one is the fall of a count."""
+    terms = [["decrease", "(", "other", ")"], ["total"], ["cost"]]
+    chosen = [["decrease", "(", "total", ")"], *rng.sample(terms, rng.randint(0, 3))]
+    chosen += [["goal"]] if world.pays_goal else []
+    rng.shuffle(chosen)
+    tokens: list[str] = []
+    for place, term in enumerate(chosen):
+        sign = rng.choice(("+", "-")) if place else rng.choice(("", "-"))
+        weight = rng.choice(([], ["2", "*"], ["0.5", "*"], ["1/3", "*"]))
+        tokens += [*([sign] if sign else []), *weight, *term]
+    return ["reward", "{", *tokens, "}"]
 
 
 def _actions(world: World, rng: Random) -> list[str]:
@@ -165,7 +222,9 @@ def _actions(world: World, rng: Random) -> list[str]:
     for name, types in world.actions:
         tokens += [name, "(", *_parameters("xyz"[: len(types)], types, rng), ")"]
         if rng.random() < 0.5:
-            tokens += ["[", "duration", "=", rng.choice(("9", "0.25", "14.2", "100000.125")), "s", "]"]
+            length = [rng.choice(("9", "0.25", "14.2", "100000.125")), rng.choice(("s", "min"))]
+            marks = [["duration", "=", *length], ["cost", "=", rng.choice(("0", "2", "0.5"))]]
+            tokens += ["[", *_joined(rng.sample(marks, rng.randint(1, 2)), ","), "]"]
     return [*tokens, "}"]
 
 
@@ -224,29 +283,78 @@ def _rules(action: str, types: Sequence[str], world: World, rng: Random) -> list
         literals += _literals(applied[1 : rng.randint(1, 3)], rng)
         if len(types) > 1 and types[0] == types[1] and rng.random() < 0.3:
             literals.append(["?0", "!=", "?1"])
+        results = _results(terms, literals, world, rng)
+        literals += _quantified(terms, world, rng)
         rng.shuffle(literals)
         names = rng.sample(("a", "b", "c", "d_1", "E"), len(types))
         head = ["rule", f"{action}_{number}", ":", action, "("]
-        head += [*_joined([[f"?{place}"] for place in range(len(types))], ","), ")", "{"]
+        head += [*_joined([[f"?{place}"] for place in range(len(types))], ","), ")"]
+        is_fixed = rng.random() < 0.3
+        head += ["[", "fixed", "]", "{"] if is_fixed else ["{"]
         when = ["when", *_joined(literals, ",")] if literals else []
-        rule = [*head, *when, "then", *_chances(_results(terms, world, rng), rng), "}"]
+        chances = _chances(results, rng, () if is_fixed else SHARED)
+        rule = [*head, *when, *_reference(terms, world, rng), "then", *chances, "}"]
         tokens += [f"?{names[int(token[1:])]}" if re.match(r"\?\d", token) else token for token in rule]
     return tokens
 
 
-def _results(terms: Typed, world: World, rng: Random) -> list[list[str]]:
-    """What may happen: no two alike."""
+def _quantified(terms: Typed, world: World, rng: Random) -> list[list[str]]:
+    """At most one part that speaks of what no literal does: it fits any other."""
+    one = rng.choice([name for name, _ in terms] or ["?q"])
+    root, low = world.types[0], _integer(world.levels[1])
+    some = ["?q", "-", root, ":"]
+    link, mark = ["link", "(", one, ",", "?q", ")"], ["mark", "(", "?q", ")"]
+    guarded = ["forall", *some, *mark, "=>", "level", "(", "?q", ")", ">=", *low]
+    parts = [
+        ["exists", *some, "(", *link, ",", *mark, ")"],
+        ["not", "exists", *some, *mark],
+        ["exists", *some, "level", "(", "?q", ")", "<", *low],
+        ["forall", *some, "not", *mark],
+        guarded,
+    ]
+    parts += [["ready", "(", one, ")"], ["not", "reach", "(", one, ",", one, ")"]] if terms else []
+    return [rng.choice(parts)] if rng.random() < 0.5 else []
+
+
+def _reference(terms: Typed, world: World, rng: Random) -> list[str]:
+    """Perhaps the one object with a level, or that is linked to a term."""
+    if rng.random() < 0.6:
+        return []
+    one = rng.choice([name for name, _ in terms] or ["?w"])
+    level = ["level", "(", "?w", ")", "=", *_integer(world.levels[0])]
+    tokens = ["with", "?w", "-", world.types[0], ":"]
+    return [*tokens, *rng.choice((level, ["link", "(", "?w", ",", one, ")", ",", *level]))]
+
+
+def _results(terms: Typed, condition: list[list[str]], world: World, rng: Random) -> list[list[str]]:
+    """What may happen: no two alike, and no effect that the condition makes idle."""
     results = [["noise"], ["nothing"]][: rng.randint(0, 2)]
+    told: set[frozenset[str]] = set()
     for _ in range(rng.randint(1, 3)):
         effects = [_effect(*application, rng) for application in _applications(world, terms, rng)[:2]]
+        effects = [effect for effect in effects if not _is_idle(effect, condition)]
         if rng.random() < 0.4:
             effects.append(_forall(terms, world, rng))
-        result = _joined(effects, ",")
-        if result and result not in results:
-            results.append(result)
+        if terms and rng.random() < 0.3:
+            head = ["level", "(", rng.choice(terms)[0], ")"]
+            value = [":=", *_integer(world.levels[-1])]
+            effects.append([*head, *rng.choice((["+=", "1"], ["-=", "2"], value))])
+        same = frozenset(" ".join(effect) for effect in effects)
+        if effects and same not in told:
+            told.add(same)
+            results.append(_joined(effects, ","))
     results = results or [["noise"]]
     rng.shuffle(results)
     return results
+
+
+def _is_idle(effect: list[str], condition: list[list[str]]) -> bool:
+    """Whether the effect sets a predicate to what a literal asks for, or a function that one asks about."""
+    if ":=" not in effect:
+        negated = effect[0] == "not"
+        return any((part[0] == "not") == negated and sorted(part) == sorted(effect) for part in condition)
+    head = effect[: effect.index(":=")]
+    return any(part[: len(head)] == head for part in condition)
 
 
 def _effect(symbol: Symbol, terms: Sequence[str], rng: Random) -> list[str]:
@@ -261,21 +369,34 @@ def _forall(terms: Typed, world: World, rng: Random) -> list[str]:
     inner = [("?m", kind), *terms]
     condition = _joined(_literals(_applications(world, inner, rng)[: rng.randint(0, 2)], rng), ",")
     effects = [_effect(*application, rng) for application in _applications(world, inner, rng)[-2:]]
+    if rng.random() < 0.3:
+        effects.append(["level", "(", "?m", ")", rng.choice(("+=", "-=")), "1"])
     listed = ["(", *_joined(effects, ","), ")"] if len(effects) > 1 or rng.random() < 0.3 else effects[0]
     return ["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]
 
 
-def _chances(results: Sequence[Sequence[str]], rng: Random) -> list[str]:
-    """The results with probabilities that sum to 1, as decimals, fractions and perhaps a `rest`."""
+def _chances(
+    results: Sequence[Sequence[str]], rng: Random, shared: Sequence[tuple[str, Fraction]] = ()
+) -> list[str]:
+    """The results with probabilities that sum to 1, as decimals, fractions and perhaps a `rest`.
+
+    Where a `rest` takes up what is left, one of the `shared` parameters may stand for a number above it.
+    """
     whole = rng.choice((10, 1000, 3, 7, 360))
     cuts = sorted(rng.randint(0, whole) for _ in results[1:])
     shares = [high - low for low, high in zip([0, *cuts], [*cuts, whole], strict=True)]
     rest = rng.randrange(len(results)) if rng.random() < 0.6 else None
     tokens = []
     for place, (share, result) in enumerate(zip(shares, results, strict=True)):
+        smaller = [name for name, value in shared if value <= Fraction(share, whole)]
+        if rest not in (None, place) and smaller and rng.random() < 0.4:
+            tokens += [rng.choice(smaller), ":", *result]
+            continue
         decimal = whole in (10, 1000) and rng.random() < 0.8
         tokens.append("rest" if place == rest else str(share / whole) if decimal else f"{share}/{whole}")
-        marks = rng.choice(([], [["prior", "0.25"]], [["seen", "12"], ["prior", "1/3"]], [["seen", "0"]]))
+        marks = rng.choice(
+            ([], [["prior", "0.25"]], [["seen", "12"], ["prior", "1/3"]], [["seen", "0"]], [["fixed"]])
+        )
         tokens += ["[", *_joined(marks, ","), "]"] if marks else []
         tokens += [":", *result]
     return tokens
@@ -296,9 +417,26 @@ def problem(world: World, rng: Random) -> Generated:
         blocks.append(["horizon", "=", *horizon])
     if rng.random() < 0.7:
         blocks.append(["discount", "=", rng.choice(("1", "0", "0.95", "0.1234567890123456"))])
+    if world.pays_goal or rng.random() < 0.4:
+        blocks.append(["goal", "{", *_goal(world, rng), "}"])
+    if rng.random() < 0.5:
+        settings = [["name", "=", "prada"], ["samples", "=", "500"], ["seed", "=", "3"]]
+        chosen = rng.sample(settings, rng.randint(1, 3))
+        blocks.append(["planner", "{", *(token for setting in chosen for token in setting), "}"])
     rng.shuffle(blocks)
     tokens = ["problem", "p", "{", *(token for block in blocks for token in block), "}"]
     return _generated(tokens, rng)
+
+
+def _goal(world: World, rng: Random) -> list[str]:
+    some, mark = ["?g", "-", world.types[0], ":"], ["mark", "(", "?g", ")"]
+    level = ["level", "(", "?g", ")", ">", *_integer(world.levels[0])]
+    goals = (
+        ["forall", *some, *mark],
+        ["not", "exists", *some, "(", *mark, ",", *level, ")"],
+        ["mark", "(", "o0", ")"],
+    )
+    return rng.choice(goals)
 
 
 def _facts(world: World, objects: Typed, rng: Random) -> list[str]:
@@ -310,6 +448,10 @@ def _facts(world: World, objects: Typed, rng: Random) -> list[str]:
                 facts.append([*_applied(symbol, names), "=", rng.choice(symbol.values)])
             elif rng.random() < 0.3:
                 facts.append(_applied(symbol, names))
+    for name, _ in objects:
+        facts.append(["level", "(", name, ")", "=", *_integer(rng.choice(world.levels))])
+        facts += [["mark", "(", name, ")"]] if rng.random() < 0.4 else []
+        facts += [["link", "(", "o0", ",", name, ")"]] if rng.random() < 0.4 else []
     rng.shuffle(facts)
     return [token for fact in facts for token in (*fact, *rng.choice(((), (",",))))]
 

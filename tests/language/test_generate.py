@@ -27,7 +27,13 @@ def test_every_construct_turns_up() -> None:
             ends |= {end for end in ("\r\n", "\n", "\r", "\ufeff", "\t", "#") if end in made.text}
     words = "types constants predicates functions derived actions rule when then rest prior seen forall not"
     words += " nothing noise default symmetric duration init horizon discount group scattered x - mm cm m"
-    assert set(words.split()) | {"<", "<=", ">", ">=", "=", "!=", ":=", "=>", ";", "1/3"} <= seen
+    words += " static closure exists with parameters fixed slip cost min goal planner prada ready reach level"
+    assert (
+        set(words.split())
+        | {"..", "+=", "-=", "+", "*"}
+        | {"<", "<=", ">", ">=", "=", "!=", ":=", "=>", ";", "1/3"}
+        <= seen
+    )
     assert len(ends) == 6
 
 

@@ -13,7 +13,7 @@ from cleancli.language import names, syntax
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.language.names import Kind, names_in, occurrences
+from cleancli.language.names import Kind, Occurrence, names_in
 from cleancli.language.rename import rename
 from cleancli.shipped import find, shipped
 
@@ -44,13 +44,20 @@ def _renamed(source: Source, old: str, new: str, kind: Kind | None = None) -> st
     return apply_edits(source.text, rename([source], old, new, kind)[source.path])
 
 
+def occurrences(source: Source, offset: int) -> list[Occurrence]:
+    """All occurrences of what is named at an offset."""
+    names = names_in(source)
+    meanings = [name.meaning for name in names if name.span.start <= offset < name.span.end]
+    return [name for name in names if name.meaning in meanings]
+
+
 def _changed_lines(old: str, new: str) -> list[str]:
     return [b.strip() for a, b in zip(old.splitlines(), new.splitlines(), strict=True) if a != b]
 
 
 def test_every_name_in_the_tree_has_a_meaning() -> None:
     """A node that the grammar gains must say what its names stand for."""
-    known = {*names.DECLARATIONS, *names.USES, (syntax.Group, "names")}
+    known = {*names.DECLARED, *names.USED, (syntax.Group, "names")}
     for node in vars(syntax).values():
         if isinstance(node, type) and issubclass(node, syntax.Node):
             hints = typing.get_type_hints(node)
@@ -65,8 +72,8 @@ def test_every_name_in_the_tree_has_a_meaning() -> None:
 def test_spans_hold_the_names(path: Path) -> None:
     source = read_source(path)
     for name in names_in(source):
-        assert source.text[name.span.start : name.span.end] == name.name
-        assert name.kind is not Kind.VARIABLE or source.text[name.span.start - 1] == "?"
+        mark = "?" if name.meaning.kind is Kind.VARIABLE else ""
+        assert source.text[name.span.start : name.span.end] == mark + name.meaning.name
 
 
 @pytest.mark.parametrize(
@@ -157,9 +164,9 @@ def test_occurrences_of_what_is_under_the_cursor() -> None:
     text = TANGLED.text
     found = occurrences(TANGLED, text.index("heat(?wet)"))
     assert [name.declares for name in found] == [True, False, False]
-    assert {name.name for name in found} == {"heat"}
-    assert occurrences(TANGLED, text.index("# wet")) == ()
-    assert [name.kind for name in occurrences(TANGLED, text.index("low: dry"))] == [Kind.RULE]
+    assert {name.meaning.name for name in found} == {"heat"}
+    assert occurrences(TANGLED, text.index("# wet")) == []
+    assert [name.meaning.kind for name in occurrences(TANGLED, text.index("low: dry"))] == [Kind.RULE]
 
 
 def test_variables_belong_to_what_binds_them() -> None:

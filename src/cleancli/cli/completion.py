@@ -62,7 +62,7 @@ def actions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list
 
 def renamable(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """What the domain of --domain declares, if it stands before; else what the files of this folder do."""
-    kinds = {"type", "object", "symbol", "value", "count", "action", "rule"}
+    kinds = {"type", "object", "symbol", "value", "count", "parameter", "action", "rule"}
     given = ctx.params.get("domain")
     files = [given] if given else _paths("")[0]
     return _matching([name for file in files for name in _declared(file, kinds)], incomplete)
@@ -82,7 +82,7 @@ def _declared(domain: str | None, kinds: set[str]) -> list[str]:
         found = names_in(read_source(find(domain, "domains")))
     except Refused:
         return []
-    return [name.name for name in found if name.declares and name.kind.value in kinds]
+    return [name.meaning.name for name in found if name.declares and name.meaning.kind.value in kinds]
 
 
 ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {

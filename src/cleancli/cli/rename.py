@@ -29,7 +29,7 @@ def command(
     old: str, new: str, domain: str, problem_files: tuple[str, ...], kind: str | None, write: bool
 ) -> None:
     """Rename OLD to NEW in a domain and in PROBLEMs of it: a type, object, symbol (predicate or function),
-    value, count, action or rule.
+    value, count, shared parameter, action or rule.
 
     Only names that mean this thing change. Prints the change as a diff; only --write changes files, and then
     all of them, after each was found to be right with the new name and unchanged on disk.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords, lexemes
 from cleancli.editor.library import Document, Library
-from cleancli.editor.names import Kind
+from cleancli.language.names import Kind
 
 TYPES = (
     "namespace",
@@ -36,6 +36,7 @@ _TYPE_OF: Mapping[Kind, str] = {
     Kind.SYMBOL: "function",
     Kind.VALUE: "enumMember",
     Kind.COUNT: "property",
+    Kind.PARAMETER: "property",
     Kind.ACTION: "method",
     Kind.RULE: "event",
     Kind.VARIABLE: "parameter",

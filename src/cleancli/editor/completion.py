@@ -9,11 +9,11 @@ from cleancli.editor.context import Context, context
 from cleancli.editor.hover import comment, signature
 from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
 from cleancli.editor.library import Document, Library
-from cleancli.editor.names import Kind, Occurrence
-from cleancli.editor.scene_words import INNER, KEYS, LENGTHS, TOP
+from cleancli.editor.scene_words import INNER, KEYS, LENGTHS, PLANNER, TOP
 from cleancli.language import syntax
+from cleancli.language.names import Kind, Occurrence
 
-MARKS = {"predicates": ("symmetric",), "actions": ("duration",)}
+MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actions": ("cost", "duration")}
 """What declarations of a section may be marked with; the words beside a probability are the grammar's."""
 
 _DECLARING = frozenset({"types", "constants", "predicates", "functions", "actions", "objects"})
@@ -69,6 +69,9 @@ def _names(place: Context, asked: Document, library: Library) -> Iterator[Comple
     elif not place.section:
         if place.takes("NAME") and last in ("=", "+"):
             yield from _declared(place, asked, library, Kind.COUNT)
+    elif place.section == "planner":
+        for key in PLANNER if place.takes("NAME") and last != "=" else ():
+            yield Completion(key, Kind.KEY, place.start, PLANNER[key].meaning)
     elif _is_in_brackets(place.words):
         for mark in MARKS.get(place.section, ()) if last in ("[", ",") else ():
             yield Completion(mark, Kind.MARK, place.start, "mark")
@@ -79,6 +82,9 @@ def _names(place: Context, asked: Document, library: Library) -> Iterator[Comple
 def _in_header(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
     """`rule NAME: ACTION(?a, ?b)`."""
     texts = place.texts
+    if _is_in_brackets(place.words):
+        yield Completion("fixed", Kind.MARK, place.start, "mark")
+        return
     if "(" not in texts:
         if ":" in texts:
             yield from _declared(place, asked, library, Kind.ACTION)
@@ -111,12 +117,24 @@ def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Comp
         if texts[-1] != ":=":
             yield from _terms(place, asked, library, "")
             return
-    if place.takes("NAME"):
-        yield from _declared(place, asked, library, Kind.SYMBOL)
-        if place.section == "reward":
-            yield from _declared(place, asked, library, Kind.COUNT)
+    for kind in _named_here(place):
+        yield from _declared(place, asked, library, kind)
     if place.takes("VARIABLE"):
         yield from _variables(place)
+
+
+def _named_here(place: Context) -> tuple[Kind, ...]:
+    """What a name that may come next can be, beside a term."""
+    if not place.takes("NAME"):
+        return ()
+    if place.section == "reward":
+        return (Kind.COUNT,)
+    if place.accepted is None:
+        return (Kind.SYMBOL, Kind.PARAMETER)
+    if "REST" in place.accepted:  # an outcome begins, with its probability
+        return (Kind.PARAMETER,)
+    is_new = place.section == "derived" and "NOT" not in place.accepted and place.texts[-1] != "closure"
+    return () if is_new or place.section in ("parameters", "planner") else (Kind.SYMBOL,)
 
 
 def _declared(

@@ -7,20 +7,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.instance import requirement
-from cleancli.compiler.join import Universe
+from cleancli.compiler.count import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
-from cleancli.editor.names import Kind, Occurrence, children
-from cleancli.editor.scene_words import KEYS, TOP
+from cleancli.editor.scene_words import KEYS, PLANNER, TOP
 from cleancli.language import syntax
 from cleancli.language.diagnostics import Span
 from cleancli.language.format import print_fraction
 from cleancli.language.lines import Lines
-from cleancli.language.model import Domain, Problem, Rule
-
-_MOST_BINDINGS = 20_000
-"""Bindings of a rule that are looked at while the mouse rests: some tens of milliseconds."""
+from cleancli.language.model import Rule
+from cleancli.language.names import Kind, Occurrence, children
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +100,8 @@ def _noun(node: syntax.Node) -> str:
             return "function"
         case syntax.ActionNode():
             return "action"
+        case syntax.ParameterNode():
+            return "parameter"
     return "derived"
 
 
@@ -145,8 +143,9 @@ def _first_comment(text: str) -> Iterator[str]:
 
 
 def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
-    section = _section_around(asked.root, found.span.start)
-    known = KEYS.get(section, {}).get(found.meaning.name)
+    is_scene = isinstance(asked.root, syntax.SceneNode)
+    keys = KEYS.get(_section_around(asked.root, found.span.start), {}) if is_scene else PLANNER
+    known = keys.get(found.meaning.name)
     if known is not None:
         values = f" ({', '.join(f'`{value}`' for value in known.values)})" if known.values else ""
         yield f"**{found.meaning.name}**: {known.meaning}{values}"
@@ -168,7 +167,7 @@ def _section_around(node: syntax.Node | None, offset: int) -> str:
 
 def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Iterator[str]:
     domain = library.domain_of(asked)
-    model = None if domain is None else model_of(domain)
+    model = None if domain is None else model_of(domain, library)
     if domain is None or model is None:
         return
     rule = next(rule for rule in model.rules if rule.name == node.name.text)
@@ -176,7 +175,8 @@ def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Ite
     for user in library.users_of(domain, near_only=True):
         problem = model_of_problem(user, model)
         if problem is not None:
-            yield f"`{user.path.name}`: {_groundings(rule, model, problem)}"
+            counted = next(g for g in count_groundings(model, problem) if g.name == rule.name)
+            yield f"`{user.path.name}`: {_groundings(counted)}"
 
 
 def _sums(rule: Rule) -> str:
@@ -189,24 +189,10 @@ def _sums(rule: Rule) -> str:
     return f"{count} outcome{'s' * (count != 1)}: {parts}"
 
 
-def _groundings(rule: Rule, domain: Domain, problem: Problem) -> str:
+def _groundings(counted: Groundings) -> str:
     """For how many tuples of a problem's objects the facts that never change allow a rule."""
-    tried = _bindings(rule, domain, problem)
-    if tried > _MOST_BINDINGS:
-        return f"{tried} tuples of objects, too many to try here"
-    universe = Universe(domain, problem)
-    bindings = universe.extensions(rule.variables, rule.condition, {})
-    count = sum(requirement(rule.condition, binding, universe) is not None for binding in bindings)
-    return f"{count} grounding{'s' * (count != 1)}"
-
-
-def _bindings(rule: Rule, domain: Domain, problem: Problem) -> int:
-    """How many tuples of objects have the types of the rule's variables."""
-    objects = (*domain.constants, *problem.objects)
-    tuples = 1
-    for variable in rule.variables:
-        tuples *= sum(domain.is_a(item.type, variable.type) for item in objects)
-    return tuples
+    most = "" if counted.exact else "at most "
+    return f"{most}{counted.count} grounding{'s' * (counted.count != 1)}"
 
 
 # ---- probabilities
@@ -222,6 +208,8 @@ def _learned(asked: Document, offset: int) -> Hover | None:
     for _, mark in children(weight):
         if isinstance(mark, syntax.Prior):
             parts.append(f"before anything was learned `{print_fraction(mark.probability.value)}`")
+        elif isinstance(mark, syntax.Fixed):
+            parts.append("fixed: learning leaves it alone")
         elif isinstance(mark, syntax.Seen):
             times = mark.count.value
             parts.append(f"seen {print_fraction(times)} time{'s' * (times != 1)}")
@@ -231,7 +219,7 @@ def _learned(asked: Document, offset: int) -> Hover | None:
 def _weight_at(node: syntax.Node, offset: int) -> syntax.Node | None:
     """The node around an offset that holds the notes of the learner."""
     for _, child in children(node):
-        if isinstance(child, syntax.Prior | syntax.Seen):
+        if isinstance(child, syntax.Prior | syntax.Seen | syntax.Fixed):
             return node
         if child.span.start <= offset <= child.span.end:
             found = _weight_at(child, offset)

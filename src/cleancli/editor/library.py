@@ -9,12 +9,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cleancli.editor.names import Kind, Meaning, Occurrence, occurrences
+from cleancli.language.declarations import sections_of
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import kind_of, read_source
+from cleancli.language.names import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.outline import blank, outline
 from cleancli.language.parse import Parsed, parse
-from cleancli.language.syntax import Root
+from cleancli.language.syntax import DomainNode, Include, Root
 from cleancli.shipped import shipped, shipped_names
 
 _NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
@@ -51,6 +52,11 @@ class Document:
         """The domain that a problem or scene names."""
         uses = (o for o in self.names if o.meaning.kind is Kind.DOMAIN and not o.declares)
         return next((o.meaning.name for o in uses), None)
+
+    @property
+    def includes(self) -> tuple[Include, ...]:
+        """The places where a domain includes others."""
+        return tuple(sections_of(self.root.sections, Include)) if isinstance(self.root, DomainNode) else ()
 
 
 @functools.lru_cache(maxsize=256)
@@ -104,13 +110,35 @@ class Library:
 
     def document(self, path: Path | str) -> Document | None:
         """A file as the editor sees it; None where it cannot be read."""
-        name = str(path)
-        if name in self.open:
-            return document(Source(name, self.open[name]))
         try:
-            return document(read_source(path))
+            return document(self.read(path))
         except Refused:
             return None
+
+    def read(self, path: Path | str) -> Source:
+        """A text as the editor sees it; raises Refused where it cannot be read."""
+        name = os.path.normpath(path) if isinstance(path, Path) else path
+        return Source(name, self.open[name]) if name in self.open else read_source(name)
+
+    def included(self, domain: Document) -> tuple[Document, ...]:
+        """The files that a domain includes, and those that they include, each once."""
+        found: dict[str, Document] = {domain.source.path: domain}
+        waiting = [domain]
+        while waiting:
+            place = waiting.pop()
+            for item in place.includes:
+                inner = self.document(place.path.parent / item.path)
+                if inner is not None and inner.kind == "domain" and inner.source.path not in found:
+                    found[inner.source.path] = inner
+                    waiting.append(inner)
+        return tuple(found.values())[1:]
+
+    def includers(self, domain: Document, only_open: bool = False) -> tuple[Document, ...]:
+        """The domains that include a file, open or, unless `only_open`, beside it."""
+        beside = () if only_open else domain.path.parent.glob("*.nid")
+        files = {str(path) for path in beside} | self.open.keys()
+        found = (self.document(path) for path in sorted(files))
+        return tuple(d for d in found if d is not None and d.includes and domain in self.included(d))
 
     def domain_named(self, name: str, near: Path) -> Document | None:
         """The domain `name.nid` beside a file, else one that is open, else the shipped one."""
@@ -142,23 +170,29 @@ class Library:
         )
 
     def family(self, asked: Document) -> tuple[Document, ...]:
-        """A file's domain and all its problems, in that order; the file itself where it has no domain."""
+        """All files in which a name of a file's domain may stand: the domain, those that include it, what any
+        of these includes, and their problems; the file itself where it has no domain."""
         domain = self.domain_of(asked)
-        return (asked,) if domain is None else (domain, *self.users_of(domain))
+        if domain is None:
+            return (asked,)
+        tops = (domain, *self.includers(domain))
+        domains = [place for top in tops for place in (top, *self.included(top))]
+        users = [user for top in tops for user in self.users_of(top)]
+        return tuple({place.source.path: place for place in (*domains, *users)}.values())
 
     def declaration(self, asked: Document, meaning: Meaning) -> Occurrence | None:
-        """Where a name of a file is declared, there or in its domain."""
-        for place in (asked, self.domain_of(asked)):
-            for occurrence in place.declared() if place is not None else ():
-                if occurrence.meaning == meaning:
-                    return occurrence
-        return None
+        """Where a name of a file is declared: there, in its domain or in a file included together with it."""
+        return next((o for o in self.visible(asked) if o.meaning == meaning), None)
 
     def visible(self, asked: Document) -> tuple[Occurrence, ...]:
-        """Everything declared in a file and its domain."""
+        """Everything declared in a file, its domain, and the files included together with that."""
         domain = self.domain_of(asked)
-        others: Iterable[Occurrence] = () if domain is None or domain is asked else domain.declared()
-        return (*asked.declared(), *others)
+        places = [asked]
+        if domain is not None:
+            tops = (domain, *(self.includers(domain, only_open=True) if asked is domain else ()))
+            places += [place for top in tops for place in (top, *self.included(top))]
+        files = {place.source.path: place for place in places}
+        return tuple(occurrence for place in files.values() for occurrence in place.declared())
 
     def domain_names(self, near: Path) -> tuple[str, ...]:
         """What a problem may name as its domain."""

@@ -3,68 +3,79 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
-from cleancli.editor.library import Document, Library, document
-from cleancli.editor.names import Kind
-from cleancli.language.check import check_domain
-from cleancli.language.check_problem import check_problem
+from cleancli.editor.library import Document, Library
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
 from cleancli.language.findings import Findings
-from cleancli.language.load import kind_of
+from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.syntax import DomainNode, ProblemNode, SceneNode
+from cleancli.language.names import Kind
+from cleancli.language.syntax import ProblemNode, SceneNode
 from cleancli.scene.check import check_scene
 
 
 def mistakes(asked: Document, library: Library) -> tuple[Diagnostic, ...]:
     """All diagnostics of a text, in its order. A problem is checked against its domain; where that is missing
-    or has mistakes itself, the name of the domain says so."""
+    or has mistakes itself, the name of the domain says so. Those of an included file stand at its `include`.
+    """
     if asked.parsed is None:
         return _not_one_block(asked.source)
-    if isinstance(asked.parsed.root, DomainNode):
-        return _checked_domain(asked.source)[1]
+    if asked.kind == "domain":
+        found = _checked(asked, library).diagnostics
+        return tuple(_shown_here(diagnostic, asked, library) for diagnostic in found)
     findings = Findings(asked.source, asked.parsed.diagnostics, asked.parsed.broken)
     if isinstance(asked.parsed.root, SceneNode):
         check_scene(asked.parsed.root, findings)
     elif isinstance(asked.parsed.root, ProblemNode):
         domain = library.domain_of(asked)
-        model = None if domain is None else model_of(domain)
+        model = None if domain is None else model_of(domain, library)
         if model is None:
             return (*findings.sorted, *_without_domain(asked, domain, library))
-        check_problem(asked.parsed.root, model, findings)
+        return checked_problem(asked.source, model).diagnostics
     return findings.sorted
 
 
-def model_of(domain: Document) -> Domain | None:
+def model_of(domain: Document, library: Library) -> Domain | None:
     """The model of a domain; None where it has mistakes."""
-    return _checked_domain(domain.source)[0]
+    return _checked(domain, library).model
 
 
 def model_of_problem(problem: Document, domain: Domain) -> Problem | None:
     """The model of a problem for a domain; None where it has mistakes."""
-    if problem.parsed is None or not isinstance(problem.parsed.root, ProblemNode):
-        return None
-    findings = Findings(problem.source, problem.parsed.diagnostics, problem.parsed.broken)
-    model = check_problem(problem.parsed.root, domain, findings)
-    return None if _has_errors(findings) else model
+    return checked_problem(problem.source, domain).model if problem.kind == "problem" else None
+
+
+def _checked(domain: Document, library: Library) -> Checked[Domain]:
+    return _checked_texts(domain.source, tuple(place.source for place in library.included(domain)))
 
 
 @functools.lru_cache(maxsize=32)
-def _checked_domain(source: Source) -> tuple[Domain | None, tuple[Diagnostic, ...]]:
-    """A domain's model, None where it has mistakes, and all diagnostics. Kept, because each of its problems
-    and every look at a rule asks for it."""
-    parsed = document(source).parsed
-    if parsed is None or not isinstance(parsed.root, DomainNode):
-        return None, () if parsed is None else parsed.diagnostics
-    findings = Findings(source, parsed.diagnostics, parsed.broken)
-    model = check_domain(parsed.root, findings)
-    return None if _has_errors(findings) else model, findings.sorted
+def _checked_texts(source: Source, included: tuple[Source, ...]) -> Checked[Domain]:
+    """What a check of a domain finds. Kept, because each of its problems and every look at a rule asks for
+    it; it depends on the texts of the included files, too."""
+    texts = {each.path: each for each in included}
+
+    def read(path: Path) -> Source:
+        return texts.get(os.path.normpath(path)) or read_source(path)
+
+    return checked_domain(source, read=read)
 
 
-def _has_errors(findings: Findings) -> bool:
-    return any(found.level is Level.ERROR for found in findings.sorted)
+def _shown_here(found: Diagnostic, asked: Document, library: Library) -> Diagnostic:
+    """A diagnostic at a place of the text: one of an included file at the `include` that leads there."""
+    if found.span is None or found.span.path == asked.source.path:
+        return found
+    for item in asked.includes:
+        inner = library.document(asked.path.parent / item.path)
+        files = () if inner is None else (inner, *library.included(inner))
+        if any(place.source.path == found.span.path for place in files):
+            message = f"in `{Path(found.span.path).name}`: {found.message}"
+            return replace(found, message=message, span=item.span, label="")
+    return replace(found, span=None)
 
 
 def _not_one_block(source: Source) -> tuple[Diagnostic, ...]:

@@ -1,6 +1,8 @@
-"""What may be written in a scene, for completion and hover: sections, keys, and what their values look like.
+"""What may be written in a scene, for completion and hover: sections, keys, and what their values look like;
+the settings of a problem's planner, too.
 
-The checker (`scene.check`) decides; the tests hold this table against it and against docs/language.md.
+The checkers (`scene.check`, `language.planner_options`) decide; the tests hold these tables against them and
+against docs/language.md.
 """
 
 from __future__ import annotations
@@ -80,3 +82,10 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
 
 INNER: Mapping[str, tuple[str, ...]] = {TOP: SECTIONS, "dirt": ("group", "scattered")}
 """The sections that a section may hold."""
+
+PLANNER: Mapping[str, KeyWords] = {
+    "name": KeyWords("the planner to use"),
+    "samples": KeyWords("how many plans it tries, a whole number"),
+    "seed": KeyWords("the seed of its randomness, a whole number"),
+}
+"""The settings of a problem's planner."""

@@ -22,12 +22,12 @@ from cleancli.editor.formatting import formatting
 from cleancli.editor.hover import hover
 from cleancli.editor.library import Document, Library, document
 from cleancli.editor.mistakes import mistakes
-from cleancli.editor.names import Kind
 from cleancli.editor.navigation import CannotRename, definition, references, renamable, rename
 from cleancli.editor.positions import UTF_16, Positions
 from cleancli.editor.symbols import Entry, symbols
 from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
 from cleancli.language.edit import Edit
+from cleancli.language.names import Kind
 
 _PAUSE = 0.15
 """Seconds without a key press before a text is checked."""
@@ -39,6 +39,7 @@ _COMPLETED = {
     Kind.SYMBOL: lsp.CompletionItemKind.Function,
     Kind.VALUE: lsp.CompletionItemKind.EnumMember,
     Kind.COUNT: lsp.CompletionItemKind.Property,
+    Kind.PARAMETER: lsp.CompletionItemKind.Property,
     Kind.ACTION: lsp.CompletionItemKind.Method,
     Kind.VARIABLE: lsp.CompletionItemKind.Variable,
     Kind.MARK: lsp.CompletionItemKind.Property,
@@ -55,6 +56,7 @@ _OUTLINED = {
     Kind.SYMBOL: lsp.SymbolKind.Function,
     Kind.VALUE: lsp.SymbolKind.EnumMember,
     Kind.COUNT: lsp.SymbolKind.Property,
+    Kind.PARAMETER: lsp.SymbolKind.Property,
     Kind.ACTION: lsp.SymbolKind.Method,
     Kind.RULE: lsp.SymbolKind.Event,
     Kind.SECTION: lsp.SymbolKind.Namespace,
@@ -166,7 +168,7 @@ def closed(ls: Server, params: lsp.DidCloseTextDocumentParams) -> None:
 
 
 def _publish(ls: Server, uri: str) -> None:
-    """Send the mistakes of a text, and of the open problems if it is their domain."""
+    """Send the mistakes of a text, and of the open texts that include it or are problems for it."""
     asked = ls.document(uri)
     library = ls.library
     texts = [uri]
@@ -180,10 +182,13 @@ def _publish(ls: Server, uri: str) -> None:
 
 
 def _is_for(other: Document, domain: Document, library: Library) -> bool:
-    if other.kind != "problem":
+    """Whether the mistakes of another text depend on a domain: it includes that, or is a problem for it."""
+    if other.kind not in ("domain", "problem"):
         return False
     found = library.domain_of(other)
-    return found is None or found.source.path == domain.source.path
+    files = () if found is None else (found, *library.included(found))
+    is_needed = any(place.source.path == domain.source.path for place in files)
+    return other.source.path != domain.source.path and (found is None or is_needed)
 
 
 def _diagnostic(ls: Server, uri: str, found: Diagnostic) -> lsp.Diagnostic:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cleancli.editor.library import Document
-from cleancli.editor.names import Kind, Occurrence
 from cleancli.language import syntax
 from cleancli.language.diagnostics import Span
+from cleancli.language.names import Kind, Occurrence
 
 
 @dataclass(frozen=True, slots=True)

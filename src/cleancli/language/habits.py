@@ -37,9 +37,11 @@ _WORDS = {
     "not": "facts that are not listed are false: leave it out",
     "include": "only a domain includes files, and between its sections",
     "probabilistic": "an outcome is its probability, a colon and what changes: `0.8: wet(?a)`",
-    "maximize": "a domain says what pays as `decrease(COUNT)`",
-    "minimize": "a domain says what pays as `decrease(COUNT)`",
+    "maximize": "a reward is a sum of terms, and planners maximise it: leave the word out",
+    "minimize": "a reward is a sum of terms, and planners maximise it: write `-` before what should fall",
 }
+_TAKEN_FOR_NAMES = frozenset({"probabilistic", "maximize", "minimize"})
+"""Those of them that may stand where a name can, so that only the next token is misplaced."""
 _LISTS = {
     "and": "literals are joined by commas, without `and` and parentheses",
     "or": "there is no `or`: write two rules",
@@ -120,6 +122,8 @@ def _list_of_pddl(at: Misplaced) -> str:
         return "a rule has a name of its own: `rule NAME: push(?a) { ... }`"
     if at.token != "(" or "LPAR" in at.accepted:
         return ""
+    if at.word_before in ("exists", "forall"):
+        return f"variables stand without parentheses: `{at.word_before} ?m - area: wet(?m)`"
     match = re.match(r"\s*(:?[\w-]+|=)", at.after)
     word = match[1] if match else ""
     if word.startswith(":"):
@@ -148,9 +152,19 @@ def _term(at: Misplaced) -> str:
 
 
 def _habit_word(at: Misplaced) -> str:
-    if "LPAR" in at.accepted and "NAME" not in at.accepted and at.word_before in _WORDS:
+    words = _WORDS if "LPAR" in at.accepted else _TAKEN_FOR_NAMES
+    if "NAME" not in at.accepted and at.word_before in words:
         return _WORDS[at.word_before]
     return _WORDS.get(at.token, "")
+
+
+def _setting(at: Misplaced) -> str:
+    """Settings of a problem that other languages build otherwise."""
+    if at.token == "=" and at.word_before == "goal":
+        return "a goal is a block: `goal { forall ?a - area: not dirt(?a) }`"
+    if at.token == "*" and re.search(r"horizon\s*=\s*\w+$", at.before):
+        return "a horizon is a number, a count or their sum: `horizon = 1 + dirty_areas`"
+    return ""
 
 
 def _sign(at: Misplaced) -> str:
@@ -195,7 +209,8 @@ def _part_of_rule(at: Misplaced) -> str:
         return _near(at) or "a condition begins with `when`"
     if "THEN" in at.accepted and at.kind in ("NUMBER", "RATIONAL", "REST"):
         return "outcomes begin with `then`"
-    if "REST" in at.accepted and re.match(r"\s*\([^()]*\)\s*:", at.after):
+    is_result = re.search(r"\w\s*$", at.before) and re.match(r"[^()]*\)\s*:\s*(\d|rest\b)", at.after)
+    if at.token == "(" and "COLON" in at.accepted and is_result:
         return "the probability stands in front: `0.1: wet(?a)`"
     return ""
 
@@ -231,6 +246,7 @@ def _missing(at: Misplaced) -> str:
 _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     _name_or_number,
     _habit_word,
+    _setting,
     _list_of_pddl,
     _sign,
     _separator,

@@ -89,7 +89,8 @@ def _values(function: syntax.FunctionNode, findings: Findings) -> tuple[Value, .
             function.span,
             help="a function has at least two values: `low < high`",
         )
-    return values
+    # Even one that is misnamed has values: without any it would be neither a predicate nor a function.
+    return values or (function.values[0].text,)
 
 
 def _integers(bounds: syntax.Bounds, findings: Findings) -> tuple[int, ...]:

@@ -6,27 +6,45 @@ was read from. Equality ignores spans, so that two layouts of one text give equa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 
 from cleancli.language.diagnostics import Span
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Node:
-    """Anything that stands in the text."""
+    """Anything that stands in the text.
+
+    Equality, hash and text are written once here: made anew for every node they would take longer than
+    checking a file does.
+    """
 
     span: Span = field(compare=False, kw_only=True)
 
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self._said() == other._said()
 
-@dataclass(frozen=True, slots=True)
+    def __hash__(self) -> int:
+        return hash((type(self), self._said()))
+
+    def __repr__(self) -> str:
+        said = ", ".join(map(repr, self._said()))
+        return f"{type(self).__name__}({said})"
+
+    def _said(self) -> tuple[object, ...]:
+        """The values of all fields but the span."""
+        return tuple(getattr(self, part.name) for part in fields(self) if part.compare)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Name(Node):
     """An identifier, or a variable without its `?`."""
 
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Number(Node):
     """A number or fraction as written, signed only as a function's value; `denominator_is_zero` marks `n/0`,
     whose value is 0."""
@@ -36,7 +54,7 @@ class Number(Node):
     denominator_is_zero: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Quantity(Node):
     """A signed number with a unit, if one is written."""
 
@@ -47,7 +65,7 @@ class Quantity(Node):
 # ---- names with types
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Group(Node):
     """`a b - type`; without a type only in the `types` block."""
 
@@ -55,7 +73,7 @@ class Group(Node):
     type: Name | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Attribute(Node):
     """`name` or `name = value` between brackets."""
 
@@ -66,7 +84,7 @@ class Attribute(Node):
 # ---- conditions and effects
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TermNode(Node):
     """A variable (`name` without `?`) or the name of an object."""
 
@@ -74,7 +92,7 @@ class TermNode(Node):
     is_variable: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Application(Node):
     """A symbol with terms."""
 
@@ -82,7 +100,7 @@ class Application(Node):
     terms: tuple[TermNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Truth(Node):
     """`p(...)` or `not p(...)`."""
 
@@ -90,7 +108,7 @@ class Truth(Node):
     positive: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Comparison(Node):
     """`f(...) relation value`; the relation is one of = != < <= > >=."""
 
@@ -99,7 +117,7 @@ class Comparison(Node):
     value: Name | Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class EqualityNode(Node):
     """`?a = ?b` or `?a != ?b`."""
 
@@ -111,7 +129,7 @@ class EqualityNode(Node):
 LiteralNode = Truth | Comparison | EqualityNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ExistsNode(Node):
     """`exists groups: literals`, or `not exists`."""
 
@@ -120,7 +138,7 @@ class ExistsNode(Node):
     positive: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class EveryNode(Node):
     """`forall groups: guard => literal` in a condition; without a guard, `forall groups: literal`."""
 
@@ -132,14 +150,14 @@ class EveryNode(Node):
 PartNode = LiteralNode | ExistsNode | EveryNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ConditionNode(Node):
     """Literals and quantified parts joined by commas; the grammar says where there are only literals."""
 
     parts: tuple[PartNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SetTruth(Node):
     """The effect `p(...)` or `not p(...)`."""
 
@@ -147,7 +165,7 @@ class SetTruth(Node):
     value: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SetValue(Node):
     """The effect `f(...) := value`."""
 
@@ -155,7 +173,7 @@ class SetValue(Node):
     value: Name | Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ShiftNode(Node):
     """The effect `f(...) += n` or `f(...) -= n`."""
 
@@ -167,7 +185,7 @@ class ShiftNode(Node):
 Assignment = SetTruth | SetValue | ShiftNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ForAllNode(Node):
     """`forall groups: condition => effects`."""
 
@@ -176,55 +194,55 @@ class ForAllNode(Node):
     effects: tuple[Assignment, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Nothing(Node):
     """The result `nothing`."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Noise(Node):
     """The result `noise`."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Effects(Node):
     """A result that lists effects."""
 
     effects: tuple[Assignment | ForAllNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Rest(Node):
     """The word `rest` in the place of a probability."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Prior(Node):
     """`prior p`."""
 
     probability: Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Seen(Node):
     """`seen n`."""
 
     count: Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Fixed(Node):
     """The mark `fixed`."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Share(Node):
     """The name of a shared parameter in the place of a probability."""
 
     name: Name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Weight(Node):
     """A probability with what the learner noted beside it; that of a shared parameter is a number."""
 
@@ -232,7 +250,7 @@ class Weight(Node):
     marks: tuple[Prior | Seen | Fixed, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class OutcomeNode(Node):
     """`weight: result`."""
 
@@ -243,28 +261,28 @@ class OutcomeNode(Node):
 # ---- the sections of a domain
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Include(Node):
     """`include "path"`; the path is as written."""
 
     path: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Types(Node):
     """`types { ... }`."""
 
     groups: tuple[Group, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Constants(Node):
     """`constants { ... }`."""
 
     groups: tuple[Group, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PredicateNode(Node):
     """`p(parameters) [attributes]`."""
 
@@ -273,14 +291,14 @@ class PredicateNode(Node):
     attributes: tuple[Attribute, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Predicates(Node):
     """`predicates { ... }`."""
 
     predicates: tuple[PredicateNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Bounds(Node):
     """`low..high`."""
 
@@ -288,7 +306,7 @@ class Bounds(Node):
     high: Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FunctionNode(Node):
     """`f(parameters): v < w < ...` or `f(parameters): low..high`, with attributes."""
 
@@ -298,14 +316,14 @@ class FunctionNode(Node):
     attributes: tuple[Attribute, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Functions(Node):
     """`functions { ... }`."""
 
     functions: tuple[FunctionNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class CountNode(Node):
     """`name := count parameters: condition`."""
 
@@ -314,7 +332,7 @@ class CountNode(Node):
     condition: ConditionNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DefinitionNode(Node):
     """`p(parameters) := condition`."""
 
@@ -323,7 +341,7 @@ class DefinitionNode(Node):
     condition: ConditionNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ClosureNode(Node):
     """`p(parameters) := closure of`."""
 
@@ -332,14 +350,14 @@ class ClosureNode(Node):
     of: Name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Derived(Node):
     """`derived { ... }`."""
 
     items: tuple[CountNode | DefinitionNode | ClosureNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ParameterNode(Node):
     """`name = probability [marks]`."""
 
@@ -347,14 +365,14 @@ class ParameterNode(Node):
     weight: Weight
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Shared(Node):
     """`parameters { ... }`."""
 
     parameters: tuple[ParameterNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ActionNode(Node):
     """`a(parameters) [attributes]`."""
 
@@ -363,14 +381,14 @@ class ActionNode(Node):
     attributes: tuple[Attribute, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Actions(Node):
     """`actions { ... }`."""
 
     actions: tuple[ActionNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ReferenceNode(Node):
     """`with groups: condition`, of literals."""
 
@@ -378,7 +396,7 @@ class ReferenceNode(Node):
     condition: ConditionNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RuleNode(Node):
     """`rule name: action(terms) [attributes] { when condition references then outcomes }`."""
 
@@ -391,38 +409,38 @@ class RuleNode(Node):
     outcomes: tuple[OutcomeNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Default(Node):
     """`default { outcomes }`."""
 
     outcomes: tuple[OutcomeNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Decrease(Node):
     """`decrease(count)`."""
 
     count: Name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class CountValue(Node):
     """The name of a count in a reward."""
 
     count: Name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ReachedGoal(Node):
     """`goal` in a reward."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ActionCost(Node):
     """`cost` in a reward."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Payment(Node):
     """`weight * what`, the sign before it included; without a weight the sign alone."""
 
@@ -431,7 +449,7 @@ class Payment(Node):
     negative: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Reward(Node):
     """`reward { payment + payment ... }`."""
 
@@ -453,7 +471,7 @@ DomainSection = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DomainNode(Node):
     """A whole domain."""
 
@@ -464,21 +482,21 @@ class DomainNode(Node):
 # ---- the sections of a problem
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DomainName(Node):
     """`domain = name`."""
 
     name: Name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Objects(Node):
     """`objects { ... }`."""
 
     groups: tuple[Group, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FactNode(Node):
     """`p(objects)` or `f(objects) = value`."""
 
@@ -486,21 +504,21 @@ class FactNode(Node):
     value: Name | Number | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Init(Node):
     """`init { ... }`."""
 
     facts: tuple[FactNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Goal(Node):
     """`goal { condition }`."""
 
     condition: ConditionNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class HorizonNode(Node):
     """`horizon = n`, `horizon = count` or `horizon = n + count`."""
 
@@ -508,7 +526,7 @@ class HorizonNode(Node):
     count: Name | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Discount(Node):
     """`discount = number`."""
 
@@ -518,7 +536,7 @@ class Discount(Node):
 # ---- settings
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Pair(Node):
     """`(x, y)`."""
 
@@ -526,7 +544,7 @@ class Pair(Node):
     y: Quantity
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ImageSize(Node):
     """`width x height`."""
 
@@ -534,7 +552,7 @@ class ImageSize(Node):
     height: Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Call(Node):
     """`name(numbers)`."""
 
@@ -542,7 +560,7 @@ class Call(Node):
     arguments: tuple[Number, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Word(Node):
     """A name as a value."""
 
@@ -552,7 +570,7 @@ class Word(Node):
 SettingValue = Quantity | Pair | ImageSize | Call | Word
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Setting(Node):
     """`key = value`."""
 
@@ -563,7 +581,7 @@ class Setting(Node):
 # ---- problems and scenes
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Planner(Node):
     """`planner { settings }`."""
 
@@ -573,7 +591,7 @@ class Planner(Node):
 ProblemSection = DomainName | Objects | Init | Goal | HorizonNode | Discount | Planner
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ProblemNode(Node):
     """A whole problem."""
 
@@ -581,7 +599,7 @@ class ProblemNode(Node):
     sections: tuple[ProblemSection, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Section(Node):
     """`name { entries }`."""
 
@@ -589,7 +607,7 @@ class Section(Node):
     entries: tuple[Setting | Section, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SceneNode(Node):
     """A whole scene."""
 
