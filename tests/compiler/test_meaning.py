@@ -8,8 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from generate import NAMES, Generator
 from handmade import JOIN_DRAGS, drags_problem
+from random_domains import NAMES, Generator
 from scipy import stats
 
 from cleancli.compiler.evaluate import Key, StateView
