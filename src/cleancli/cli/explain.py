@@ -22,7 +22,7 @@ from cleancli.compiler.explain import (
 )
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import meant
-from cleancli.language.format import print_condition, print_fraction, symbols_of
+from cleancli.language.format import print_condition, print_fraction, print_signature, symbols_of
 from cleancli.language.model import (
     Action,
     Domain,
@@ -82,7 +82,7 @@ def read_action(text: str, domain: Domain, problem: Problem) -> tuple[str, tuple
     wanted = declared[name].parameters
     if len(places) != len(wanted):
         message = f"`{name}` takes {len(wanted)} object{'s' * (len(wanted) != 1)}, not {len(places)}"
-        help = f"it is declared as `{_signature(declared[name])}`"
+        help = f"it is declared as `{print_signature(name, wanted)}`"
         _refuse(source, "E208", message, match.start("action"), len(text.rstrip()), help)
     _check_objects(source, places, declared[name], domain, problem)
     return name, tuple(place[0] for place in places)
@@ -104,10 +104,6 @@ def _check_objects(
 
 def _refuse(source: Source, code: str, message: str, start: int, end: int, help: str) -> NoReturn:
     raise Refused([Diagnostic(code, message, Span(source.path, start, end), help=help)], [source])
-
-
-def _signature(action: Action) -> str:
-    return f"{action.name}({', '.join(f'?{p.name} - {p.type}' for p in action.parameters)})"
 
 
 # ---- saying it

@@ -26,9 +26,10 @@ from cleancli.language.format import (
     print_fraction,
     print_reference,
     print_result,
+    print_signature,
     symbols_of,
 )
-from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type, Variable
+from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
 from cleancli.planning.coverage import coverage
 
 _NO_EDGE = 10_000
@@ -176,7 +177,7 @@ def _rows(domain: Domain, rule: Rule, groundings: int | None) -> Iterator[list[T
 def _symbol(symbol: Symbol) -> str:
     values = "" if symbol.is_predicate else f": {' < '.join(map(str, symbol.values))}"
     marks = ", ".join(word for word in ("symmetric", "static") if getattr(symbol, word))
-    return f"{symbol.name}({_typed(symbol.parameters)}){values}{f' [{marks}]' if marks else ''}"
+    return f"{print_signature(symbol.name, symbol.parameters)}{values}{f' [{marks}]' if marks else ''}"
 
 
 def _derived(definition: DerivedPredicate, domain: Domain) -> str:
@@ -185,7 +186,7 @@ def _derived(definition: DerivedPredicate, domain: Domain) -> str:
         if definition.closure is None
         else f"closure {definition.closure}"
     )
-    return f"{definition.name}({_typed(definition.parameters)}) := {meaning}"
+    return f"{print_signature(definition.name, definition.parameters)} := {meaning}"
 
 
 def _action(action: Action, sizes: Sizes | None) -> str:
@@ -193,11 +194,7 @@ def _action(action: Action, sizes: Sizes | None) -> str:
     if action.cost:
         duration += f"  cost {print_fraction(action.cost)}"
     counted = "" if sizes is None else f"  {sizes.actions[action.name]} groundings"
-    return f"{action.name}({_typed(action.parameters)}){duration}{counted}"
-
-
-def _typed(variables: Sequence[Variable]) -> str:
-    return ", ".join(f"?{variable.name} - {variable.type}" for variable in variables)
+    return f"{print_signature(action.name, action.parameters)}{duration}{counted}"
 
 
 # ---- for programs

@@ -9,6 +9,7 @@ from cleancli.language import syntax
 from cleancli.language.declarations import Declarations, read_variables
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings, meant
+from cleancli.language.format import print_signature
 from cleancli.language.model import (
     Condition,
     Equality,
@@ -79,7 +80,7 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
             "E208",
             f"`{name}` takes {wants} term{'s' * (wants != 1)}, not {len(terms)}",
             node.span,
-            help=f"it is declared as `{signature(symbol)}`",
+            help=f"it is declared as `{print_signature(name, symbol.parameters)}`",
         )
         return None
     fit = [
@@ -88,11 +89,6 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     ]
     known = tuple(term for term in terms if term is not None)
     return (symbol, known) if all(fit) and len(known) == len(terms) else None
-
-
-def signature(symbol: Symbol) -> str:
-    """`near(?a - area, ?b - area)`."""
-    return f"{symbol.name}({', '.join(f'?{p.name} - {p.type}' for p in symbol.parameters)})"
 
 
 def _fits(term: Term | None, parameter: Variable, place: syntax.TermNode, name: str, scope: Scope) -> bool:

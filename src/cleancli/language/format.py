@@ -124,6 +124,11 @@ def print_term(term: Term) -> str:
     return f"?{term.name}" if isinstance(term, Variable) else term.name
 
 
+def print_signature(name: str, parameters: Iterable[Variable]) -> str:
+    """`near(?a - area, ?b - area)`: what is declared, with a type at every parameter."""
+    return f"{name}({', '.join(f'{print_term(p)} - {p.type}' for p in parameters)})"
+
+
 def print_literal(part: Literal | Equality, symbols: Symbols) -> str:
     """A literal; a set of values that no relation describes becomes several, joined by commas."""
     if isinstance(part, Equality):
