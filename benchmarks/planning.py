@@ -20,6 +20,7 @@ from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, Problem
 from cleancli.planning.plan import Options
 from cleancli.planning.prada import prada
+from cleancli.planning.prepared import prepare
 
 DOMAIN = load_domain(read_source(Path(__file__).with_suffix(".nid")))
 SURFACE = np.array([0.60, 0.50])
@@ -64,7 +65,7 @@ def _timed(areas: int, samples: int, seed: int) -> tuple[Task, float, float, flo
     started = time.process_time()
     task = ground(DOMAIN, problem)
     grounding = time.process_time() - started
-    plan = prada(task, Options(samples, seed))
+    plan = prada(prepare(task), Options(samples, seed))
     return task, grounding, plan.seconds["search"], plan.value
 
 
@@ -72,7 +73,7 @@ def main() -> None:
     samples = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
     print(f"{samples} samples, horizon 1 + areas, medians of {len(SEEDS)} seeds")
     print("areas  actions  rules  ground s  search s  samples/s  value")
-    prada(ground(DOMAIN, layout(2, 0)), Options(10))
+    prada(prepare(ground(DOMAIN, layout(2, 0))), Options(10))
     for areas in (2, 4, 6, 8, 10, 14, 20):
         runs = [_timed(areas, samples, seed) for seed in SEEDS]
         task = runs[0][0]

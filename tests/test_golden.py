@@ -22,6 +22,7 @@ from cleancli.language.render import render
 from cleancli.learning.experience import decode
 from cleancli.learning.learn import edits, learn
 from cleancli.planning.plan import Options
+from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS
 
 FOLDER = Path(__file__).parent / "golden"
@@ -63,7 +64,7 @@ def test_compile(domain: Domain, problem: Problem) -> None:
 
 
 def test_plan(domain: Domain, problem: Problem) -> None:
-    plan = PLANNERS["prada"](ground(domain, problem), Options(samples=2000, seed=7))
+    plan = PLANNERS["prada"](prepare(ground(domain, problem)), Options(samples=2000, seed=7))
     lines = [*(str(action) for action in plan.actions), f"value {plan.value:.6f}"]
     check_golden("problem.plan.txt", "\n".join(lines) + "\n")
 

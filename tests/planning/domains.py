@@ -61,7 +61,7 @@ def action(task: Task, text: str) -> int:
 
 def decrease(*condition: tuple[int, frozenset[int]]) -> RewardCondition:
     """A condition that pays 1 when it ends."""
-    return RewardCondition(condition, 1.0, 0.0)
+    return RewardCondition(condition, Fraction(1), Fraction(0))
 
 
 def random_task(seed: int) -> Task:
@@ -87,11 +87,13 @@ def random_task(seed: int) -> Task:
             decrease((0, frozenset({0})), (4, frozenset({0}))),
             decrease((1, frozenset({1})), (2, frozenset({0, 1}))),
         ),
-        constant_reward=0.0,
+        constant_reward=Fraction(0),
         goal=(),
-        initial_count=4,
+        counted=(((0, frozenset(range(3))),),) * 4,
+        lengthening=(),
         horizon=5,
         discount=0.9,
+        discounts=(0.9,) * 6,
     )
 
 
@@ -100,11 +102,13 @@ def weighted_task(seed: int) -> Task:
     task = random_task(seed)
     rng = np.random.default_rng([seed, 1])
     rewards = [
-        replace(r, decrease=float(rng.normal()), state=float(rng.normal()) * (index % 2))
+        replace(r, decrease=Fraction(rng.normal()), state=Fraction(rng.normal()) * (index % 2))
         for index, r in enumerate(task.rewards)
     ]
-    actions = [replace(a, cost=float(rng.uniform(0, 0.3))) for a in task.actions]
-    return replace(task, rewards=tuple(rewards), actions=tuple(actions), constant_reward=float(rng.normal()))
+    actions = [replace(a, cost=Fraction(rng.uniform(0, 0.3))) for a in task.actions]
+    return replace(
+        task, rewards=tuple(rewards), actions=tuple(actions), constant_reward=Fraction(rng.normal())
+    )
 
 
 def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome, ...]:
@@ -114,5 +118,5 @@ def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome
         chosen = sorted(rng.choice(len(sizes), size=2, replace=False)) if index < 2 else []
         effects = tuple((int(v), int(rng.integers(sizes[v]))) for v in chosen)
         kind = OutcomeKind.CHANGE if effects else OutcomeKind.NOISE
-        outcomes.append(GroundOutcome(float(Fraction(int(share), 10)), kind, effects))
+        outcomes.append(GroundOutcome(Fraction(int(share), 10), kind, effects))
     return tuple(outcomes)

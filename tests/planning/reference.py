@@ -17,14 +17,19 @@ def value(task: Task, actions: Sequence[int], *, independent_rules: bool = False
     """Discounted reward, where nothing is done after the actions; `independent_rules` multiplies by 1 - φ of
     the other rules, as libPRADA does."""
     belief = initial(task)
-    total = 0.0
+    total, factor = 0.0, 1.0
     for step in range(max(len(actions), task.horizon)):
-        reward = 0.0
+        reward, payment, discount = 0.0, 1.0, task.discount
         if step < len(actions):
             after = update(task, belief, actions[step], independent_rules=independent_rules)
-            reward = decreasing(task, belief) - decreasing(task, after) - task.actions[actions[step]].cost
+            reward = (
+                decreasing(task, belief) - decreasing(task, after) - float(task.actions[actions[step]].cost)
+            )
             belief = after
-        total += task.discount**step * (reward + standing(task, belief))
+            discount = task.discounts[actions[step]]
+            payment = discount / task.discount
+        total += factor * payment * (reward + standing(task, belief))
+        factor *= discount
     return total
 
 
@@ -59,16 +64,20 @@ def update(task: Task, belief: Belief, action: int, *, independent_rules: bool) 
 
 
 def impact(rule: GroundRule, variable: int, value: int) -> float:
-    return sum(outcome.probability for outcome in rule.outcomes if (variable, value) in outcome.effects)
+    return sum(
+        float(outcome.probability) for outcome in rule.outcomes if (variable, value) in outcome.effects
+    )
 
 
 def sets(rule: GroundRule, variable: int) -> float:
-    return sum(outcome.probability for outcome in rule.outcomes if variable in dict(outcome.effects))
+    return sum(float(outcome.probability) for outcome in rule.outcomes if variable in dict(outcome.effects))
 
 
 def decreasing(task: Task, belief: Belief) -> float:
-    return sum(r.decrease * probability(belief, r.condition) for r in task.rewards)
+    return sum(float(r.decrease) * probability(belief, r.condition) for r in task.rewards)
 
 
 def standing(task: Task, belief: Belief) -> float:
-    return task.constant_reward + sum(r.state * probability(belief, r.condition) for r in task.rewards)
+    return float(task.constant_reward) + sum(
+        float(r.state) * probability(belief, r.condition) for r in task.rewards
+    )

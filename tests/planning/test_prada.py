@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import domains
@@ -28,10 +29,15 @@ from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import plan_value, prada
+from cleancli.planning.prada import plan_value
+from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS
 
 ROOT = Path(__file__).parent.parent.parent
+
+
+def prada(task: Task, options: Options) -> Plan:
+    return PLANNERS["prada"](prepare(task), options)
 
 
 def names(plan: Plan) -> list[str]:
@@ -124,7 +130,9 @@ def test_same_seed_same_plan_in_another_process() -> None:
     script = (
         "import domains; from cleancli.planning.prada import prada;"
         "from cleancli.planning.plan import Options;"
-        "p = prada(domains.random_task(5), Options(300, 11)); print([str(a) for a in p.actions], p.value)"
+        "from cleancli.planning.prepared import prepare;"
+        "p = prada(prepare(domains.random_task(5)), Options(300, 11));"
+        "print([str(a) for a in p.actions], p.value)"
     )
     run = [sys.executable, "-c", script]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))}
@@ -147,10 +155,10 @@ def test_a_seeded_plan_stays_as_it_is() -> None:
 def test_a_plan_for_the_shipped_problem() -> None:
     domain = load_domain(read_source(ROOT / "domains" / "cleaning.nid"))
     task = ground(domain, load_problem(read_source(ROOT / "problems" / "three_areas.nid"), domain))
-    plan = PLANNERS["prada"](task, Options(2000, 1))
+    plan = prada(task, Options(2000, 1))
     assert 1 <= len(plan.actions) <= plan.horizon == 4
     assert set(plan.seconds) == {"lower", "compile", "search"}
-    assert plan == replace(PLANNERS["prada"](task, Options(2000, 1)), seconds=plan.seconds)
+    assert plan == replace(prada(task, Options(2000, 1)), seconds=plan.seconds)
 
 
 @pytest.mark.parametrize(
@@ -220,21 +228,23 @@ def held(reward: float, cost: float, horizon: int, discount: float = 0.9) -> Tas
         0,
         ((0, frozenset({0})),),
         (
-            GroundOutcome(0.5, OutcomeKind.CHANGE, ((0, 1),)),
-            GroundOutcome(0.5, OutcomeKind.NOTHING, ()),
+            GroundOutcome(Fraction(1, 2), OutcomeKind.CHANGE, ((0, 1),)),
+            GroundOutcome(Fraction(1, 2), OutcomeKind.NOTHING, ()),
         ),
     )
     return Task(
         variables=(StateVariable("set", (), (False, True)),),
         initial=(0,),
-        actions=(GroundAction("do", (), None, cost),),
+        actions=(GroundAction("do", (), None, Fraction(cost)),),
         rules=(rule,),
-        rewards=(RewardCondition(((0, frozenset({1})),), 0.0, reward),),
-        constant_reward=0.25,
+        rewards=(RewardCondition(((0, frozenset({1})),), Fraction(0), Fraction(reward)),),
+        constant_reward=Fraction(1, 4),
         goal=(),
-        initial_count=None,
+        counted=None,
+        lengthening=(),
         horizon=horizon,
         discount=discount,
+        discounts=(discount,),
     )
 
 
@@ -269,7 +279,9 @@ def test_a_sequence_is_kept_up_to_where_it_is_worth_most() -> None:
 
 def test_stopping_gains_nothing_over_an_action_that_does_nothing() -> None:
     task = held(reward=-1, cost=0.0, horizon=4)
-    idle = replace(task, rules=(replace(task.rules[0], outcomes=(GroundOutcome(1, OutcomeKind.NOISE, ()),)),))
+    idle = replace(
+        task, rules=(replace(task.rules[0], outcomes=(GroundOutcome(Fraction(1), OutcomeKind.NOISE, ()),)),)
+    )
     for length in range(5):
         assert exact_value(idle, [0] * length) == pytest.approx(exact_value(idle, []))
         assert plan_value(idle, [0] * length) == pytest.approx(plan_value(idle, []))
@@ -277,4 +289,6 @@ def test_stopping_gains_nothing_over_an_action_that_does_nothing() -> None:
 
 def test_without_a_count_to_decrease_coverage_counts_actions() -> None:
     task = held(reward=1, cost=0.1, horizon=3)
-    assert coverage(replace(task, actions=task.actions * 2), 4) == pytest.approx(4 / 2**3)
+    assert coverage(
+        replace(task, actions=task.actions * 2, discounts=task.discounts * 2), 4
+    ) == pytest.approx(4 / 2**3)

@@ -16,6 +16,7 @@ from cleancli.cli.seen import look
 from cleancli.compiler.ground import ground
 from cleancli.language.model import Problem
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS, Planner
 from cleancli.scene.model import Scene
 
@@ -52,7 +53,7 @@ def command(
     with _timed(seconds, "ground"), located_in(*sources):
         task = ground(model, given)
     with working("planning (the first run compiles the planner)"):
-        result = _planner(planner, given)(task, _options(samples, seed, given))
+        result = _planner(planner, given)(prepare(task), _options(samples, seed, given))
     seconds |= result.seconds
     if as_data:
         click.echo(json.dumps(_as_data(given, result, seconds), indent=2))

@@ -32,7 +32,7 @@ def as_data(task: Task) -> dict[str, object]:
             for variable, value in zip(task.variables, task.initial, strict=True)
         ],
         "actions": [
-            {"name": a.name, "objects": list(a.objects), "duration": a.duration, "cost": a.cost}
+            {"name": a.name, "objects": list(a.objects), "duration": a.duration, "cost": float(a.cost)}
             for a in task.actions
         ],
         "rules": [
@@ -41,17 +41,21 @@ def as_data(task: Task) -> dict[str, object]:
                 "action": rule.action,
                 "when": _literals(task, rule.condition),
                 "outcomes": [
-                    {"probability": o.probability, "kind": o.kind.value, "effects": _assignments(task, o)}
+                    {
+                        "probability": float(o.probability),
+                        "kind": o.kind.value,
+                        "effects": _assignments(task, o),
+                    }
                     for o in rule.outcomes
                 ],
             }
             for rule in task.rules
         ],
         "rewards": [
-            {"when": _literals(task, r.condition), "decrease": r.decrease, "state": r.state}
+            {"when": _literals(task, r.condition), "decrease": float(r.decrease), "state": float(r.state)}
             for r in task.rewards
         ],
-        "constant_reward": task.constant_reward,
+        "constant_reward": float(task.constant_reward),
         "goal": [_literals(task, condition) for condition in task.goal],
     }
 
@@ -68,14 +72,14 @@ def _lines(task: Task) -> Iterator[str]:
         for rule in task.rules:
             if rule.action == index:
                 yield f"  rule {rule.rule} when {_condition(task, rule.condition)}"
-                yield from (f"    {o.probability:.6g}: {_effects(task, o)}" for o in rule.outcomes)
+                yield from (f"    {float(o.probability):.6g}: {_effects(task, o)}" for o in rule.outcomes)
     yield from _reward_lines(task)
     yield from (f"goal {_condition(task, condition)}" for condition in task.goal)
 
 
 def _marks(action: GroundAction) -> str:
     marks = [] if action.duration is None else [f"{action.duration:g} s"]
-    marks += [f"cost {action.cost:g}"] if action.cost else []
+    marks += [f"cost {float(action.cost):g}"] if action.cost else []
     return f" [{', '.join(marks)}]" if marks else ""
 
 
@@ -83,13 +87,13 @@ def _reward_lines(task: Task) -> Iterator[str]:
     for reward in task.rewards:
         condition = _condition(task, reward.condition)
         if reward.decrease > 0:
-            yield f"reward {reward.decrease:g} when {condition} ends"
+            yield f"reward {float(reward.decrease):g} when {condition} ends"
         if reward.decrease < 0:
-            yield f"reward {-reward.decrease:g} when {condition} begins"
+            yield f"reward {-float(reward.decrease):g} when {condition} begins"
         if reward.state:
-            yield f"reward {reward.state:g} while {condition}"
+            yield f"reward {float(reward.state):g} while {condition}"
     if task.constant_reward:
-        yield f"reward {task.constant_reward:g} always"
+        yield f"reward {float(task.constant_reward):g} always"
 
 
 def _condition(task: Task, condition: GroundCondition) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
 
 from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.condition import Conditions
@@ -51,9 +52,11 @@ def ground(domain: Domain, problem: Problem) -> Task:
         rewards=rewards.rewards,
         constant_reward=rewards.constant_reward,
         goal=rewards.goal,
-        initial_count=rewards.initial_count,
+        counted=rewards.counted,
+        lengthening=rewards.lengthening,
         horizon=rewards.horizon,
         discount=problem.discount,
+        discounts=(problem.discount,) * len(actions),
     )
 
 
@@ -164,7 +167,7 @@ def _ground_rules(
     domain: Domain, found: Iterable[Case], actions: Sequence[GroundAction], numbering: Numbering
 ) -> tuple[GroundRule, ...]:
     position = {(action.name, action.objects): index for index, action in enumerate(actions)}
-    outcomes = [[(float(o.probability), o.kind) for o in rule.outcomes] for rule in domain.rules]
+    outcomes = [[(o.probability, o.kind) for o in rule.outcomes] for rule in domain.rules]
     rules = [
         GroundRule(
             case.rule,
@@ -185,7 +188,7 @@ def _ground_actions(domain: Domain, found: Iterable[Case]) -> tuple[GroundAction
 
 
 def _outcomes(
-    case: Case, probabilities: Sequence[tuple[float, OutcomeKind]], numbering: Numbering
+    case: Case, probabilities: Sequence[tuple[Fraction, OutcomeKind]], numbering: Numbering
 ) -> tuple[GroundOutcome, ...]:
     ground_outcomes = []
     for (probability, kind), changes in zip(probabilities, case.changes, strict=True):

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from cleancli.compiler.cases import CASE_LIMIT
 from cleancli.compiler.condition import ClosureTooLargeError, Conditions
 from cleancli.compiler.formula import Formula, Known, disjoint
 from cleancli.compiler.instance import closure_refused
 from cleancli.compiler.numbering import Numbering
-from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, holds
+from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind
 
@@ -26,9 +26,10 @@ class Rewards:
     """A task's reward, but for what actions cost; the fields are those of `Task`."""
 
     rewards: tuple[RewardCondition, ...]
-    constant_reward: float
+    constant_reward: Fraction
     goal: tuple[GroundCondition, ...]
-    initial_count: int | None
+    counted: tuple[GroundCondition, ...] | None
+    lengthening: tuple[GroundCondition, ...]
     horizon: int
 
 
@@ -38,10 +39,10 @@ def rewards_of(
     """The reward, the goal and the horizon of a problem. Raises `Refused` (E605, E606)."""
     counts = {c.name: _counted(c, conditions, numbering, known) for c in domain.counts}
     goal = _goal(problem, conditions, numbering, known)
-    decrease: dict[GroundCondition, float] = defaultdict(float)
-    state: dict[GroundCondition, float] = defaultdict(float)
+    decrease: dict[GroundCondition, Fraction] = defaultdict(Fraction)
+    state: dict[GroundCondition, Fraction] = defaultdict(Fraction)
     for term in domain.reward:
-        weight = float(term.weight)
+        weight = term.weight
         match term.kind:
             case RewardKind.DECREASE:
                 for condition in counts[_name(term.count)]:
@@ -55,10 +56,8 @@ def rewards_of(
             case RewardKind.COST:
                 pass  # is paid by the action
     decreasing = next((t.count for t in domain.reward if t.kind is RewardKind.DECREASE), None)
-    initial = {
-        name: sum(holds(condition, numbering.initial) for condition in found)
-        for name, found in counts.items()
-    }
+    horizon = problem.horizon or Horizon(1, decreasing)
+    lengthening = () if horizon.count is None else counts[horizon.count]
     return Rewards(
         rewards=tuple(
             RewardCondition(condition, decrease[condition], state[condition])
@@ -67,15 +66,16 @@ def rewards_of(
         ),
         constant_reward=state[()],
         goal=goal,
-        initial_count=None if decreasing is None else initial[decreasing],
-        horizon=_horizon(problem.horizon or Horizon(1, decreasing), initial),
+        counted=None if decreasing is None else counts[decreasing],
+        lengthening=lengthening,
+        horizon=horizon.constant + held(lengthening, numbering.initial),
     )
 
 
-def costs_of(domain: Domain) -> dict[str, float]:
+def costs_of(domain: Domain) -> dict[str, Fraction]:
     """What each action costs, in units of the reward that a step loses by it."""
-    weight = sum(term.weight for term in domain.reward if term.kind is RewardKind.COST)
-    return {action.name: float(-weight * action.cost) + 0.0 for action in domain.actions}
+    weight = sum((term.weight for term in domain.reward if term.kind is RewardKind.COST), Fraction(0))
+    return {action.name: -weight * action.cost for action in domain.actions}
 
 
 def _name(count: str | None) -> str:
@@ -118,8 +118,3 @@ def _exclusive(
         help = "ask for less at once, take fewer objects, or leave to the facts what does not change"
         raise Refused([Diagnostic("E605", message, None, help=help)])
     return tuple(sorted((numbering.condition(required) for required in found), key=condition_order))
-
-
-def _horizon(horizon: Horizon, initial: Mapping[str, int]) -> int:
-    """The plan length (§4.2.2): a constant, plus how much the named count is in the initial state."""
-    return horizon.constant + (0 if horizon.count is None else initial[horizon.count])

@@ -1,24 +1,21 @@
 """Lowering: a task becomes flat numpy arrays, with the inverse indices that a belief update needs.
 
 Guaranteed by `ground`: everything is sorted, and the rules of one action stand together and exclude each
-other. A variable owns one slot per value; a belief is a probability per slot. Ragged lists are stored as two
-arrays: the entries of item i of `x` are `x[x_start[i] : x_start[i + 1]]`.
+other. A variable owns one slot per value; a belief is a probability per slot. Lists of lists are stored as
+ragged.py says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
 from cleancli.compiler.task import GroundRule, Task
-from cleancli.compiler.transition import standing
-
-Ints = NDArray[np.int32]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from cleancli.compiler.transition import payment
 
 
 class Tables(NamedTuple):
@@ -30,7 +27,6 @@ class Tables(NamedTuple):
     """
 
     slot_start: Ints  # (V + 1,) slots of each variable
-    initial: Floats  # (S,) 1 at the initial values, else 0
     factor_slot_start: Ints  # (F + 1,)
     factor_slot: Ints  # (n,) slots that each factor sums
     condition_factor_start: Ints  # (R + C + 1,)
@@ -52,16 +48,16 @@ class Tables(NamedTuple):
     touched_action_start: Ints  # (A + 1,)
     touched_action: Ints  # (n,) actions with one of those rules
     cost: Floats  # (A,) what the reward of a step loses by each action
+    payment: Floats  # (A,) what the reward of a step by each action is multiplied by
+    discount: Floats  # (A,) what all that comes after each action is multiplied by
     decrease: Floats  # (C,) what each reward condition pays when it ends
     state: Floats  # (C,) what each reward condition pays after a step in which it holds
-    standing: Floats  # (1,) what doing nothing in the initial state is paid
+    constant: Floats  # (1,) what each step pays in any state
 
 
 def lower(task: Task) -> Tables:
-    """The arrays of a task; equal tasks give equal arrays."""
+    """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
     slot_start = np.cumsum([0, *(len(variable.values) for variable in task.variables)]).astype(np.int32)
-    initial = np.zeros(int(slot_start[-1]))
-    initial[slot_start[:-1] + np.asarray(task.initial, dtype=np.int32)] = 1.0
     conditions = [*(rule.condition for rule in task.rules), *(reward.condition for reward in task.rewards)]
     factors = sorted({_factor(pair) for condition in conditions for pair in condition})
     number = {factor: index for index, factor in enumerate(factors)}
@@ -72,23 +68,24 @@ def lower(task: Task) -> Tables:
     touched = _Touched(task, factors, [[number[_factor(pair)] for pair in c] for c in conditions])
     return Tables(
         slot_start,
-        initial,
-        *_ragged([[int(slot_start[v]) + value for value in values] for v, values in factors]),
-        *_ragged(touched.condition_factors),
+        *ragged([[int(slot_start[v]) + value for value in values] for v, values in factors]),
+        *ragged(touched.condition_factors),
         rule_start.astype(np.int32),
         changes,
-        *_ragged([list(s) for s in sets]),
-        _floats(p for s in sets for p in s.values()),
-        *_ragged([list(i) for i in impacts]),
-        _floats(p for i in impacts for p in i.values()),
-        *_ragged(touched.variables),
-        *_ragged(touched.factors),
-        *_ragged(touched.conditions),
-        *_ragged(touched.actions),
-        _floats(action.cost for action in task.actions),
-        _floats(reward.decrease for reward in task.rewards),
-        _floats(reward.state for reward in task.rewards),
-        np.array([standing(task, task.initial)]),
+        *ragged([list(s) for s in sets]),
+        floats(p for s in sets for p in s.values()),
+        *ragged([list(i) for i in impacts]),
+        floats(p for i in impacts for p in i.values()),
+        *ragged(touched.variables),
+        *ragged(touched.factors),
+        *ragged(touched.conditions),
+        *ragged(touched.actions),
+        floats(action.cost for action in task.actions),
+        floats(payment(task, action) for action in range(len(task.actions))),
+        floats(task.discounts),
+        floats(reward.decrease for reward in task.rewards),
+        floats(reward.state for reward in task.rewards),
+        floats([task.constant_reward]),
     )
 
 
@@ -96,22 +93,22 @@ def _factor(pair: tuple[int, frozenset[int]]) -> tuple[int, tuple[int, ...]]:
     return pair[0], tuple(sorted(pair[1]))
 
 
-def _impact(rule: GroundRule, slot_start: Ints) -> dict[int, float]:
+def _impact(rule: GroundRule, slot_start: Ints) -> dict[int, Fraction]:
     """Per slot the total probability of the outcomes that set it."""
-    impact: dict[int, float] = {}
+    impact: dict[int, Fraction] = {}
     for outcome in rule.outcomes:
         for variable, value in outcome.effects:
             slot = int(slot_start[variable]) + value
-            impact[slot] = impact.get(slot, 0.0) + outcome.probability
+            impact[slot] = impact.get(slot, Fraction(0)) + outcome.probability
     return dict(sorted(impact.items()))
 
 
-def _set(rule: GroundRule) -> dict[int, float]:
+def _set(rule: GroundRule) -> dict[int, Fraction]:
     """Per variable the total probability of the outcomes that set it."""
-    probability: dict[int, float] = {}
+    probability: dict[int, Fraction] = {}
     for outcome in rule.outcomes:
         for variable, _ in outcome.effects:
-            probability[variable] = probability.get(variable, 0.0) + outcome.probability
+            probability[variable] = probability.get(variable, Fraction(0)) + outcome.probability
     return dict(sorted(probability.items()))
 
 
@@ -128,35 +125,12 @@ class _Touched:
         variables: list[set[int]] = [set() for _ in task.actions]
         for rule in task.rules:
             variables[rule.action].update(v for outcome in rule.outcomes for v, _ in outcome.effects)
-        factors_of = _inverse(len(task.variables), [[variable] for variable, _ in factors])
-        conditions_of = _inverse(len(factors), condition_factors)
+        factors_of = inverse(len(task.variables), [[variable] for variable, _ in factors])
+        conditions_of = inverse(len(factors), condition_factors)
         self.variables = [sorted(touched) for touched in variables]
-        self.factors = [_union(factors_of, touched) for touched in self.variables]
-        self.conditions = [_union(conditions_of, touched) for touched in self.factors]
+        self.factors = [union(factors_of, touched) for touched in self.variables]
+        self.conditions = [union(conditions_of, touched) for touched in self.factors]
         self.actions = [
             sorted({task.rules[c].action for c in touched if c < len(task.rules)})
             for touched in self.conditions
         ]
-
-
-def _inverse(size: int, lists: Sequence[Sequence[int]]) -> list[list[int]]:
-    """For each member below `size`, which of the lists have it."""
-    holders: list[list[int]] = [[] for _ in range(size)]
-    for index, members in enumerate(lists):
-        for member in members:
-            holders[member].append(index)
-    return holders
-
-
-def _union(lists: Sequence[Sequence[int]], chosen: Iterable[int]) -> list[int]:
-    return sorted({member for index in chosen for member in lists[index]})
-
-
-def _ragged(lists: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
-    """Starts and entries of a list of lists."""
-    start = np.cumsum([0, *map(len, lists)]).astype(np.int32)
-    return start, np.array([entry for entries in lists for entry in entries], dtype=np.int32)
-
-
-def _floats(values: Iterable[float]) -> Floats:
-    return np.fromiter(values, dtype=np.float64)

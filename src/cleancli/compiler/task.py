@@ -7,8 +7,9 @@ most one covers a state (§3.3.2); an action is listed only if some rule of it c
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from cleancli.language.model import OutcomeKind, Value
 
@@ -37,7 +38,7 @@ class GroundAction:
     name: str
     objects: tuple[str, ...]
     duration: float | None
-    cost: float = 0.0
+    cost: Fraction = Fraction(0)
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(self.objects)})"
@@ -47,7 +48,7 @@ class GroundAction:
 class GroundOutcome:
     """`effects` are pairs (variable, value index), sorted; empty for noise and for nothing."""
 
-    probability: float
+    probability: Fraction
     kind: OutcomeKind
     effects: tuple[tuple[int, int], ...]
 
@@ -69,8 +70,8 @@ class RewardCondition:
     which it holds. At least one of them is not 0."""
 
     condition: GroundCondition
-    decrease: float
-    state: float
+    decrease: Fraction
+    state: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +80,13 @@ class Task:
 
     The reward of a step is what `rewards` pay, plus `constant_reward`, less the action's cost; doing nothing
     for a step is paid in the same way, and costs nothing. The conditions of `goal` exclude each other, and
-    one of them holds where the goal does; there are none without a goal, or where it can never hold.
-    `initial_count` is how much the count that eq. 2 wants decreased is in the initial state (#dirt of eq. 3);
-    None where the reward decreases none.
+    one of them holds where the goal does; there are none without a goal, or where it can never hold. As many
+    conditions of `counted` hold as the count says that eq. 2 wants decreased (#dirt of eq. 3); None where the
+    reward decreases none. The horizon is the initial state's; as many conditions of `lengthening` hold as it
+    has steps for a count (§4.2.2).
+
+    What comes after an action is worth `discounts` of it times less, per action; after doing nothing for a
+    step, `discount` times (§3.3, where the text writes α for γ).
     """
 
     variables: tuple[StateVariable, ...]
@@ -89,16 +94,52 @@ class Task:
     actions: tuple[GroundAction, ...]
     rules: tuple[GroundRule, ...]
     rewards: tuple[RewardCondition, ...]
-    constant_reward: float
+    constant_reward: Fraction
     goal: tuple[GroundCondition, ...]
-    initial_count: int | None
+    counted: tuple[GroundCondition, ...] | None
+    lengthening: tuple[GroundCondition, ...]
     horizon: int
     discount: float
+    discounts: tuple[float, ...]
 
 
 def holds(condition: GroundCondition, assignment: Assignment) -> bool:
     """Whether the assignment gives every variable of the condition one of the values it may have."""
     return all(assignment[variable] in allowed for variable, allowed in condition)
+
+
+def held(conditions: Sequence[GroundCondition], assignment: Assignment) -> int:
+    """How many of the conditions hold."""
+    return sum(holds(condition, assignment) for condition in conditions)
+
+
+def in_state(task: Task, assignment: Assignment) -> Task:
+    """The same task from another state on, with the horizon that it has there."""
+    change = held(task.lengthening, assignment) - held(task.lengthening, task.initial)
+    return replace(task, initial=assignment, horizon=task.horizon + change)
+
+
+def by_time(task: Task) -> Task:
+    """The same task where time discounts and not the number of steps (a semi-Markov process).
+
+    An action's discount is γ to the power of its duration over the mean duration of the domain's actions
+    that occur; so values keep their scale, and `duration` must be known for each. Raises `NoDurationError`.
+    """
+    names = {action.name: action.duration for action in task.actions}
+    unknown = sorted(name for name, duration in names.items() if duration is None)
+    if unknown:
+        raise NoDurationError(unknown)
+    seconds = [action.duration or 0.0 for action in task.actions]
+    mean = sum(d or 0.0 for d in names.values()) / max(len(names), 1)
+    return replace(task, discounts=tuple(task.discount ** (s / mean) if mean else 1.0 for s in seconds))
+
+
+class NoDurationError(ValueError):
+    """Time is to discount, and the domain says of some `actions` (names) no duration."""
+
+    def __init__(self, actions: Sequence[str]) -> None:
+        super().__init__(f"no duration: {', '.join(actions)}")
+        self.actions = tuple(actions)
 
 
 def condition_order(condition: GroundCondition) -> tuple[tuple[int, tuple[int, ...]], ...]:

@@ -5,6 +5,7 @@ Guaranteed by `ground`: at most one rule of an action covers a state, and its pr
 
 from __future__ import annotations
 
+import itertools
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 
@@ -43,7 +44,7 @@ def successors(task: Task, assignment: Assignment, action: int) -> tuple[tuple[f
     for outcome in rule.outcomes:
         if outcome.probability > 0:
             after = _changed(assignment, outcome.effects)
-            probability[after] = probability.get(after, 0.0) + outcome.probability
+            probability[after] = probability.get(after, 0.0) + float(outcome.probability)
     return tuple((p, after) for after, p in probability.items())
 
 
@@ -54,26 +55,24 @@ def sample(
     rule = covering_rule(task, assignment, action)
     if rule is None:
         return None, assignment
-    cumulated = np.cumsum([outcome.probability for outcome in rule.outcomes])
-    # Rounding keeps the sum from being exactly 1: scaled by it, no draw falls beyond the last outcome.
-    drawn = int(np.searchsorted(cumulated, rng.random() * cumulated[-1], side="right"))
+    cumulated = [float(p) for p in itertools.accumulate(outcome.probability for outcome in rule.outcomes)]
+    drawn = int(np.searchsorted(cumulated, rng.random(), side="right"))
     return drawn, _changed(assignment, rule.outcomes[drawn].effects)
 
 
 def decreasing(task: Task, assignment: Assignment) -> float:
     """What is paid for its decrease: the weighted number of conditions that hold (#dirt of eq. 2)."""
-    return sum(reward.decrease for reward in task.rewards if holds(reward.condition, assignment))
+    return float(sum(r.decrease for r in task.rewards if holds(r.condition, assignment)))
 
 
 def standing(task: Task, assignment: Assignment) -> float:
     """What a step that ends in this state is paid for the state alone."""
-    held = sum(reward.state for reward in task.rewards if holds(reward.condition, assignment))
-    return task.constant_reward + held
+    return float(task.constant_reward + sum(r.state for r in task.rewards if holds(r.condition, assignment)))
 
 
 def reward(task: Task, before: Assignment, action: int | None, after: Assignment) -> float:
     """The reward of a step by an action, given by index; None does nothing (eq. 2, and what else is paid)."""
-    cost = 0.0 if action is None else task.actions[action].cost
+    cost = 0.0 if action is None else float(task.actions[action].cost)
     return decreasing(task, before) - decreasing(task, after) + standing(task, after) - cost
 
 
@@ -101,16 +100,22 @@ def exact_value(task: Task, actions: Sequence[int]) -> float:
     """
     distribution: dict[Assignment, float] = {task.initial: 1.0}
     expected, value = decreasing(task, task.initial), 0.0
-    paid = standing(task, task.initial)
-    for step in range(max(len(actions), task.horizon)):
-        if step < len(actions):
-            distribution = forward(task, distribution, actions[step])
-            remaining = sum(mass * decreasing(task, s) for s, mass in distribution.items())
-            paid = sum(mass * standing(task, s) for s, mass in distribution.items())
-            value += task.discount**step * (expected - remaining - task.actions[actions[step]].cost)
-            expected = remaining
-        value += task.discount**step * paid
-    return value
+    paid, factor = standing(task, task.initial), 1.0
+    for action in actions:
+        distribution = forward(task, distribution, action)
+        remaining = sum(mass * decreasing(task, s) for s, mass in distribution.items())
+        paid = sum(mass * standing(task, s) for s, mass in distribution.items())
+        step = expected - remaining - float(task.actions[action].cost) + paid
+        value += factor * payment(task, action) * step
+        factor *= task.discounts[action]
+        expected = remaining
+    return value + factor * sum(task.discount**step * paid for step in range(task.horizon - len(actions)))
+
+
+def payment(task: Task, action: int) -> float:
+    """What a step's reward by the action is multiplied by: it comes when the action ends, so an action that
+    takes longer than a step (`by_time`) earns less; 1 where steps discount."""
+    return task.discounts[action] / task.discount if task.discount else 1.0
 
 
 def _changed(assignment: Assignment, effects: Sequence[tuple[int, int]]) -> Assignment:

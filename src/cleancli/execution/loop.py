@@ -35,6 +35,7 @@ from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered, symbolize
 from cleancli.perception.tracking import Stroke, track
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Robot, Status
@@ -157,7 +158,7 @@ class Episode:
         problem = problem_of(self._scene, self._domain, situation)
         # Every plan draws its own sequences: the seed of a run and the number of actions done name them.
         options = Options(self._options.samples, self._planning_seed + self.actions)
-        plan = PLANNERS[self._options.planner](ground(self._feasible, problem), options)
+        plan = PLANNERS[self._options.planner](prepare(ground(self._feasible, problem)), options)
         # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
         compiling = plan.seconds.get("compile", 0.0)
         seconds = time.perf_counter() - started - compiling

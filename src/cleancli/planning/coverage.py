@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import Task, held
 
 ENOUGH = 10
 """Samples per sequence of a small plan space: drawing more would find nothing new (§4.2.1). Chosen."""
@@ -36,4 +36,4 @@ def _log_sequences(task: Task) -> float:
 
 
 def _pairs(task: Task) -> int:
-    return (1 if task.initial_count is None else task.initial_count) * len(task.actions)
+    return (1 if task.counted is None else held(task.counted, task.initial)) * len(task.actions)

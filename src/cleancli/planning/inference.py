@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.compiler.tables import Floats, Ints, Tables
+from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.tables import Tables
+from cleancli.compiler.task import Assignment
 from cleancli.planning import kernel
 
 
-def best_sequence(tables: Tables, horizon: int, discount: float, samples: int, seed: int) -> Ints:
-    """Action indices (at most `horizon`) of the best of `samples` drawn sequences (§4.1)."""
+def best_sequence(
+    tables: Tables, state: Assignment, horizon: int, discount: float, samples: int, seed: int
+) -> Ints:
+    """Action indices (at most `horizon`) of the best of `samples` sequences drawn from a state (§4.1)."""
     _check(tables)
-    worth = np.cumsum(discount ** np.arange(max(horizon, 0))[::-1])[::-1].copy()
+    idle = np.concatenate([[0.0], np.cumsum(discount ** np.arange(max(horizon, 0)))])
     drawn, best = np.zeros((2, max(horizon, 0)), dtype=np.int32)
     start, belief = _belief(tables), _belief(tables)
     stream = np.uint64(seed % 2**64)
-    length: int = kernel.search(tables, start, belief, drawn, best, stream, discount, worth, samples)
+    length: int = kernel.search(
+        tables, _state(tables, state), start, belief, drawn, best, stream, idle, samples
+    )
     return best[:length]
 
 
-def step_rewards(tables: Tables, actions: Ints, steps: int) -> Floats:
-    """Undiscounted expected reward of each of `steps` steps (steps,), at least those of the actions.
+def step_rewards(tables: Tables, state: Assignment, actions: Ints, steps: int) -> Floats:
+    """Undiscounted expected reward of each of `steps` steps (steps,) from a state, at least those of the
+    actions.
 
     Nothing is done in the steps after the last action.
     """
@@ -30,12 +37,19 @@ def step_rewards(tables: Tables, actions: Ints, steps: int) -> Floats:
     assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
     assert steps >= actions.size
     result = np.zeros(steps)
-    kernel.rewards(tables, _belief(tables), actions, result)
+    kernel.rewards(tables, _state(tables, state), _belief(tables), actions, result)
     return result
 
 
+def _state(t: Tables, assignment: Assignment) -> Ints:
+    state = np.asarray(assignment, dtype=np.int32)
+    assert state.shape == (len(t.slot_start) - 1,)
+    assert ((state >= 0) & (state < np.diff(t.slot_start))).all()
+    return state
+
+
 def _belief(t: Tables) -> kernel.Belief:
-    variables, slots = len(t.slot_start) - 1, len(t.initial)
+    variables, slots = len(t.slot_start) - 1, int(t.slot_start[-1])
     factors, conditions = len(t.factor_slot_start) - 1, len(t.condition_factor_start) - 1
     actions = len(t.rule_start) - 1
     return kernel.Belief(*(np.zeros(n) for n in (slots, factors, conditions, actions, variables, slots)))
@@ -43,10 +57,9 @@ def _belief(t: Tables) -> kernel.Belief:
 
 def _check(t: Tables) -> None:
     """Compiled code checks no index: a table that doesn't fit would read and write other memory."""
-    slots, factors = len(t.initial), len(t.factor_slot_start) - 1
+    slots, factors = int(t.slot_start[-1]), len(t.factor_slot_start) - 1
     conditions, rules = len(t.condition_factor_start) - 1, len(t.rule_changes)
     variables, actions = len(t.slot_start) - 1, len(t.rule_start) - 1
-    assert t.slot_start[-1] == slots
     assert t.rule_start[-1] == rules
     assert t.rule_changes.dtype == np.bool_
     _check_lists(t.factor_slot_start, t.factor_slot, factors, slots)
@@ -57,11 +70,15 @@ def _check(t: Tables) -> None:
     _check_lists(t.touched_factor_start, t.touched_factor, actions, factors)
     _check_lists(t.touched_condition_start, t.touched_condition, actions, conditions)
     _check_lists(t.touched_action_start, t.touched_action, actions, actions)
-    for numbers, size in ((t.cost, actions), (t.decrease, conditions - rules), (t.state, conditions - rules)):
+    per_action = ((t.cost, actions), (t.payment, actions), (t.discount, actions))
+    for numbers, size in (
+        *per_action,
+        (t.constant, 1),
+        (t.decrease, conditions - rules),
+        (t.state, conditions - rules),
+    ):
         assert numbers.dtype == np.float64
         assert numbers.shape == (size,)
-    assert t.standing.dtype == np.float64
-    assert t.standing.shape == (1,)
 
 
 def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:

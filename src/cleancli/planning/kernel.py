@@ -13,7 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cleancli.compiler.tables import Bools, Floats, Ints, Tables
+from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.compiler.tables import Tables
+from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 NEGLIGIBLE = 1e-9
 """Last steps that add no more than this are dropped from a sequence."""
@@ -59,9 +61,11 @@ def _weight(rule_start: Ints, rule_changes: Bools, condition: Floats, action: in
 
 
 @njit(cache=True, nogil=True)
-def initialise(t: Tables, belief: Belief) -> None:
-    """Sets the belief to certainty about the initial state."""
-    belief.slot[:] = t.initial
+def initialise(t: Tables, state: Ints, belief: Belief) -> float:
+    """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
+    belief.slot[:] = 0.0
+    for variable in range(len(state)):
+        belief.slot[t.slot_start[variable] + state[variable]] = 1.0
     belief.kept[:] = 1.0
     belief.gained[:] = 0.0
     for f in range(len(belief.factor)):
@@ -71,6 +75,10 @@ def initialise(t: Tables, belief: Belief) -> None:
         belief.condition[c] = _product(t.condition_factor_start, t.condition_factor, belief.factor, c)
     for action in range(len(belief.weight)):
         belief.weight[action] = _weight(t.rule_start, t.rule_changes, belief.condition, action)
+    standing, rules = float(t.constant[0]), len(t.rule_changes)
+    for c in range(len(t.state)):
+        standing += t.state[c] * belief.condition[rules + c]
+    return standing
 
 
 # The loops below name their arrays first: numba counts references wherever a field is read, which costs ten
@@ -147,11 +155,10 @@ def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def rewards(t: Tables, belief: Belief, actions: Ints, result: Floats) -> None:
-    """Writes the undiscounted reward of each step from the initial state; where the actions have ended before
-    the result has, nothing is done."""
-    initialise(t, belief)
-    standing = t.standing[0]
+def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Floats) -> None:
+    """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
+    result has, nothing is done."""
+    standing = initialise(t, state, belief)
     for step in range(len(result)):
         result[step] = 0.0
         if step < len(actions):
@@ -159,20 +166,6 @@ def rewards(t: Tables, belief: Belief, actions: Ints, result: Floats) -> None:
             standing += rise
             result[step] = paid
         result[step] += standing
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _mixed(state: np.uint64) -> np.uint64:
-    """The output function of splitmix64 (Steele, Lea and Flood, OOPSLA 2014)."""
-    state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return state ^ (state >> np.uint64(31))
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _uniform(bits: np.uint64) -> float:
-    """The 53 upper bits as a number in [0, 1)."""
-    return float(bits >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -203,45 +196,47 @@ def _restore(belief: Belief, start: Belief) -> None:
 @njit(cache=True, nogil=True)
 def search(
     t: Tables,
+    initial: Ints,
     start: Belief,
     belief: Belief,
     drawn: Ints,
     best: Ints,
     seed: np.uint64,
-    discount: float,
-    worth: Floats,
+    idle: Floats,
     samples: int,
 ) -> int:
     """Length of the best of `samples` sequences, which is left in `best` (horizon,); 0 if doing nothing is
     as good.
 
-    `worth` (horizon,) is what a reward of 1 in that step and each one after it is worth. From a sequence's
-    end on, nothing is done, and the state is paid for what it is; each counts up to where it is worth most.
+    `idle` (horizon + 1,) is what a reward of 1 in each of so many last steps is worth at their start. From a
+    sequence's end on, nothing is done, and the state is paid for what it is; each counts up to where it is
+    worth most.
 
     Sample i depends on the seed and i alone, so more samples never find a worse plan. Of equals the first
     stays.
     """
-    golden = np.uint64(0x9E3779B97F4A7C15)
-    # Values are in excess of doing nothing: a rise of what the state is paid lasts until the next, so it is
-    # worth as much in all the steps to come, and what is paid from the start on cancels out.
-    best_value, best_length = 0.0, 0
-    initialise(t, start)
-    initialise(t, belief)
+    horizon, payment, discount = len(drawn), t.payment, t.discount
+    initialise(t, initial, belief)
+    first = initialise(t, initial, start)
+    nothing = first * idle[horizon]
+    best_value, best_length = nothing, 0
     for sample in range(samples):
         _restore(belief, start)
-        state = _mixed(_mixed(seed) + np.uint64(sample) * golden)
-        value, factor, useful_value, useful_length = 0.0, 1.0, 0.0, 0
-        for step in range(len(drawn)):
-            state += golden
-            action = _draw(belief.weight, _uniform(_mixed(state)))
+        stream = mixed(split(seed, np.uint64(sample)))
+        standing, value, factor, useful_value, useful_length = first, 0.0, 1.0, nothing, 0
+        for step in range(horizon):
+            stream += GOLDEN
+            action = _draw(belief.weight, uniform(stream))
             if action < 0:
                 break
             drawn[step] = action
             paid, rise = advance(t, belief, action)
-            value += factor * paid + worth[step] * rise
-            factor *= discount
-            if value > useful_value + NEGLIGIBLE:
-                useful_value, useful_length = value, step + 1
+            standing += rise
+            value += factor * payment[action] * (paid + standing)
+            factor *= discount[action]
+            stopped = value + factor * standing * idle[horizon - step - 1]
+            if stopped > useful_value + NEGLIGIBLE:
+                useful_value, useful_length = stopped, step + 1
         if useful_value > best_value:
             best_value, best_length = useful_value, useful_length
             best[:useful_length] = drawn[:useful_length]

@@ -10,24 +10,38 @@ from cleancli.compiler.task import GroundAction
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """`samples`: action sequences to draw (PRADA's n); `seed` of the planner's own random stream."""
+    """What planners are asked for; each reads what concerns it (docs/planning.md lists which).
+
+    `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
+    in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
+    depend on them. `previous`: what is left of the last plan, to start from.
+    """
 
     samples: int = 10_000
     seed: int = 0
+    time_limit: float | None = None
+    threads: int = 2
+    previous: tuple[GroundAction, ...] = ()
+    rule_threshold: float = 0.03
+    margin: float = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A sequence of actions and its value: expected discounted reward by the planner's own measure, up to the
-    horizon, though the sequence may end before it.
+    """A sequence of actions and its value: expected discounted reward up to the horizon, though the sequence
+    may end before it.
 
-    `coverage` is eq. 3's share of the sequences that were sampled; `seconds` per phase of the planner.
+    `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
+    (the sequence's own), or "policy" (of acting on what is seen, of which the sequence is the likeliest
+    course). `coverage` is eq. 3's share of the sequences that were sampled, None where none were; `seconds`
+    per phase of the planner.
     """
 
     planner: str
     actions: tuple[GroundAction, ...]
     value: float
+    measure: str
     samples: int
     horizon: int
-    coverage: float
+    coverage: float | None
     seconds: Mapping[str, float]

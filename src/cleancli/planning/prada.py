@@ -8,33 +8,38 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.tables import Floats, Ints, Tables, lower
+from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
-
-MARGIN = 0.05
-"""A plan must be worth more than doing nothing by this, as in the authors' implementation."""
+from cleancli.planning.prepared import Prepared
 
 
-def prada(task: Task, options: Options) -> Plan:
-    """The best of the sampled sequences; empty where it is not worth `MARGIN` more than doing nothing."""
+def prada(prepared: Prepared, options: Options) -> Plan:
+    """The best of the sampled sequences; empty where it is not worth `margin` more than doing nothing."""
+    task = prepared.task
     times = [time.perf_counter()]
-    tables = lower(task)
+    tables = prepared.tables
     times.append(time.perf_counter())
     inference = _inference()
-    inference.best_sequence(tables, 0, task.discount, 1, 0)  # makes numba load or compile what it will run
+    inference.best_sequence(
+        tables, task.initial, 0, task.discount, 1, 0
+    )  # makes numba load or compile what it will run
     nothing = _value(task, tables, np.zeros(0, dtype=np.int32))
     times.append(time.perf_counter())
     samples = enough_samples(task, options.samples)
-    best: Ints = inference.best_sequence(tables, task.horizon, task.discount, samples, options.seed)
+    best: Ints = inference.best_sequence(
+        tables, task.initial, task.horizon, task.discount, samples, options.seed
+    )
     value = _value(task, tables, best)
     times.append(time.perf_counter())
-    chosen = best if value > nothing + MARGIN else best[:0]
+    chosen = best if value > nothing + options.margin else best[:0]
     return Plan(
         planner="prada",
         actions=tuple(task.actions[action] for action in chosen),
         value=value if chosen.size else nothing,
+        measure="factored",
         samples=samples,
         horizon=task.horizon,
         coverage=coverage(task, samples),
@@ -59,5 +64,12 @@ def _inference() -> ModuleType:
 
 
 def _value(task: Task, tables: Tables, actions: Ints) -> float:
-    rewards: Floats = _inference().step_rewards(tables, actions, max(actions.size, task.horizon))
-    return float(rewards @ task.discount ** np.arange(rewards.size))
+    rewards: Floats = _inference().step_rewards(
+        tables, task.initial, actions, max(actions.size, task.horizon)
+    )
+    discount = np.full(rewards.size, task.discount)
+    discount[: actions.size] = tables.discount[actions]
+    payment = np.ones(rewards.size)
+    payment[: actions.size] = tables.payment[actions]
+    factor = np.concatenate([[1.0], np.cumprod(discount)[:-1]]) if rewards.size else discount
+    return float(rewards @ (payment * factor))

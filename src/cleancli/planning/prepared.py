@@ -1,0 +1,53 @@
+"""A task with its arrays, made once for planning in many of its states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from cleancli.compiler.process import Process, lower_process
+from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.task import Assignment, Task, in_state
+
+
+class _Arrays:
+    """The arrays of a task, each made when first asked for; none depends on the initial state."""
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+
+    @cached_property
+    def tables(self) -> Tables:
+        return lower(self._task)
+
+    @cached_property
+    def process(self) -> Process:
+        return lower_process(self._task)
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """What planners take: a task, and the arrays that it shares with the same task in other states."""
+
+    task: Task
+    _arrays: _Arrays
+
+    @property
+    def tables(self) -> Tables:
+        """For beliefs (PRADA)."""
+        return self._arrays.tables
+
+    @property
+    def process(self) -> Process:
+        """For exact states."""
+        return self._arrays.process
+
+    def at(self, assignment: Assignment, horizon: int | None = None) -> Prepared:
+        """The task in another state, with the horizon that it has there unless one is given."""
+        moved = in_state(self.task, assignment)
+        return Prepared(moved if horizon is None else replace(moved, horizon=horizon), self._arrays)
+
+
+def prepare(task: Task) -> Prepared:
+    """The task for planners."""
+    return Prepared(task, _Arrays(task))

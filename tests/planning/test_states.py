@@ -1,0 +1,123 @@
+"""The compiled process against compiler/transition.py, which says the same slowly."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import domains
+import numpy as np
+import pytest
+import reference
+from scipy import stats
+
+from cleancli.compiler.process import lower_process
+from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
+from cleancli.compiler.transition import (
+    covering_rule,
+    exact_value,
+    reward,
+    standing,
+    successors,
+)
+from cleancli.planning import states
+from cleancli.planning.prada import plan_value
+
+SEEDS = range(12)
+
+
+def some_states(task: Task, seed: int, number: int) -> list[Assignment]:
+    rng = np.random.default_rng([seed, 7])
+    return [tuple(int(rng.integers(len(v.values))) for v in task.variables) for _ in range(number)]
+
+
+def array(assignment: Assignment) -> np.ndarray:
+    return np.array(assignment, dtype=np.int32)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_conditions_rules_and_rewards_are_those_of_the_task(seed: int) -> None:
+    task = replace(domains.weighted_task(seed), goal=(((0, frozenset({0})), (1, frozenset({1}))),))
+    process = lower_process(task)
+    conditions = [*(r.condition for r in task.rules), *(r.condition for r in task.rewards), *task.goal]
+    for assignment in some_states(task, seed, 30):
+        state = array(assignment)
+        assert [states.holds(process, state, c) for c in range(len(conditions))] == [
+            holds(condition, assignment) for condition in conditions
+        ]
+        for action in range(len(task.actions)):
+            found = states.covering(process, state, action)
+            assert (task.rules[found] if found >= 0 else None) == covering_rule(task, assignment, action)
+        assert states.rewarded(process, state)[1] == pytest.approx(standing(task, assignment))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
+    task = domains.weighted_task(seed)
+    process, draws = lower_process(task), 4000
+    assignment = some_states(task, seed, 1)[0]
+    for action in range(len(task.actions)):
+        expected = {after: p for p, after in successors(task, assignment, action)}
+        seen: Counter[Assignment] = Counter()
+        for k in range(draws):
+            state = array(assignment)
+            paid, rise = states.step(process, state, action, (k + 0.5) / draws)
+            after = tuple(state.tolist())
+            seen[after] += 1
+            total = paid + rise + standing(task, assignment)
+            assert total == pytest.approx(reward(task, assignment, action, after))
+        assert {after: n / draws for after, n in seen.items()} == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
+    task = by_time(timed(seed)) if seed % 2 else domains.weighted_task(seed)
+    rng = np.random.default_rng(seed)
+    actions = rng.integers(len(task.actions), size=4)
+    idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(task.horizon))])
+    process, samples = lower_process(task), 20_000
+    mean, square = states.sequence_value(
+        process, array(task.initial), actions.astype(np.int32), idle, samples, np.uint64(seed)
+    )
+    error = np.sqrt(max(square - mean**2, 1e-12) / samples)
+    assert abs(mean - exact_value(task, actions.tolist())) < stats.norm.isf(1e-5) * error
+
+
+def timed(seed: int) -> Task:
+    task = domains.weighted_task(seed)
+    actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
+    return replace(task, actions=actions)
+
+
+def test_time_discounts_by_duration() -> None:
+    task = by_time(timed(1))
+    assert task.discounts == pytest.approx([0.9 ** ((i + 1) / 3.5) for i in range(6)])
+    for actions in ([0], [5], [5, 0, 3, 3]):
+        value, factor, distribution = 0.0, 1.0, {task.initial: 1.0}
+        seconds = 0.0
+        for action in actions:
+            seconds += task.actions[action].duration or 0.0
+            after: dict[Assignment, float] = {}
+            paid = 0.0
+            for state, mass in distribution.items():
+                for p, s in successors(task, state, action):
+                    after[s] = after.get(s, 0.0) + mass * p
+                    paid += mass * p * reward(task, state, action, s)
+            factor = 0.9 ** (seconds / 3.5)
+            value += factor / 0.9 * paid
+            distribution = after
+        rest = sum(mass * standing(task, s) for s, mass in distribution.items())
+        value += factor * rest * sum(0.9**k for k in range(task.horizon - len(actions)))
+        assert exact_value(task, actions) == pytest.approx(value)
+        assert plan_value(task, actions) == pytest.approx(reference.value(task, actions), abs=1e-9)
+
+
+def test_equal_durations_discount_as_steps_do() -> None:
+    task = timed(3)
+    equal = replace(task, actions=tuple(replace(a, duration=4.0) for a in task.actions))
+    assert by_time(equal).discounts == pytest.approx(task.discounts)
+
+
+def test_time_needs_durations() -> None:
+    with pytest.raises(NoDurationError, match="act0"):
+        by_time(domains.random_task(0))
