@@ -169,7 +169,7 @@ def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Float
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _draw(weight: Floats, uniform: float) -> int:
+def draw(weight: Floats, uniform: float) -> int:
     """An action in proportion to its weight; -1 where none has any."""
     total = 0.0
     for action in range(len(weight)):
@@ -186,7 +186,8 @@ def _draw(weight: Floats, uniform: float) -> int:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _restore(belief: Belief, start: Belief) -> None:
+def restore(belief: Belief, start: Belief) -> None:
+    """Makes a belief equal to another one of the same task."""
     belief.slot[:] = start.slot
     belief.factor[:] = start.factor
     belief.condition[:] = start.condition
@@ -221,12 +222,12 @@ def search(
     nothing = first * idle[horizon]
     best_value, best_length = nothing, 0
     for sample in range(samples):
-        _restore(belief, start)
+        restore(belief, start)
         stream = mixed(split(seed, np.uint64(sample)))
         standing, value, factor, useful_value, useful_length = first, 0.0, 1.0, nothing, 0
         for step in range(horizon):
             stream += GOLDEN
-            action = _draw(belief.weight, uniform(stream))
+            action = draw(belief.weight, uniform(stream))
             if action < 0:
                 break
             drawn[step] = action
