@@ -13,15 +13,18 @@ Belief = dict[tuple[int, int], float]
 CUT = 0.03
 
 
-def value(task: Task, actions: Sequence[int], *, independent_rules: bool = False) -> float:
-    """Discounted reward, where nothing is done after the actions; `independent_rules` multiplies by 1 - φ of
-    the other rules, as libPRADA does."""
+def value(
+    task: Task, actions: Sequence[int], *, independent_rules: bool = False, threshold: float = CUT
+) -> float:
+    """Discounted reward, where nothing is done after the actions; `independent_rules` updates as libPRADA
+    does."""
     belief = initial(task)
     total, factor = 0.0, 1.0
     for step in range(max(len(actions), task.horizon)):
         reward, payment, discount = 0.0, 1.0, task.discount
         if step < len(actions):
-            after = update(task, belief, actions[step], independent_rules=independent_rules)
+            change = update_independent if independent_rules else update
+            after = change(task, belief, actions[step], threshold)
             reward = (
                 decreasing(task, belief) - decreasing(task, after) - float(task.actions[actions[step]].cost)
             )
@@ -45,16 +48,40 @@ def probability(belief: Belief, condition: GroundCondition) -> float:
     return prod(sum(belief[variable, value] for value in values) for variable, values in condition)
 
 
-def cut(probability: float) -> float:
-    return probability if probability >= CUT else 0.0
+def cut(probability: float, threshold: float) -> float:
+    return probability if probability >= threshold else 0.0
 
 
-def update(task: Task, belief: Belief, action: int, *, independent_rules: bool) -> Belief:
+def update(task: Task, belief: Belief, action: int, threshold: float) -> Belief:
+    """Rules of an action exclude each other, and what they ask of a variable is known where they apply."""
     rules = [rule for rule in task.rules if rule.action == action]
-    phi = [cut(probability(belief, rule.condition)) for rule in rules]
-    covers = phi
-    if independent_rules:
-        covers = [cut(prod([p, *(1 - q for j, q in enumerate(phi) if j != i)])) for i, p in enumerate(phi)]
+    phi = [cut(probability(belief, rule.condition), threshold) for rule in rules]
+    return {
+        (v, x): p
+        + sum(
+            f * (impact(r, v, x) - sets(r, v) * given(belief, r, v, x))
+            for f, r in zip(phi, rules, strict=True)
+            if f > 0
+        )
+        for (v, x), p in belief.items()
+    }
+
+
+def given(belief: Belief, rule: GroundRule, variable: int, value: int) -> float:
+    """P(variable = value | what the rule's condition asks of the variable)."""
+    allowed = dict(rule.condition).get(variable)
+    if allowed is None:
+        return belief[variable, value]
+    return belief[variable, value] / sum(belief[variable, x] for x in allowed) if value in allowed else 0.0
+
+
+def update_independent(task: Task, belief: Belief, action: int, threshold: float) -> Belief:
+    """libPRADA's: rules of an action, and variables, are independent."""
+    rules = [rule for rule in task.rules if rule.action == action]
+    phi = [cut(probability(belief, rule.condition), threshold) for rule in rules]
+    covers = [
+        cut(prod([p, *(1 - q for j, q in enumerate(phi) if j != i)]), threshold) for i, p in enumerate(phi)
+    ]
     w = sum(covers)
     return {
         (v, x): (1 - w) * p

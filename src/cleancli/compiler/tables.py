@@ -1,12 +1,13 @@
-"""Lowering: a task becomes flat numpy arrays, with the inverse indices that a belief update needs.
+"""Lowering for beliefs: a task becomes the flat arrays with which a belief is updated and valued.
 
 Guaranteed by `ground`: everything is sorted, and the rules of one action stand together and exclude each
-other. A variable owns one slot per value; a belief is a probability per slot. Lists of lists are stored as
-ragged.py says.
+other (unless the task was grounded as libPRADA does, which `Tables.independent` is for). Lists of lists are
+stored as ragged.py says.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -14,123 +15,202 @@ from typing import NamedTuple
 import numpy as np
 
 from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
-from cleancli.compiler.task import GroundRule, Task
+from cleancli.compiler.task import GroundCondition, GroundRule, RewardCondition, Task
 from cleancli.compiler.transition import payment
+
+Literal = tuple[int, frozenset[int]]
+"""A variable and the values that it may have."""
 
 
 class Tables(NamedTuple):
-    """Arrays of a task with V variables, S slots, A actions, R rules, C reward conditions and F factors.
+    """Arrays of a task with V variables, A actions, R rules and C reward conditions.
 
-    A factor is the probability that a variable has one of some values: a sum of slots, shared by all
-    conditions that ask for it. A condition is a product of factors; conditions 0..R-1 are the rules', the
-    other C those of the reward. (A named tuple and no dataclass, because compiled code takes it as it is.)
+    A belief is N numbers: S slots, one per value of each variable, then sums of slots, one per literal that
+    allows several values, then the number 1. So a literal's probability is one of these numbers, and a
+    condition's is the product of some. Rules that change nothing are left out, unless they are taken as
+    independent. (A named tuple and no dataclass, because compiled code takes it as it is.)
+
+    An update by a rule with probability p adds p · `shift` to slots, and takes p · `loss` · P(slot | given)
+    from others.
     """
 
     slot_start: Ints  # (V + 1,) slots of each variable
-    factor_slot_start: Ints  # (F + 1,)
-    factor_slot: Ints  # (n,) slots that each factor sums
-    condition_factor_start: Ints  # (R + C + 1,)
-    condition_factor: Ints  # (n,) factors that each condition multiplies
+    sum_start: Ints  # (N - S,)
+    sum_slot: Ints  # (n,) slots that each sum adds
+    guard_start: Ints  # (A + 1,)
+    guard: Ints  # (n,) numbers that all conditions of each action's rules multiply
+    condition_start: Ints  # (R + C + 1,)
+    condition: Ints  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
-    rule_changes: Bools  # (R,) whether an outcome of the rule changes something
-    set_start: Ints  # (R + 1,)
-    set_variable: Ints  # (n,) variables that outcomes of each rule set
-    set_probability: Floats  # (n,) probability that the rule sets that variable at all
-    impact_start: Ints  # (R + 1,)
-    impact_slot: Ints  # (n,) slots that outcomes of each rule set
-    impact_probability: Floats  # (n,) total probability of the outcomes that set that slot
-    touched_variable_start: Ints  # (A + 1,)
-    touched_variable: Ints  # (n,) variables that each action can set
-    touched_factor_start: Ints  # (A + 1,)
-    touched_factor: Ints  # (n,) factors over those variables
-    touched_condition_start: Ints  # (A + 1,)
-    touched_condition: Ints  # (n,) conditions with one of those factors, ascending, so rules come first
-    touched_action_start: Ints  # (A + 1,)
-    touched_action: Ints  # (n,) actions with one of those rules
+    changes: Bools  # (R,) whether an outcome of the rule changes something
+    shift_start: Ints  # (R + 1,)
+    shift_slot: Ints  # (n,)
+    shift: Floats  # (n,)
+    loss_start: Ints  # (R + 1,)
+    loss_slot: Ints  # (n,)
+    loss_given: Ints  # (n,) the number of the literal that the rule asks of the slot's variable
+    loss: Floats  # (n,)
+    touched_slot_start: Ints  # (A + 1,)
+    touched_slot: Ints  # (n,) slots of variables that each action can set
+    touched_sum_start: Ints  # (A + 1,)
+    touched_sum: Ints  # (n,) sums (from 0) of those slots
+    touched_reward_start: Ints  # (A + 1,)
+    touched_reward: Ints  # (n,) reward conditions (from 0) that ask for those variables
     cost: Floats  # (A,) what the reward of a step loses by each action
     payment: Floats  # (A,) what the reward of a step by each action is multiplied by
     discount: Floats  # (A,) what all that comes after each action is multiplied by
+    most: Floats  # (A,) what an action is paid at most for conditions that end, less its cost
     decrease: Floats  # (C,) what each reward condition pays when it ends
     state: Floats  # (C,) what each reward condition pays after a step in which it holds
     constant: Floats  # (1,) what each step pays in any state
+    independent: Bools  # (1,) whether the rules of an action are taken as independent, as libPRADA does
 
 
-def lower(task: Task) -> Tables:
-    """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
-    slot_start = np.cumsum([0, *(len(variable.values) for variable in task.variables)]).astype(np.int32)
-    conditions = [*(rule.condition for rule in task.rules), *(reward.condition for reward in task.rewards)]
-    factors = sorted({_factor(pair) for condition in conditions for pair in condition})
-    number = {factor: index for index, factor in enumerate(factors)}
-    changes = np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_)
-    rule_start = np.searchsorted([rule.action for rule in task.rules], np.arange(len(task.actions) + 1))
-    impacts = [_impact(rule, slot_start) for rule in task.rules]
-    sets = [_set(rule) for rule in task.rules]
-    touched = _Touched(task, factors, [[number[_factor(pair)] for pair in c] for c in conditions])
+def lower(task: Task, *, independent: bool = False) -> Tables:
+    """The arrays of a task, the same for each initial state; equal tasks give equal arrays.
+
+    `independent`: for libPRADA's update, which takes whether rules of one action apply, and the values of
+    variables, as independent of each other. Then rules may overlap.
+    """
+    rules = [rule for rule in task.rules if independent or any(o.effects for o in rule.outcomes)]
+    numbers = _Numbers(task, rules, independent)
+    rule_start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
+    of_action = [rules[a:b] for a, b in itertools.pairwise(rule_start.tolist())]
+    guards = [numbers.guard(group) for group in of_action]
+    rests = [sorted(set(numbers.of(rule.condition)) - set(guards[rule.action])) for rule in rules]
+    losses = [numbers.losses(rule) for rule in rules]
+    shifts = [numbers.shifts(rule) for rule in rules]
     return Tables(
-        slot_start,
-        *ragged([[int(slot_start[v]) + value for value in values] for v, values in factors]),
-        *ragged(touched.condition_factors),
+        numbers.slot_start,
+        *ragged(list(numbers.sums.values())),
+        *ragged(guards),
+        *ragged([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
         rule_start.astype(np.int32),
-        changes,
-        *ragged([list(s) for s in sets]),
-        floats(p for s in sets for p in s.values()),
-        *ragged([list(i) for i in impacts]),
-        floats(p for i in impacts for p in i.values()),
-        *ragged(touched.variables),
-        *ragged(touched.factors),
-        *ragged(touched.conditions),
-        *ragged(touched.actions),
+        np.array([any(o.effects for o in rule.outcomes) for rule in rules], dtype=np.bool_),
+        *ragged([list(s) for s in shifts]),
+        floats(p for s in shifts for p in s.values()),
+        *ragged([[slot for slot, _, _ in entries] for entries in losses]),
+        np.array([given for entries in losses for _, given, _ in entries], dtype=np.int32),
+        floats(p for entries in losses for _, _, p in entries),
+        *numbers.touched(of_action),
         floats(action.cost for action in task.actions),
         floats(payment(task, action) for action in range(len(task.actions))),
         floats(task.discounts),
+        floats(_most(task, of_action)),
         floats(reward.decrease for reward in task.rewards),
         floats(reward.state for reward in task.rewards),
         floats([task.constant_reward]),
+        np.array([independent]),
     )
 
 
-def _factor(pair: tuple[int, frozenset[int]]) -> tuple[int, tuple[int, ...]]:
-    return pair[0], tuple(sorted(pair[1]))
+class _Numbers:
+    """Which numbers of a belief literals, conditions and effects are about."""
+
+    def __init__(self, task: Task, rules: Sequence[GroundRule], independent: bool) -> None:
+        self._task, self._independent = task, independent
+        sizes = [len(variable.values) for variable in task.variables]
+        self.slot_start = np.cumsum([0, *sizes]).astype(np.int32)
+        self._first = self.slot_start.tolist()
+        conditions = [*(rule.condition for rule in rules), *(reward.condition for reward in task.rewards)]
+        several = {(v, tuple(sorted(a))) for condition in conditions for v, a in condition if len(a) > 1}
+        self.sums = {(v, a): [self._first[v] + value for value in a] for v, a in sorted(several)}
+        self._number = {literal: self._first[-1] + index for index, literal in enumerate(self.sums)}
+        self.one = self._first[-1] + len(self.sums)
+
+    def of(self, condition: GroundCondition) -> list[int]:
+        """The numbers that the condition's probability is the product of."""
+        return [self._literal(variable, allowed) for variable, allowed in condition]
+
+    def _literal(self, variable: int, allowed: frozenset[int]) -> int:
+        if len(allowed) == 1:
+            return int(self._first[variable]) + next(iter(allowed))
+        return self._number[variable, tuple(sorted(allowed))]
+
+    def guard(self, rules: Sequence[GroundRule]) -> list[int]:
+        """What all the rules ask for; nothing where they are independent, because then the probability that
+        one applies may be more than that of what all ask for."""
+        if self._independent or not rules:
+            return []
+        return sorted(set.intersection(*(set(self.of(rule.condition)) for rule in rules)))
+
+    def shifts(self, rule: GroundRule) -> dict[int, Fraction]:
+        """What the rule adds to slots: what its outcomes set, less what they set where the value is known."""
+        shift: dict[int, Fraction] = {}
+        for outcome in rule.outcomes:
+            for variable, value in outcome.effects:
+                slot = self._first[variable] + value
+                shift[slot] = shift.get(slot, Fraction(0)) + outcome.probability
+        for variable, probability in _sets(rule).items():
+            allowed = self._asked(rule).get(variable, ())
+            if len(allowed) == 1:
+                slot = self._first[variable] + next(iter(allowed))
+                shift[slot] = shift.get(slot, Fraction(0)) - probability
+        return {slot: shift[slot] for slot in sorted(shift) if shift[slot]}
+
+    def losses(self, rule: GroundRule) -> list[tuple[int, int, Fraction]]:
+        """Slot, given literal and probability where the value that is lost is not known."""
+        entries = []
+        for variable, probability in _sets(rule).items():
+            allowed = self._asked(rule).get(variable)
+            if allowed is None:
+                slots = range(self._first[variable], self._first[variable + 1])
+                entries += [(slot, self.one, probability) for slot in slots]
+            elif len(allowed) > 1:
+                given = self._literal(variable, allowed)
+                entries += [(self._first[variable] + x, given, probability) for x in sorted(allowed)]
+        return entries
+
+    def _asked(self, rule: GroundRule) -> dict[int, frozenset[int]]:
+        """What the update may take as known of each variable where the rule applies."""
+        return {} if self._independent else dict(rule.condition)
+
+    def touched(self, of_action: Sequence[Sequence[GroundRule]]) -> list[Ints]:
+        """Per action what it makes stale: slots, sums of them, reward conditions; two arrays each."""
+        variables = [sorted({v for rule in rules for v in _sets(rule)}) for rules in of_action]
+        size = len(self._task.variables)
+        sums_of = inverse(size, [[variable] for variable, _ in self.sums])
+        rewards_of = inverse(size, [[v for v, _ in reward.condition] for reward in self._task.rewards])
+        slots = [[s for v in chosen for s in range(*self._first[v : v + 2])] for chosen in variables]
+        return [
+            *ragged(slots),
+            *ragged([union(sums_of, chosen) for chosen in variables]),
+            *ragged([union(rewards_of, chosen) for chosen in variables]),
+        ]
 
 
-def _impact(rule: GroundRule, slot_start: Ints) -> dict[int, Fraction]:
-    """Per slot the total probability of the outcomes that set it."""
-    impact: dict[int, Fraction] = {}
-    for outcome in rule.outcomes:
-        for variable, value in outcome.effects:
-            slot = int(slot_start[variable]) + value
-            impact[slot] = impact.get(slot, Fraction(0)) + outcome.probability
-    return dict(sorted(impact.items()))
-
-
-def _set(rule: GroundRule) -> dict[int, Fraction]:
+def _sets(rule: GroundRule) -> dict[int, Fraction]:
     """Per variable the total probability of the outcomes that set it."""
     probability: dict[int, Fraction] = {}
     for outcome in rule.outcomes:
-        for variable, _ in outcome.effects:
-            probability[variable] = probability.get(variable, Fraction(0)) + outcome.probability
+        if outcome.probability:
+            for variable, _ in outcome.effects:
+                probability[variable] = probability.get(variable, Fraction(0)) + outcome.probability
     return dict(sorted(probability.items()))
 
 
-class _Touched:
-    """What each action makes stale: variables, factors over them, their conditions, weights of actions."""
+def _most(task: Task, of_action: Sequence[Sequence[GroundRule]]) -> list[Fraction]:
+    """Per action what it is paid at most for the conditions that may end or begin, less its cost.
 
-    def __init__(
-        self,
-        task: Task,
-        factors: Sequence[tuple[int, tuple[int, ...]]],
-        condition_factors: Sequence[Sequence[int]],
-    ) -> None:
-        self.condition_factors = condition_factors
-        variables: list[set[int]] = [set() for _ in task.actions]
-        for rule in task.rules:
-            variables[rule.action].update(v for outcome in rule.outcomes for v, _ in outcome.effects)
-        factors_of = inverse(len(task.variables), [[variable] for variable, _ in factors])
-        conditions_of = inverse(len(factors), condition_factors)
-        self.variables = [sorted(touched) for touched in variables]
-        self.factors = [union(factors_of, touched) for touched in self.variables]
-        self.conditions = [union(conditions_of, touched) for touched in self.factors]
-        self.actions = [
-            sorted({task.rules[c].action for c in touched if c < len(task.rules)})
-            for touched in self.conditions
-        ]
+    A rule as likely as p changes a literal's probability by at most p times that of the outcomes that change
+    it, and a product of probabilities by at most the sum of what its factors change.
+    """
+    asking: list[list[tuple[RewardCondition, frozenset[int]]]] = [[] for _ in task.variables]
+    for reward in task.rewards:
+        for variable, allowed in reward.condition:
+            asking[variable].append((reward, allowed))
+
+    def paid(rule: GroundRule) -> Fraction:
+        return sum(
+            (
+                outcome.probability * (-reward.decrease if value in allowed else reward.decrease)
+                for outcome in rule.outcomes
+                for variable, value in outcome.effects
+                for reward, allowed in asking[variable]
+                if (reward.decrease < 0) == (value in allowed)
+            ),
+            Fraction(0),
+        )
+
+    best = [max(map(paid, rules), default=Fraction(0)) for rules in of_action]
+    return [most - action.cost for most, action in zip(best, task.actions, strict=True)]

@@ -1,6 +1,11 @@
-"""The compiled kernel for callers: checks the arrays that go in, and gives it the memory that it works in."""
+"""The compiled kernel for callers: checks the arrays that go in, gives it the memory that it works in, and
+divides its work among threads."""
 
 from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -9,36 +14,103 @@ from cleancli.compiler.tables import Tables
 from cleancli.compiler.task import Assignment
 from cleancli.planning import kernel
 
+PORTION = 500
+"""Samples that a thread draws before the clock is looked at. Chosen: milliseconds for ten areas."""
+
+ROUNDING = 1e-9
+"""What bounds are raised by, so that sums in another order stay below them."""
+
 
 def best_sequence(
-    tables: Tables, state: Assignment, horizon: int, discount: float, samples: int, seed: int
-) -> Ints:
-    """Action indices (at most `horizon`) of the best of `samples` sequences drawn from a state (§4.1)."""
-    _check(tables)
-    idle = np.concatenate([[0.0], np.cumsum(discount ** np.arange(max(horizon, 0)))])
-    drawn, best = np.zeros((2, max(horizon, 0)), dtype=np.int32)
-    start, belief = _belief(tables), _belief(tables)
-    stream = np.uint64(seed % 2**64)
-    length: int = kernel.search(
-        tables, _state(tables, state), start, belief, drawn, best, stream, idle, samples
+    tables: Tables,
+    state: Assignment,
+    horizon: int,
+    discount: float,
+    samples: int,
+    seed: int,
+    *,
+    threshold: float,
+    threads: int = 1,
+    deadline: float | None = None,
+) -> tuple[Ints, int]:
+    """Action indices (at most `horizon`) of the best of `samples` sequences drawn from a state (§4.1), and
+    how many were drawn; fewer only if `time.perf_counter()` has passed `deadline`."""
+    check(tables)
+    horizon = max(horizon, 0)
+    run = partial(
+        _best_of,
+        tables,
+        _state(tables, state),
+        threshold,
+        np.uint64(seed % 2**64),
+        _worth(discount, horizon),
+        _ceiling(tables, discount, horizon),
     )
-    return best[:length]
+    best, value, drawn = np.zeros(0, dtype=np.int32), -np.inf, 0
+    size = PORTION if deadline is not None else max(-(-samples // threads), PORTION)
+    firsts = range(0, samples, size)
+    with ThreadPoolExecutor(threads) as pool:
+        for i in range(0, len(firsts), threads):
+            portions = [(first, min(first + size, samples), value) for first in firsts[i : i + threads]]
+            for worth, found in (map if len(portions) == 1 else pool.map)(run, portions):
+                if worth > value:
+                    best, value = found, worth
+            drawn = portions[-1][1]
+            if deadline is not None and time.perf_counter() > deadline:
+                break
+    return best, drawn
 
 
-def step_rewards(tables: Tables, state: Assignment, actions: Ints, steps: int) -> Floats:
+def _best_of(
+    tables: Tables,
+    state: Ints,
+    threshold: float,
+    seed: np.uint64,
+    idle: Floats,
+    ceiling: Floats,
+    portion: tuple[int, int, float],
+) -> tuple[float, Ints]:
+    """The best of some samples (first, last + 1) if it is worth more than a value, and its worth."""
+    drawn, best = np.zeros((2, len(idle) - 1), dtype=np.int32)
+    start, belief = new_belief(tables, threshold), new_belief(tables, threshold)
+    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, ceiling, *portion)
+    return worth, best[:length]
+
+
+def _worth(discount: float, steps: int) -> Floats:
+    """What a reward of 1 in each of so many steps is worth at their start (steps + 1,)."""
+    return np.concatenate([[0.0], np.cumsum(discount ** np.arange(steps))])
+
+
+def _ceiling(t: Tables, discount: float, steps: int) -> Floats:
+    """What so many steps can pay at most, at their start (steps + 1,)."""
+    standing = float(t.constant[0]) + float(np.maximum(t.state, 0).sum())
+    step = max(standing, float(np.max(t.payment * (t.most + standing), initial=0.0)), 0.0)
+    ceiling = step * _worth(float(np.max(t.discount, initial=discount)), steps)
+    return ceiling * (1 + ROUNDING) + ROUNDING
+
+
+def step_rewards(tables: Tables, state: Assignment, actions: Ints, steps: int, *, threshold: float) -> Floats:
     """Undiscounted expected reward of each of `steps` steps (steps,) from a state, at least those of the
     actions.
 
     Nothing is done in the steps after the last action.
     """
-    _check(tables)
+    check(tables)
     assert actions.ndim == 1
     assert actions.dtype == np.int32
     assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
     assert steps >= actions.size
     result = np.zeros(steps)
-    kernel.rewards(tables, _state(tables, state), _belief(tables), actions, result)
+    kernel.rewards(tables, _state(tables, state), new_belief(tables, threshold), actions, result)
     return result
+
+
+def new_belief(t: Tables, threshold: float) -> kernel.Belief:
+    """Memory for a belief of a task, for `initialise` to fill in."""
+    slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.changes), len(t.cost)
+    sizes = (slots + sums + 1, len(t.state), actions, rules, rules, slots)
+    return kernel.Belief(*map(np.zeros, sizes), np.array([threshold]))
 
 
 def _state(t: Tables, assignment: Assignment) -> Ints:
@@ -48,37 +120,32 @@ def _state(t: Tables, assignment: Assignment) -> Ints:
     return state
 
 
-def _belief(t: Tables) -> kernel.Belief:
-    variables, slots = len(t.slot_start) - 1, int(t.slot_start[-1])
-    factors, conditions = len(t.factor_slot_start) - 1, len(t.condition_factor_start) - 1
-    actions = len(t.rule_start) - 1
-    return kernel.Belief(*(np.zeros(n) for n in (slots, factors, conditions, actions, variables, slots)))
-
-
-def _check(t: Tables) -> None:
+def check(t: Tables) -> None:
     """Compiled code checks no index: a table that doesn't fit would read and write other memory."""
-    slots, factors = int(t.slot_start[-1]), len(t.factor_slot_start) - 1
-    conditions, rules = len(t.condition_factor_start) - 1, len(t.rule_changes)
-    variables, actions = len(t.slot_start) - 1, len(t.rule_start) - 1
-    assert t.rule_start[-1] == rules
-    assert t.rule_changes.dtype == np.bool_
-    _check_lists(t.factor_slot_start, t.factor_slot, factors, slots)
-    _check_lists(t.condition_factor_start, t.condition_factor, conditions, factors)
-    _check_lists(t.set_start, t.set_variable, rules, variables, t.set_probability)
-    _check_lists(t.impact_start, t.impact_slot, rules, slots, t.impact_probability)
-    _check_lists(t.touched_variable_start, t.touched_variable, actions, variables)
-    _check_lists(t.touched_factor_start, t.touched_factor, actions, factors)
-    _check_lists(t.touched_condition_start, t.touched_condition, actions, conditions)
-    _check_lists(t.touched_action_start, t.touched_action, actions, actions)
-    per_action = ((t.cost, actions), (t.payment, actions), (t.discount, actions))
-    for numbers, size in (
-        *per_action,
+    variables, slots, sums = len(t.slot_start) - 1, int(t.slot_start[-1]), len(t.sum_start) - 1
+    actions, rules, rewards = len(t.rule_start) - 1, len(t.changes), len(t.state)
+    numbers = slots + sums + 1
+    _check_lists(t.slot_start, np.arange(slots, dtype=np.int32), variables, slots)
+    _check_lists(t.sum_start, t.sum_slot, sums, slots)
+    _check_lists(t.guard_start, t.guard, actions, numbers)
+    _check_lists(t.condition_start, t.condition, rules + rewards, numbers)
+    _check_lists(t.rule_start, np.arange(rules, dtype=np.int32), actions, rules)
+    _check_lists(t.shift_start, t.shift_slot, rules, slots, t.shift)
+    _check_lists(t.loss_start, t.loss_slot, rules, slots, t.loss)
+    _check_lists(t.loss_start, t.loss_given, rules, numbers)
+    _check_lists(t.touched_slot_start, t.touched_slot, actions, slots)
+    _check_lists(t.touched_sum_start, t.touched_sum, actions, sums)
+    _check_lists(t.touched_reward_start, t.touched_reward, actions, rewards)
+    for array, size in (
+        *((per_action, actions) for per_action in (t.cost, t.payment, t.discount, t.most)),
+        *((per_reward, rewards) for per_reward in (t.decrease, t.state)),
         (t.constant, 1),
-        (t.decrease, conditions - rules),
-        (t.state, conditions - rules),
     ):
-        assert numbers.dtype == np.float64
-        assert numbers.shape == (size,)
+        assert array.dtype == np.float64
+        assert array.shape == (size,)
+    for array, size in ((t.changes, rules), (t.independent, 1)):
+        assert array.dtype == np.bool_
+        assert array.shape == (size,)
 
 
 def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:

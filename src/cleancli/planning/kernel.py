@@ -1,9 +1,8 @@
 """PRADA's inner loops, compiled: the belief update and the drawing of action sequences (§4.1).
 
-Lang and Toussaint's factored inference: a belief is a product of marginals, one per state variable.
-Guaranteed by `lower`: indices are in range, and the rules of one action exclude each other, so the
-probability that a rule covers the state is simply that of its condition (docs/planning.md). Nothing is
-allocated per sample, and only what an action touched is computed again.
+Lang and Toussaint's factored inference: a belief is a product of marginals, one per state variable; `Tables`
+says how it is stored. Nothing is allocated per sample, and little is computed: an update does what the drawn
+action changes, and only actions that are proposed are weighed. Guaranteed by `lower`: indices are in range.
 """
 
 from __future__ import annotations
@@ -13,72 +12,27 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.tables import Tables
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 NEGLIGIBLE = 1e-9
 """Last steps that add no more than this are dropped from a sequence."""
 
-RULE_THRESHOLD = 0.03
-"""A rule less likely than this is taken not to apply, as in the authors' implementation of PRADA."""
+HALF = np.uint64(32)
+LOWER_HALF = np.uint64(2**32 - 1)
 
 
 class Belief(NamedTuple):
-    """A belief over a task's slots, what follows from it, and scratch space (sizes as in `Tables`)."""
+    """A belief over a task's slots, how it is updated, and scratch space (sizes as in `Tables`)."""
 
-    slot: Floats  # (S,) probability of each value
-    factor: Floats  # (F,)
-    condition: Floats  # (R + C,) probabilities; those of rules are 0 below the threshold
-    weight: Floats  # (A,) probability that the action changes something
-    kept: Floats  # (V,) scratch: probability that an action leaves the variable alone; 1 between updates
-    gained: Floats  # (S,) scratch: probability that an action sets the slot; 0 between updates
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _sum(start: Ints, entries: Ints, values: Floats, item: int) -> float:
-    total = 0.0
-    for i in range(start[item], start[item + 1]):
-        total += values[entries[i]]
-    return total
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _product(start: Ints, entries: Ints, values: Floats, item: int) -> float:
-    product = 1.0
-    for i in range(start[item], start[item + 1]):
-        product *= values[entries[i]]
-    return product
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _weight(rule_start: Ints, rule_changes: Bools, condition: Floats, action: int) -> float:
-    total = 0.0
-    for rule in range(rule_start[action], rule_start[action + 1]):
-        if rule_changes[rule]:
-            total += condition[rule]
-    return total
-
-
-@njit(cache=True, nogil=True)
-def initialise(t: Tables, state: Ints, belief: Belief) -> float:
-    """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
-    belief.slot[:] = 0.0
-    for variable in range(len(state)):
-        belief.slot[t.slot_start[variable] + state[variable]] = 1.0
-    belief.kept[:] = 1.0
-    belief.gained[:] = 0.0
-    for f in range(len(belief.factor)):
-        belief.factor[f] = _sum(t.factor_slot_start, t.factor_slot, belief.slot, f)
-    for c in range(len(belief.condition)):
-        # Nothing is cut: in a single state a condition has probability 0 or 1.
-        belief.condition[c] = _product(t.condition_factor_start, t.condition_factor, belief.factor, c)
-    for action in range(len(belief.weight)):
-        belief.weight[action] = _weight(t.rule_start, t.rule_changes, belief.condition, action)
-    standing, rules = float(t.constant[0]), len(t.rule_changes)
-    for c in range(len(t.state)):
-        standing += t.state[c] * belief.condition[rules + c]
-    return standing
+    number: Floats  # (N,) probability of each value, then sums of them, then 1
+    reward: Floats  # (C,) probability of each reward condition
+    weight: Floats  # (A,) probability that the action changes something, after `initialise` and `advance`
+    cover: Floats  # (R,) scratch: probability that each rule of the action last weighed applies
+    others: Floats  # (R,) scratch of the same
+    change: Floats  # (S,) scratch: what an update adds to each slot; 0 between updates
+    threshold: Floats  # (1,) a rule less likely than this is taken not to apply
 
 
 # The loops below name their arrays first: numba counts references wherever a field is read, which costs ten
@@ -86,86 +40,158 @@ def initialise(t: Tables, state: Ints, belief: Belief) -> float:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _update_slots(t: Tables, belief: Belief, action: int) -> None:
-    """The belief update: each rule, as likely as its condition, sets slots and leaves the rest alone."""
-    kept, gained, slot, condition = belief.kept, belief.gained, belief.slot, belief.condition
-    set_start, set_variable, set_probability = t.set_start, t.set_variable, t.set_probability
-    impact_start, impact_slot, impact_probability = t.impact_start, t.impact_slot, t.impact_probability
+def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+    product = 1.0
+    for i in range(start[item], start[item + 1]):
+        product *= number[entries[i]]
+    return product
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _sum(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+    total = 0.0
+    for i in range(start[item], start[item + 1]):
+        total += number[entries[i]]
+    return total
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: float) -> None:
+    """Of independent rules: the probability that each applies and no other does, cut as that of each was."""
+    none = 1.0
+    for rule in range(first, last):
+        others[rule] = none
+        none *= 1.0 - cover[rule]
+    none = 1.0
+    for rule in range(last - 1, first - 1, -1):
+        product = cover[rule] * others[rule] * none
+        none *= 1.0 - cover[rule]
+        cover[rule] = product if product >= threshold else 0.0
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
+    """The probability that the action changes something, leaving in `cover` that of each of its rules; or
+    0 as soon as it is known to be at most `least`."""
+    number, cover, condition_start, condition = belief.number, belief.cover, t.condition_start, t.condition
+    changes, threshold = t.changes, belief.threshold[0]
+    guard = _product(t.guard_start, t.guard, number, action)
+    if guard <= least:
+        return 0.0
+    first, last = t.rule_start[action], t.rule_start[action + 1]
+    for rule in range(first, last):
+        product = guard * _product(condition_start, condition, number, rule)
+        cover[rule] = product if product >= threshold else 0.0
+    if t.independent[0]:
+        _alone(cover, belief.others, first, last, threshold)
+    weight = 0.0
+    for rule in range(first, last):
+        if changes[rule]:
+            weight += cover[rule]
+    return weight
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _weigh_all(t: Tables, belief: Belief) -> None:
+    weight = belief.weight
+    for action in range(len(weight)):
+        weight[action] = _weigh(t, belief, action, 0.0)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
+    """Each rule, as likely as `cover` says, sets slots and leaves the rest alone."""
+    number, cover, change = belief.number, belief.cover, belief.change
+    shift_start, shift_slot, shift = t.shift_start, t.shift_slot, t.shift
+    loss_start, loss_slot, loss_given, loss = t.loss_start, t.loss_slot, t.loss_given, t.loss
     for rule in range(t.rule_start[action], t.rule_start[action + 1]):
-        probability = condition[rule]
-        if probability > 0.0:
-            for i in range(set_start[rule], set_start[rule + 1]):
-                kept[set_variable[i]] -= probability * set_probability[i]
-            for i in range(impact_start[rule], impact_start[rule + 1]):
-                gained[impact_slot[i]] += probability * impact_probability[i]
-    touched, slot_start = t.touched_variable, t.slot_start
-    for i in range(t.touched_variable_start[action], t.touched_variable_start[action + 1]):
-        variable = touched[i]
-        for s in range(slot_start[variable], slot_start[variable + 1]):
-            slot[s] = slot[s] * kept[variable] + gained[s]
-            gained[s] = 0.0
-        kept[variable] = 1.0
+        p = cover[rule]
+        if p > 0.0:
+            for i in range(shift_start[rule], shift_start[rule + 1]):
+                change[shift_slot[i]] += p * shift[i]
+            for i in range(loss_start[rule], loss_start[rule + 1]):
+                change[loss_slot[i]] -= p * loss[i] * (number[loss_slot[i]] / number[loss_given[i]])
+    slots, sums = t.touched_slot, t.touched_sum
+    for i in range(t.touched_slot_start[action], t.touched_slot_start[action + 1]):
+        slot = slots[i]
+        number[slot] = max(number[slot] + change[slot], 0.0)
+        change[slot] = 0.0
+    sum_start, sum_slot, first_sum = t.sum_start, t.sum_slot, len(change)
+    for i in range(t.touched_sum_start[action], t.touched_sum_start[action + 1]):
+        number[first_sum + sums[i]] = _sum(sum_start, sum_slot, number, sums[i])
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _update_factors(t: Tables, belief: Belief, action: int) -> None:
-    factor, slot, touched = belief.factor, belief.slot, t.touched_factor
-    start, entries = t.factor_slot_start, t.factor_slot
-    for i in range(t.touched_factor_start[action], t.touched_factor_start[action + 1]):
-        factor[touched[i]] = _sum(start, entries, slot, touched[i])
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _update_conditions(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
-    condition, factor, touched = belief.condition, belief.factor, t.touched_condition
-    start, entries, rules = t.condition_factor_start, t.condition_factor, len(t.rule_changes)
-    decrease, state = t.decrease, t.state
+    number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.changes)
+    start, entries, decrease, state = t.condition_start, t.condition, t.decrease, t.state
     ended, rise = 0.0, 0.0
-    for i in range(t.touched_condition_start[action], t.touched_condition_start[action + 1]):
+    for i in range(t.touched_reward_start[action], t.touched_reward_start[action + 1]):
         c = touched[i]
-        product = _product(start, entries, factor, c)
-        if c < rules:
-            condition[c] = product if product >= RULE_THRESHOLD else 0.0
-        else:
-            fall = condition[c] - product
-            ended += decrease[c - rules] * fall
-            rise -= state[c - rules] * fall
-            condition[c] = product
+        product = _product(start, entries, number, rules + c)
+        fall = reward[c] - product
+        ended += decrease[c] * fall
+        rise -= state[c] * fall
+        reward[c] = product
     return ended, rise
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _update_weights(t: Tables, belief: Belief, action: int) -> None:
-    weight, condition, touched = belief.weight, belief.condition, t.touched_action
-    rule_start, rule_changes = t.rule_start, t.rule_changes
-    for i in range(t.touched_action_start[action], t.touched_action_start[action + 1]):
-        weight[touched[i]] = _weight(rule_start, rule_changes, condition, touched[i])
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
-    """Updates the belief by an action; returns what it pays itself (eq. 2, less its cost), and the rise of
-    what doing nothing is paid from then on."""
-    _update_slots(t, belief, action)
-    _update_factors(t, belief, action)
-    ended, rise = _update_conditions(t, belief, action)
-    _update_weights(t, belief, action)
+def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+    """`follow` for the action that was weighed last."""
+    _update_numbers(t, belief, action)
+    ended, rise = _update_rewards(t, belief, action)
     return ended - t.cost[action], rise
 
 
 @njit(cache=True, nogil=True)
-def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Floats) -> None:
-    """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
-    result has, nothing is done."""
-    standing = initialise(t, state, belief)
-    for step in range(len(result)):
-        result[step] = 0.0
-        if step < len(actions):
-            paid, rise = advance(t, belief, actions[step])
-            standing += rise
-            result[step] = paid
-        result[step] += standing
+def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+    """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
+    and the rise of what doing nothing is paid from then on."""
+    _weigh(t, belief, action, -1.0)
+    return _apply(t, belief, action)
+
+
+@njit(cache=True, nogil=True)
+def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
+    """`follow`, and weighs all actions."""
+    paid, rise = follow(t, belief, action)
+    _weigh_all(t, belief)
+    return paid, rise
+
+
+@njit(cache=True, nogil=True)
+def initialise(t: Tables, state: Ints, belief: Belief) -> float:
+    """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
+    number, reward, slots = belief.number, belief.reward, len(belief.change)
+    number[:] = 0.0
+    belief.change[:] = 0.0
+    for variable in range(len(state)):
+        number[t.slot_start[variable] + state[variable]] = 1.0
+    for i in range(len(t.sum_start) - 1):
+        number[slots + i] = _sum(t.sum_start, t.sum_slot, number, i)
+    number[-1] = 1.0
+    standing = float(t.constant[0])
+    for c in range(len(reward)):
+        reward[c] = _product(t.condition_start, t.condition, number, len(t.changes) + c)
+        standing += t.state[c] * reward[c]
+    _weigh_all(t, belief)
+    return standing
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _copy(source: Floats, target: Floats) -> None:
+    for i in range(len(target)):  # an assignment of slices would look for overlaps first
+        target[i] = source[i]
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def restore(belief: Belief, start: Belief) -> None:
+    """Makes a belief equal to another one of the same task."""
+    _copy(start.number, belief.number)
+    _copy(start.reward, belief.reward)
+    _copy(start.weight, belief.weight)
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -186,12 +212,40 @@ def draw(weight: Floats, uniform: float) -> int:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def restore(belief: Belief, start: Belief) -> None:
-    """Makes a belief equal to another one of the same task."""
-    belief.slot[:] = start.slot
-    belief.factor[:] = start.factor
-    belief.condition[:] = start.condition
-    belief.weight[:] = start.weight
+def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
+    """An action in proportion to its weight, weighed last; -1 where none has any.
+
+    One is proposed, each as likely, and accepted with its weight as the probability, until it is cheaper to
+    weigh them all. A number gives a half of its bits to either choice.
+    """
+    actions = len(belief.weight)
+    for _ in range(actions):
+        stream += GOLDEN
+        bits = mixed(stream)
+        action = np.int64(((bits >> HALF) * np.uint64(actions)) >> HALF)
+        least = float(bits & LOWER_HALF) * (1.0 / 4294967296.0)
+        if _weigh(t, belief, action, least) > least:
+            return action, stream
+    _weigh_all(t, belief)
+    stream += GOLDEN
+    action = draw(belief.weight, uniform(stream))
+    if action >= 0:
+        _weigh(t, belief, action, 0.0)
+    return action, stream
+
+
+@njit(cache=True, nogil=True)
+def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Floats) -> None:
+    """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
+    result has, nothing is done."""
+    standing = initialise(t, state, belief)
+    for step in range(len(result)):
+        result[step] = 0.0
+        if step < len(actions):
+            paid, rise = follow(t, belief, actions[step])
+            standing += rise
+            result[step] = paid
+        result[step] += standing
 
 
 @njit(cache=True, nogil=True)
@@ -204,41 +258,50 @@ def search(
     best: Ints,
     seed: np.uint64,
     idle: Floats,
-    samples: int,
-) -> int:
-    """Length of the best of `samples` sequences, which is left in `best` (horizon,); 0 if doing nothing is
-    as good.
+    ceiling: Floats,
+    first: int,
+    last: int,
+    least: float,
+) -> tuple[float, int]:
+    """Value and length of the best of sequences `first` to `last` - 1, which is left in `best` (horizon,);
+    `least` and 0 where none is worth more.
 
-    `idle` (horizon + 1,) is what a reward of 1 in each of so many last steps is worth at their start. From a
-    sequence's end on, nothing is done, and the state is paid for what it is; each counts up to where it is
-    worth most.
+    `idle` (horizon + 1,) is what a reward of 1 in each of so many last steps is worth at their start,
+    `ceiling` (horizon + 1,) what they can pay at most. From a sequence's end on, nothing is done, and the
+    state is paid for what it is; each counts up to where it is worth most, but as a whole where rules are
+    independent. A sequence that can no longer be the best is given up.
 
-    Sample i depends on the seed and i alone, so more samples never find a worse plan. Of equals the first
+    Sequence i depends on the seed and i alone, so more of them never find a worse plan. Of equals the first
     stays.
     """
-    horizon, payment, discount = len(drawn), t.payment, t.discount
-    initialise(t, initial, belief)
-    first = initialise(t, initial, start)
-    nothing = first * idle[horizon]
-    best_value, best_length = nothing, 0
-    for sample in range(samples):
+    horizon, payment, discount, whole = len(drawn), t.payment, t.discount, t.independent[0]
+    standing_first = initialise(t, initial, belief)
+    initialise(t, initial, start)
+    nothing = standing_first * idle[horizon]
+    best_value, best_length = least, 0
+    for sample in range(first, last):
         restore(belief, start)
         stream = mixed(split(seed, np.uint64(sample)))
-        standing, value, factor, useful_value, useful_length = first, 0.0, 1.0, nothing, 0
-        for step in range(horizon):
-            stream += GOLDEN
-            action = draw(belief.weight, uniform(stream))
+        standing, value, factor, length = standing_first, 0.0, 1.0, 0
+        stopped, useful_value, useful_length = nothing, nothing, 0
+        while length < horizon:
+            if value + factor * ceiling[horizon - length] <= max(best_value, useful_value):
+                break
+            action, stream = _choose(t, belief, stream)
             if action < 0:
                 break
-            drawn[step] = action
-            paid, rise = advance(t, belief, action)
+            drawn[length] = action
+            length += 1
+            paid, rise = _apply(t, belief, action)
             standing += rise
             value += factor * payment[action] * (paid + standing)
             factor *= discount[action]
-            stopped = value + factor * standing * idle[horizon - step - 1]
-            if stopped > useful_value + NEGLIGIBLE:
-                useful_value, useful_length = stopped, step + 1
+            stopped = value + factor * standing * idle[horizon - length]
+            if not whole and stopped > useful_value + NEGLIGIBLE:
+                useful_value, useful_length = stopped, length
+        if whole:
+            useful_value, useful_length = stopped, length
         if useful_value > best_value:
             best_value, best_length = useful_value, useful_length
             best[:useful_length] = drawn[:useful_length]
-    return best_length
+    return best_value, best_length

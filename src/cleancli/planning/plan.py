@@ -14,7 +14,9 @@ class Options:
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
-    depend on them. `previous`: what is left of the last plan, to start from.
+    depend on them. `previous`: what is left of the last plan, to start from. A plan must be worth `margin`
+    more than doing nothing. For beliefs: rules less likely than `rule_threshold` are taken not to apply;
+    `compat` computes literally as libPRADA does.
     """
 
     samples: int = 10_000
@@ -24,6 +26,7 @@ class Options:
     previous: tuple[GroundAction, ...] = ()
     rule_threshold: float = 0.03
     margin: float = 0.05
+    compat: bool = False
 
 
 @dataclass(frozen=True, slots=True)

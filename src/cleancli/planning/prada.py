@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from types import ModuleType
 
 import numpy as np
@@ -15,28 +16,42 @@ from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
 
+Worth = Callable[[Ints], float]
+"""The value of a sequence of action indices."""
+
 
 def prada(prepared: Prepared, options: Options) -> Plan:
     """The best of the sampled sequences; empty where it is not worth `margin` more than doing nothing."""
-    task = prepared.task
+    return best_sampled("prada", prepared, options, lambda actions, worth: actions)
+
+
+def best_sampled(
+    planner: str, prepared: Prepared, options: Options, improved: Callable[[Ints, Worth], Ints]
+) -> Plan:
+    """What the planner of that name makes of the best of the sampled sequences."""
+    task, limit = prepared.task, options.time_limit
     times = [time.perf_counter()]
-    tables = prepared.tables
+    tables = lower(task, independent=True) if options.compat else prepared.tables
+    worth = partial(_value, task, tables, options.rule_threshold)
     times.append(time.perf_counter())
-    inference = _inference()
-    inference.best_sequence(
-        tables, task.initial, 0, task.discount, 1, 0
-    )  # makes numba load or compile what it will run
-    nothing = _value(task, tables, np.zeros(0, dtype=np.int32))
+    draw = partial(_inference().best_sequence, tables, task.initial, threshold=options.rule_threshold)
+    draw(0, task.discount, 1, 0)  # makes numba load or compile what will run
+    nothing = worth(np.zeros(0, dtype=np.int32))
     times.append(time.perf_counter())
-    samples = enough_samples(task, options.samples)
-    best: Ints = inference.best_sequence(
-        tables, task.initial, task.horizon, task.discount, samples, options.seed
+    best, samples = draw(
+        task.horizon,
+        task.discount,
+        enough_samples(task, options.samples),
+        options.seed,
+        threads=options.threads,
+        deadline=None if limit is None else times[-1] + limit,
     )
-    value = _value(task, tables, best)
+    best = improved(best, worth)
+    value = worth(best)
     times.append(time.perf_counter())
     chosen = best if value > nothing + options.margin else best[:0]
     return Plan(
-        planner="prada",
+        planner=planner,
         actions=tuple(task.actions[action] for action in chosen),
         value=value if chosen.size else nothing,
         measure="factored",
@@ -47,13 +62,16 @@ def prada(prepared: Prepared, options: Options) -> Plan:
     )
 
 
-def plan_value(task: Task, actions: Sequence[int]) -> float:
+def plan_value(
+    task: Task, actions: Sequence[int], *, rule_threshold: float = 0.03, compat: bool = False
+) -> float:
     """Expected discounted reward of a sequence of action indices, by PRADA's factored belief.
 
     After its end nothing is done up to the horizon, as in `exact_value` of compiler/transition.py; but that
     does not treat variables as independent, as the belief does.
     """
-    return _value(task, lower(task), np.asarray(actions, dtype=np.int32))
+    tables = lower(task, independent=compat)
+    return _value(task, tables, rule_threshold, np.asarray(actions, dtype=np.int32))
 
 
 def _inference() -> ModuleType:
@@ -63,9 +81,9 @@ def _inference() -> ModuleType:
     return inference
 
 
-def _value(task: Task, tables: Tables, actions: Ints) -> float:
+def _value(task: Task, tables: Tables, threshold: float, actions: Ints) -> float:
     rewards: Floats = _inference().step_rewards(
-        tables, task.initial, actions, max(actions.size, task.horizon)
+        tables, task.initial, actions, max(actions.size, task.horizon), threshold=threshold
     )
     discount = np.full(rewards.size, task.discount)
     discount[: actions.size] = tables.discount[actions]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from cleancli.planning.aprada import aprada
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import prada
 from cleancli.planning.prepared import Prepared
 
 Planner = Callable[[Prepared, Options], Plan]
 
-PLANNERS: Mapping[str, Planner] = MappingProxyType({"prada": prada})
+PLANNERS: Mapping[str, Planner] = MappingProxyType({"aprada": aprada, "prada": prada})

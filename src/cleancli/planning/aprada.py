@@ -1,0 +1,29 @@
+"""A-PRADA (Lang and Toussaint 2010): PRADA's sequence without the actions that it is better off without."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cleancli.compiler.ragged import Ints
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prada import Worth, best_sampled
+from cleancli.planning.prepared import Prepared
+
+
+def aprada(prepared: Prepared, options: Options) -> Plan:
+    """PRADA's best sequence, shortened while its value rises; empty where it is not worth `margin` more than
+    doing nothing."""
+    return best_sampled("aprada", prepared, options, _shortened)
+
+
+def _shortened(actions: Ints, worth: Worth) -> Ints:
+    """The sequence less one action at a time, each time the one without which it is worth most."""
+    value = worth(actions)
+    while actions.size:
+        shorter = [np.delete(actions, place) for place in range(actions.size)]
+        values = [worth(sequence) for sequence in shorter]
+        best = int(np.argmax(values))
+        if values[best] <= value:
+            break
+        actions, value = shorter[best], values[best]
+    return actions
