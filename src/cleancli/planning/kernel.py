@@ -39,7 +39,7 @@ class Belief(NamedTuple):
 # times as much as the arithmetic.
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
     product = 1.0
     for i in range(start[item], start[item + 1]):
@@ -47,7 +47,7 @@ def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
     return product
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _sum(start: Ints, entries: Ints, number: Floats, item: int) -> float:
     total = 0.0
     for i in range(start[item], start[item + 1]):
@@ -55,7 +55,7 @@ def _sum(start: Ints, entries: Ints, number: Floats, item: int) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: float) -> None:
     """Of independent rules: the probability that each applies and no other does, cut as that of each was."""
     none = 1.0
@@ -69,7 +69,7 @@ def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: floa
         cover[rule] = product if product >= threshold else 0.0
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     """The probability that the action changes something, leaving in `cover` that of each of its rules; or
     0 as soon as it is known to be at most `least`."""
@@ -91,14 +91,14 @@ def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     return weight
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _weigh_all(t: Tables, belief: Belief) -> None:
     weight = belief.weight
     for action in range(len(weight)):
         weight[action] = _weigh(t, belief, action, 0.0)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
     """Each rule, as likely as `cover` says, sets slots and leaves the rest alone."""
     number, cover, change = belief.number, belief.cover, belief.change
@@ -121,7 +121,7 @@ def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
         number[first_sum + sums[i]] = _sum(sum_start, sum_slot, number, sums[i])
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
     number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.changes)
@@ -137,7 +137,7 @@ def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, floa
     return ended, rise
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow` for the action that was weighed last."""
     _update_numbers(t, belief, action)
@@ -145,7 +145,7 @@ def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return ended - t.cost[action], rise
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
     and the rise of what doing nothing is paid from then on."""
@@ -153,7 +153,7 @@ def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return _apply(t, belief, action)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow`, and weighs all actions."""
     paid, rise = follow(t, belief, action)
@@ -161,7 +161,7 @@ def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return paid, rise
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def initialise(t: Tables, state: Ints, belief: Belief) -> float:
     """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
     number, reward, slots = belief.number, belief.reward, len(belief.change)
@@ -180,13 +180,13 @@ def initialise(t: Tables, state: Ints, belief: Belief) -> float:
     return standing
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _copy(source: Floats, target: Floats) -> None:
     for i in range(len(target)):  # an assignment of slices would look for overlaps first
         target[i] = source[i]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def restore(belief: Belief, start: Belief) -> None:
     """Makes a belief equal to another one of the same task."""
     _copy(start.number, belief.number)
@@ -194,7 +194,7 @@ def restore(belief: Belief, start: Belief) -> None:
     _copy(start.weight, belief.weight)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def draw(weight: Floats, uniform: float) -> int:
     """An action in proportion to its weight; -1 where none has any."""
     total = 0.0
@@ -211,7 +211,7 @@ def draw(weight: Floats, uniform: float) -> int:
     return last
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
 def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
     """An action in proportion to its weight, weighed last; -1 where none has any.
 
@@ -234,7 +234,7 @@ def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint6
     return action, stream
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Floats) -> None:
     """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
     result has, nothing is done."""
@@ -248,7 +248,7 @@ def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Float
         result[step] += standing
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def search(
     t: Tables,
     initial: Ints,
@@ -303,5 +303,6 @@ def search(
             useful_value, useful_length = stopped, length
         if useful_value > best_value:
             best_value, best_length = useful_value, useful_length
-            best[:useful_length] = drawn[:useful_length]
+            for step in range(useful_length):
+                best[step] = drawn[step]
     return best_value, best_length
