@@ -27,6 +27,7 @@ class Process(NamedTuple):
 
     sizes: Ints  # (V,) values of each variable
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
+    rule_changes: Bools  # (R,) whether an outcome of the rule changes something
     literal_start: Ints  # (R + C + G + 1,) literals of each condition
     literal_variable: Ints  # (n,)
     literal_row: Ints  # (n,) where the literal's row starts in `allowed`
@@ -68,6 +69,7 @@ def lower_process(task: Task) -> Process:
     return Process(
         np.array([len(variable.values) for variable in task.variables], dtype=np.int32),
         rule_start.astype(np.int32),
+        np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_),
         literal_start,
         literal_variable,
         ragged([[rows[literal] for literal in c] for c in conditions])[1],

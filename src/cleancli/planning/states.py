@@ -88,7 +88,12 @@ def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, f
     rule = covering(p, state, action)
     if rule < 0:
         return -p.cost[action], 0.0
-    outcome = draw(p, rule, uniform)
+    return follow(p, state, action, draw(p, rule, uniform))
+
+
+@njit(cache=True, nogil=True)
+def follow(p: Process, state: Ints, action: int, outcome: int) -> tuple[float, float]:
+    """Changes the state as an outcome of the action says; returns what `step` does."""
     if p.effect_start[outcome] == p.effect_start[outcome + 1]:
         return -p.cost[action], 0.0
     decreasing, standing = _touched(p, state, action)
