@@ -25,13 +25,15 @@ class Process(NamedTuple):
     goal's. A literal is a variable and a row of `allowed`, which says for each of its values whether it fits.
     """
 
-    sizes: Ints  # (V,) values of each variable
+    slot_start: Ints  # (V + 1,) slots of each variable, one a value
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
     rule_changes: Bools  # (R,) whether an outcome of the rule changes something
     literal_start: Ints  # (R + C + G + 1,) literals of each condition
     literal_variable: Ints  # (n,)
     literal_row: Ints  # (n,) where the literal's row starts in `allowed`
     allowed: Bools  # (m,)
+    literal_slot_start: Ints  # (n + 1,) slots of the values that fit each literal
+    literal_slot: Ints  # (k,)
     outcome_start: Ints  # (R + 1,) outcomes of each rule, with probability 0 too, in the domain's order
     probability: Floats  # (O,)
     cumulated: Floats  # (O,) within each rule; exactly 1 at its last outcome
@@ -55,6 +57,8 @@ def lower_process(task: Task) -> Process:
         *(reward.condition for reward in task.rewards),
         *task.goal,
     ]
+    sizes = [len(variable.values) for variable in task.variables]
+    first = [0, *itertools.accumulate(sizes)]
     rows: dict[tuple[int, frozenset[int]], int] = {}
     allowed: list[bool] = []
     for literal in itertools.chain.from_iterable(conditions):
@@ -67,13 +71,14 @@ def lower_process(task: Task) -> Process:
     literal_start, literal_variable = ragged([[variable for variable, _ in c] for c in conditions])
     effect_start, effect_variable = ragged([[variable for variable, _ in o.effects] for o in outcomes])
     return Process(
-        np.array([len(variable.values) for variable in task.variables], dtype=np.int32),
+        np.cumsum([0, *sizes]).astype(np.int32),
         rule_start.astype(np.int32),
         np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_),
         literal_start,
         literal_variable,
         ragged([[rows[literal] for literal in c] for c in conditions])[1],
         np.array(allowed, dtype=np.bool_),
+        *ragged([[first[v] + value for value in sorted(values)] for c in conditions for v, values in c]),
         np.cumsum([0, *(len(rule.outcomes) for rule in task.rules)]).astype(np.int32),
         floats(outcome.probability for outcome in outcomes),
         floats(itertools.chain.from_iterable(cumulated)),

@@ -7,61 +7,66 @@ from collections.abc import Sequence
 import numpy as np
 
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning import sequences, states
+from cleancli.planning import sequences
 from cleancli.planning.prepared import Prepared
 
-RUNS = 32
-"""Runs by which a chain values sequences. Chosen: fewer overrate more, more take longer."""
-
 HEAT = 0.1
-"""A chain's first heat, as a share of what an action of the sequence that it starts from, or of `PAY`, earns. Chosen."""
+"""A chain's first heat, as a share of what an action of its best sequence adds. Chosen."""
+
+KEPT = 2048
+"""Draws of a rule's outcomes that are kept. Chosen: fits a cache of the second level."""
 
 
-def chain(prepared: Prepared, start: Sequence[int], moves: int, heat: float, seed: int) -> tuple[int, ...]:
-    """The best sequence that `moves` changes of a sequence lead to, by runs that belong to the seed."""
-    process, horizon = prepared.process, max(prepared.task.horizon, 0)
-    state, variables = _state(prepared), len(prepared.task.variables)
-    runs = sequences.Runs(
-        np.zeros((2, horizon + 1, RUNS, variables), dtype=np.int32),
-        np.zeros((2, horizon + 1, RUNS)),
-        np.zeros((2, horizon + 1)),
-        np.ones((2, horizon + 1)),
-        np.zeros(horizon + 1, dtype=np.int32),
-    )
-    runs.state[:, 0] = state
-    runs.standing[:, 0] = states.rewarded(process, state)[1]
+def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed: int) -> tuple[int, ...]:
+    """The best sequence that `moves` changes of a sequence lead to, by 64 · `words` runs of the seed."""
+    runs, luck = _begun(prepared, words)
+    horizon = len(runs.row) - 1
     current, trial, best = np.zeros((3, horizon + 1), dtype=np.int32)
     length = min(len(start), horizon)
     current[:length] = start[:length]
-    length, _ = sequences.anneal(
-        process,
+    length = sequences.anneal(
+        prepared.process,
         runs,
-        sequences.Sequence(current, trial),
+        luck,
+        sequences.Scratch(current, trial),
         length,
         best,
         _idle(prepared),
         moves if prepared.task.actions else 0,
-        heat,
+        HEAT,
         np.uint64(seed),
     )
     return tuple(best[:length].tolist())
 
 
-def value(prepared: Prepared, actions: Sequence[int], runs: int, seed: int) -> tuple[float, float]:
-    """Mean discounted reward of a sequence over drawn runs, and its standard error."""
-    mean, square = states.sequence_value(
+def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> float:
+    """Mean discounted reward of a sequence over 64 · `words` runs of the seed."""
+    runs, luck = _begun(prepared, words)
+    worth: float = sequences.value(
         prepared.process,
-        _state(prepared),
+        runs,
+        luck,
         np.asarray(actions, dtype=np.int32),
         _idle(prepared),
-        runs,
         np.uint64(seed),
     )
-    return mean, float(np.sqrt(max(square - mean * mean, 0.0) / runs))
+    return worth
 
 
-def _state(prepared: Prepared) -> Ints:
-    return np.asarray(prepared.task.initial, dtype=np.int32)
+def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Luck]:
+    process, horizon = prepared.process, max(prepared.task.horizon, 0)
+    outcomes = max((len(rule.outcomes) for rule in prepared.task.rules), default=1)
+    runs = sequences.Runs(
+        np.zeros((2, horizon + 1, int(process.slot_start[-1]), words), dtype=np.uint64),
+        np.zeros((2, horizon + 1)),
+        np.zeros((2, horizon + 1)),
+        np.ones((2, horizon + 1)),
+        np.zeros(horizon + 1, dtype=np.int32),
+    )
+    luck = sequences.Luck(np.zeros(KEPT, dtype=np.int64), np.zeros((KEPT, outcomes, words), dtype=np.uint64))
+    state: Ints = np.asarray(prepared.task.initial, dtype=np.int32)
+    sequences.begin(process, runs, luck, state)
+    return runs, luck
 
 
 def _idle(prepared: Prepared) -> Floats:

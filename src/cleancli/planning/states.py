@@ -11,10 +11,11 @@ from numba import njit
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.planning.compiled import compiled, inlined
 from cleancli.planning.stream import GOLDEN, split, uniform
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@inlined
 def _holds(start: Ints, variable: Ints, row: Ints, allowed: Bools, state: Ints, condition: int) -> bool:
     for i in range(start[condition], start[condition + 1]):  # noqa: SIM110 (compiled)
         if not allowed[row[i] + state[variable[i]]]:
@@ -22,13 +23,13 @@ def _holds(start: Ints, variable: Ints, row: Ints, allowed: Bools, state: Ints, 
     return True
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def holds(p: Process, state: Ints, condition: int) -> bool:
     """Whether a condition (a rule's, reward's or goal's) holds."""
     return _holds(p.literal_start, p.literal_variable, p.literal_row, p.allowed, state, condition)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def covering(p: Process, state: Ints, action: int) -> int:
     """The rule of the action that covers the state; -1 where the default rule does."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
@@ -38,7 +39,7 @@ def covering(p: Process, state: Ints, action: int) -> int:
     return -1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def draw(p: Process, rule: int, uniform: float) -> int:
     """The outcome (a row of `probability`) of a rule for a number in [0, 1)."""
     outcome, last, cumulated = int(p.outcome_start[rule]), p.outcome_start[rule + 1] - 1, p.cumulated
@@ -47,7 +48,7 @@ def draw(p: Process, rule: int, uniform: float) -> int:
     return outcome
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def apply(p: Process, state: Ints, outcome: int) -> None:
     """Changes the state as the outcome says."""
     variable, value = p.effect_variable, p.effect_value
@@ -55,7 +56,7 @@ def apply(p: Process, state: Ints, outcome: int) -> None:
         state[variable[i]] = value[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rewarded(p: Process, state: Ints) -> tuple[float, float]:
     """What is paid for its decrease (#dirt of eq. 2), and what a step that ends in the state is paid."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
@@ -67,7 +68,7 @@ def rewarded(p: Process, state: Ints) -> tuple[float, float]:
     return decreasing, standing
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _touched(p: Process, state: Ints, action: int) -> tuple[float, float]:
     """The share of `rewarded` that the action can change."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
@@ -81,7 +82,7 @@ def _touched(p: Process, state: Ints, action: int) -> tuple[float, float]:
     return decreasing, paid
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, float]:
     """Draws a transition by an action and changes the state; returns what the action pays (eq. 2, less its
     cost), and the rise of what doing nothing is paid from then on."""
@@ -91,7 +92,7 @@ def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, f
     return follow(p, state, action, draw(p, rule, uniform))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def follow(p: Process, state: Ints, action: int, outcome: int) -> tuple[float, float]:
     """Changes the state as an outcome of the action says; returns what `step` does."""
     if p.effect_start[outcome] == p.effect_start[outcome + 1]:
@@ -112,20 +113,27 @@ def sequence_value(
     their start; the last k is the horizon. Run i depends on the seed and i alone, so sequences are compared
     on the same draws.
     """
-    state = np.empty_like(initial)
+    return _sequence_value(p, initial, np.empty_like(initial), actions, idle, samples, seed)
+
+
+@compiled
+def _sequence_value(
+    p: Process, initial: Ints, state: Ints, actions: Ints, idle: Floats, samples: int, seed: np.uint64
+) -> tuple[float, float]:
     standing = rewarded(p, initial)[1]
     total, squares = 0.0, 0.0
     rest = max(len(idle) - 1 - len(actions), 0)
     for sample in range(samples):
-        state[:] = initial
+        for v in range(len(initial)):
+            state[v] = initial[v]
         stream = split(seed, np.uint64(sample))
         value, factor, now = 0.0, 1.0, standing
-        for action in actions:
+        for place in range(len(actions)):
             stream += GOLDEN
-            paid, rise = step(p, state, action, uniform(stream))
+            paid, rise = step(p, state, actions[place], uniform(stream))
             now += rise
-            value += factor * p.payment[action] * (paid + now)
-            factor *= p.discount[action]
+            value += factor * p.payment[actions[place]] * (paid + now)
+            factor *= p.discount[actions[place]]
         value += factor * now * idle[rest]
         total += value
         squares += value * value

@@ -1,0 +1,164 @@
+"""PRADA+: its runs against exact values, its search against all sequences, and its promises."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+import domains
+import numpy as np
+import pytest
+from scipy import stats
+
+from cleancli.compiler.task import GroundOutcome, Task, by_time
+from cleancli.compiler.transition import exact_value
+from cleancli.language.model import OutcomeKind
+from cleancli.planning import annealing
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prada import prada
+from cleancli.planning.prada_plus import prada_plus
+from cleancli.planning.prepared import prepare
+
+WORDS = 300
+
+
+def solve(task: Task, options: Options) -> Plan:
+    return prada_plus(prepare(task), options)
+
+
+def indices(task: Task, plan: Plan) -> list[int]:
+    return [task.actions.index(action) for action in plan.actions]
+
+
+def spread(task: Task) -> float:
+    """A bound of the standard deviation of a sequence's value: half of what values can range over."""
+    most = sum(abs(r.decrease) + abs(r.state) for r in task.rewards) + sum(a.cost for a in task.actions)
+    return float(most) * task.horizon
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_runs_are_worth_what_the_process_says(seed: int) -> None:
+    task = domains.weighted_task(seed)
+    if seed % 2:
+        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
+        task = by_time(replace(task, actions=actions))
+    rng, prepared = np.random.default_rng(seed), prepare(task)
+    for length in (0, 1, 3, 5):
+        chosen = rng.integers(len(task.actions), size=length).tolist()
+        means = [annealing.value(prepared, chosen, WORDS // 10, s) for s in range(10)]
+        error = np.std(means, ddof=1) / np.sqrt(len(means)) + 1e-12
+        assert abs(np.mean(means) - exact_value(task, chosen)) < stats.t.isf(1e-6, 9) * error
+
+
+def one_rule(*probabilities: Fraction) -> Task:
+    """One variable, which starts at 0; the only action sets it to i with the i-th probability."""
+    task = domains.random_task(0)
+    values = tuple(map(str, range(len(probabilities) + 1)))
+    outcomes = tuple(GroundOutcome(p, OutcomeKind.CHANGE, ((0, i + 1),)) for i, p in enumerate(probabilities))
+    rule = replace(task.rules[0], action=0, condition=((0, frozenset({0})),), outcomes=outcomes)
+    return replace(
+        task,
+        variables=(replace(task.variables[0], values=values),),
+        initial=(0,),
+        actions=task.actions[:1],
+        discounts=(1.0,),
+        rules=(rule,),
+        rewards=(),
+        horizon=1,
+        discount=1.0,
+    )
+
+
+@pytest.mark.parametrize("shares", ["1/3 1/3 1/3", "0.7 0.2 0.05 0.05", "0 1 0", "0.999 0 0.001", "0.5 0.5"])
+def test_outcomes_come_as_often_as_declared(shares: str) -> None:
+    probabilities = [Fraction(share) for share in shares.split()]
+    task, runs = one_rule(*probabilities), 64 * WORDS
+    counts = []
+    for index in range(len(probabilities)):
+        reward = replace(domains.decrease((0, frozenset({index + 1}))), decrease=Fraction(-1))
+        share = annealing.value(prepare(replace(task, rewards=(reward,))), [0], WORDS, 5)
+        counts.append(round(share * runs))
+    assert sum(counts) == runs
+    assert all(n == 0 for n, p in zip(counts, probabilities, strict=True) if p == 0)
+    drawn = [(n, float(p) * runs) for n, p in zip(counts, probabilities, strict=True) if p > 0]
+    if len(drawn) > 1:
+        assert stats.chisquare(*zip(*drawn, strict=True)).pvalue > 1e-4
+
+
+def test_uses_of_an_action_have_luck_of_their_own() -> None:
+    task = domains.task(domains.SECTION_4, "objects { a - area } init { dirt(a) } horizon = 3")
+    again = annealing.value(prepare(task), [0, 0, 0], WORDS, 1)
+    assert again == pytest.approx(exact_value(task, [0, 0, 0]), abs=0.01)
+
+
+def best_of_all(task: Task) -> tuple[float, Sequence[int]]:
+    lengths = range(task.horizon + 1)
+    every = itertools.chain.from_iterable(
+        itertools.product(range(len(task.actions)), repeat=length) for length in lengths
+    )
+    return max((exact_value(task, actions), actions) for actions in every)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nearly_the_best_of_all_sequences_is_found(seed: int) -> None:
+    task = replace(domains.weighted_task(seed), horizon=3)
+    best, _ = best_of_all(task)
+    nothing = exact_value(task, [])
+    found = exact_value(task, indices(task, solve(task, Options(2000, seed))))
+    assert found - nothing >= 0.98 * (best - nothing) - 0.05
+
+
+def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
+    text = domains.TWO_SCATTERED + " horizon = 2 discount = 1"
+    plan = solve(domains.task(domains.SECTION_4, text), Options(500, 1))
+    assert plan.actions[0].name == "join"
+    assert plan.value == pytest.approx(1.06, abs=0.04)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
+    task = replace(domains.weighted_task(seed), horizon=8)
+    ours, theirs = solve(task, Options(2000, seed)), prada(prepare(task), Options(2000, seed))
+    value, other = (exact_value(task, indices(task, plan)) for plan in (ours, theirs))
+    assert value >= other - 0.03 * abs(other)
+
+
+def test_the_value_is_the_plans() -> None:
+    for seed in range(5):
+        task = domains.weighted_task(seed)
+        plan = solve(task, Options(500, seed))
+        assert plan.value == pytest.approx(exact_value(task, indices(task, plan)), abs=0.02 * spread(task))
+
+
+def test_the_number_of_threads_changes_nothing() -> None:
+    task = domains.weighted_task(3)
+    plans = [solve(task, Options(1000, 5, threads=threads)) for threads in (1, 2, 3)]
+    assert len({(plan.actions, plan.value) for plan in plans}) == 1
+
+
+def test_the_last_plan_is_a_start() -> None:
+    """A chain of one try can only come back with what it was given."""
+    task = domains.weighted_task(1)
+    good = solve(task, Options(4000, 1))
+    again = solve(task, Options(4, 2, previous=good.actions))
+    assert exact_value(task, indices(task, again)) >= exact_value(task, indices(task, good)) - 0.02
+
+
+def test_a_time_limit_is_kept() -> None:
+    task = replace(domains.weighted_task(2), horizon=8)
+    solve(task, Options(10))
+    plan = solve(task, Options(1000, 1, time_limit=0.2))
+    assert 0.19 < plan.seconds["search"] < 1.0
+    assert plan.samples > 4000
+
+
+@pytest.mark.parametrize("problem", ["objects { a - area } init { }", "objects { } init { }"])
+def test_nothing_to_do_gives_an_empty_plan(problem: str) -> None:
+    plan = solve(domains.task(domains.SECTION_4, problem), Options(100))
+    assert (plan.actions, plan.value) == ((), 0.0)
+
+
+def test_no_time_gives_an_empty_plan() -> None:
+    assert solve(replace(domains.random_task(0), horizon=0), Options(100)).actions == ()
