@@ -25,6 +25,7 @@ class Process(NamedTuple):
     goal's. A literal is a variable and a row of `allowed`, which says for each of its values whether it fits.
     """
 
+    sizes: Ints  # (V,) values of each variable
     slot_start: Ints  # (V + 1,) slots of each variable, one a value
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
     rule_changes: Bools  # (R,) whether an outcome of the rule changes something
@@ -71,6 +72,7 @@ def lower_process(task: Task) -> Process:
     literal_start, literal_variable = ragged([[variable for variable, _ in c] for c in conditions])
     effect_start, effect_variable = ragged([[variable for variable, _ in o.effects] for o in outcomes])
     return Process(
+        np.array(sizes, dtype=np.int32),
         np.cumsum([0, *sizes]).astype(np.int32),
         rule_start.astype(np.int32),
         np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_),
