@@ -4,6 +4,7 @@ divides its work among threads."""
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -90,19 +91,22 @@ def _ceiling(t: Tables, discount: float, steps: int) -> Floats:
     return ceiling * (1 + ROUNDING) + ROUNDING
 
 
-def step_rewards(tables: Tables, state: Assignment, actions: Ints, steps: int, *, threshold: float) -> Floats:
-    """Undiscounted expected reward of each of `steps` steps (steps,) from a state, at least those of the
-    actions.
+def step_rewards(
+    tables: Tables, state: Assignment, sequences: Sequence[Ints], steps: int, *, threshold: float
+) -> Floats:
+    """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state
+    (sequences, steps).
 
-    Nothing is done in the steps after the last action.
+    Nothing is done in the steps after a sequence's last action.
     """
     check(tables)
-    assert actions.ndim == 1
-    assert actions.dtype == np.int32
-    assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
-    assert steps >= actions.size
-    result = np.zeros(steps)
-    kernel.rewards(tables, _state(tables, state), new_belief(tables, threshold), actions, result)
+    first, belief = _state(tables, state), new_belief(tables, threshold)
+    result = np.zeros((len(sequences), steps))
+    for row, actions in enumerate(sequences):
+        assert actions.ndim == 1
+        assert actions.size <= steps
+        assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.cost))
+        kernel.rewards(tables, first, belief, actions.astype(np.int64), result[row])
     return result
 
 
@@ -110,7 +114,8 @@ def new_belief(t: Tables, threshold: float) -> kernel.Belief:
     """Memory for a belief of a task, for `initialise` to fill in."""
     slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.changes), len(t.cost)
     sizes = (slots + sums + 1, len(t.state), actions, rules, rules, slots)
-    return kernel.Belief(*map(np.zeros, sizes), np.array([threshold]))
+    number, reward, weight, cover, others, change = map(np.zeros, sizes)
+    return kernel.Belief(number, reward, weight, cover, others, change, np.array([threshold]))
 
 
 def _state(t: Tables, assignment: Assignment) -> Ints:
@@ -136,16 +141,12 @@ def check(t: Tables) -> None:
     _check_lists(t.touched_slot_start, t.touched_slot, actions, slots)
     _check_lists(t.touched_sum_start, t.touched_sum, actions, sums)
     _check_lists(t.touched_reward_start, t.touched_reward, actions, rewards)
-    for array, size in (
-        *((per_action, actions) for per_action in (t.cost, t.payment, t.discount, t.most)),
-        *((per_reward, rewards) for per_reward in (t.decrease, t.state)),
-        (t.constant, 1),
-    ):
-        assert array.dtype == np.float64
-        assert array.shape == (size,)
-    for array, size in ((t.changes, rules), (t.independent, 1)):
-        assert array.dtype == np.bool_
-        assert array.shape == (size,)
+    per_action, per_reward = (t.cost, t.payment, t.discount, t.most), (t.decrease, t.state)
+    assert all(array.dtype == np.float64 for array in (*per_action, *per_reward, t.constant))
+    assert all(array.shape == (actions,) for array in per_action)
+    assert all(array.shape == (rewards,) for array in per_reward)
+    assert t.changes.dtype == t.independent.dtype == np.bool_
+    assert (t.changes.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))
 
 
 def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:
