@@ -90,4 +90,5 @@ def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[In
         discount[: actions.size] = tables.discount[actions]
         payment[: actions.size] = tables.payment[actions]
         factors[row] = payment * np.cumprod(np.concatenate([[1.0], discount]))[:-1]
-    return (rewards * factors).sum(axis=1)
+    values: Floats = (rewards * factors).sum(axis=1)
+    return values
