@@ -171,7 +171,7 @@ def test_giving_up_samples_loses_no_plan(seed: int, compat: bool, monkeypatch: p
     task = overlapping(seed) if compat else domains.weighted_task(seed)
     options = Options(300, seed, compat=compat)
     plan = prada(task, options)
-    monkeypatch.setattr(inference, "_ceiling", lambda tables, discount, steps: np.full(steps + 1, np.inf))
+    monkeypatch.setattr(inference, "ceiling", lambda tables, discount, steps: np.full(steps + 1, np.inf))
     assert replace(prada(task, options), seconds=plan.seconds) == plan
 
 

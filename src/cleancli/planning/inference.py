@@ -45,7 +45,7 @@ def best_sequence(
         threshold,
         np.uint64(seed % 2**64),
         _worth(discount, horizon),
-        _ceiling(tables, discount, horizon),
+        ceiling(tables, discount, horizon),
     )
     best, value, drawn = np.zeros(0, dtype=np.int32), -np.inf, 0
     size = PORTION if deadline is not None else max(-(-samples // threads), PORTION)
@@ -68,13 +68,13 @@ def _best_of(
     threshold: float,
     seed: np.uint64,
     idle: Floats,
-    ceiling: Floats,
+    most: Floats,
     portion: tuple[int, int, float],
 ) -> tuple[float, Ints]:
     """The best of some samples (first, last + 1) if it is worth more than a value, and its worth."""
     drawn, best = np.zeros((2, len(idle) - 1), dtype=np.int32)
     start, belief = new_belief(tables, threshold), new_belief(tables, threshold)
-    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, ceiling, *portion)
+    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, most, *portion)
     return worth, best[:length]
 
 
@@ -83,12 +83,11 @@ def _worth(discount: float, steps: int) -> Floats:
     return np.concatenate([[0.0], np.cumsum(discount ** np.arange(steps))])
 
 
-def _ceiling(t: Tables, discount: float, steps: int) -> Floats:
+def ceiling(t: Tables, discount: float, steps: int) -> Floats:
     """What so many steps can pay at most, at their start (steps + 1,)."""
     standing = float(t.constant[0]) + float(np.maximum(t.state, 0).sum())
     step = max(standing, float(np.max(t.payment * (t.most + standing), initial=0.0)), 0.0)
-    ceiling = step * _worth(float(np.max(t.discount, initial=discount)), steps)
-    return ceiling * (1 + ROUNDING) + ROUNDING
+    return step * _worth(float(np.max(t.discount, initial=discount)), steps) * (1 + ROUNDING) + ROUNDING
 
 
 def step_rewards(
