@@ -13,10 +13,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
+from cleancli.compiler.ragged import Bools, Floats, floats, inverse, ragged, union
 from cleancli.compiler.task import GroundCondition, GroundRule, Task
 from cleancli.compiler.transition import payment
+
+Indices = NDArray[np.uint32]
+"""Not signed, so that compiled code need not ask whether one counts from an array's end: a quarter of its
+time."""
 
 Effects = dict[int, list[tuple[int, float]]]
 """For each variable that a rule may set, ascending, the values that its outcomes give it, and how likely."""
@@ -34,28 +39,28 @@ class Tables(NamedTuple):
     from others.
     """
 
-    slot_start: Ints  # (V + 1,) slots of each variable
-    sum_start: Ints  # (N - S,)
-    sum_slot: Ints  # (n,) slots that each sum adds
-    guard_start: Ints  # (A + 1,)
-    guard: Ints  # (n,) numbers that all conditions of each action's rules multiply
-    condition_start: Ints  # (R + C + 1,)
-    condition: Ints  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
-    rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
+    slot_start: Indices  # (V + 1,) slots of each variable
+    sum_start: Indices  # (N - S,)
+    sum_slot: Indices  # (n,) slots that each sum adds
+    guard_start: Indices  # (A + 1,)
+    guard: Indices  # (n,) numbers that all conditions of each action's rules multiply
+    condition_start: Indices  # (R + C + 1,)
+    condition: Indices  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
+    rule_start: Indices  # (A + 1,) rules of each action; rules are sorted by action
     changes: Bools  # (R,) whether an outcome of the rule changes something
-    shift_start: Ints  # (R + 1,)
-    shift_slot: Ints  # (n,)
+    shift_start: Indices  # (R + 1,)
+    shift_slot: Indices  # (n,)
     shift: Floats  # (n,)
-    loss_start: Ints  # (R + 1,)
-    loss_slot: Ints  # (n,)
-    loss_given: Ints  # (n,) the number of the literal that the rule asks of the slot's variable
+    loss_start: Indices  # (R + 1,)
+    loss_slot: Indices  # (n,)
+    loss_given: Indices  # (n,) the number of the literal that the rule asks of the slot's variable
     loss: Floats  # (n,)
-    touched_slot_start: Ints  # (A + 1,)
-    touched_slot: Ints  # (n,) slots of variables that each action can set
-    touched_sum_start: Ints  # (A + 1,)
-    touched_sum: Ints  # (n,) sums (from 0) of those slots
-    touched_reward_start: Ints  # (A + 1,)
-    touched_reward: Ints  # (n,) reward conditions (from 0) that ask for those variables
+    touched_slot_start: Indices  # (A + 1,)
+    touched_slot: Indices  # (n,) slots of variables that each action can set
+    touched_sum_start: Indices  # (A + 1,)
+    touched_sum: Indices  # (n,) sums (from 0) of those slots
+    touched_reward_start: Indices  # (A + 1,)
+    touched_reward: Indices  # (n,) reward conditions (from 0) that ask for those variables
     cost: Floats  # (A,) what the reward of a step loses by each action
     payment: Floats  # (A,) what the reward of a step by each action is multiplied by
     discount: Floats  # (A,) what all that comes after each action is multiplied by
@@ -75,9 +80,7 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     rules = [rule for rule in task.rules if independent or any(o.effects for o in rule.outcomes)]
     effects = [_effects(rule) for rule in rules]
     numbers = _Numbers(task, rules, independent)
-    start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1)).astype(
-        np.int32
-    )
+    start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
     spans = [slice(a, b) for a, b in itertools.pairwise(start.tolist())]
     guards = [numbers.guard(rules[span]) for span in spans]
     rests = [sorted(set(numbers.of(rule.condition)) - set(guards[rule.action])) for rule in rules]
@@ -87,20 +90,20 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     sums_of = inverse(len(task.variables), [[variable] for variable, _ in numbers.sums])
     rewards_of = inverse(len(task.variables), [[v for v, _ in reward.condition] for reward in task.rewards])
     return Tables(
-        numbers.slot_start,
-        *ragged(list(numbers.sums.values())),
-        *ragged(guards),
-        *ragged([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
-        start,
+        numbers.slot_start.astype(np.uint32),
+        *_indices(list(numbers.sums.values())),
+        *_indices(guards),
+        *_indices([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
+        start.astype(np.uint32),
         np.array([any(o.effects for o in rule.outcomes) for rule in rules], dtype=np.bool_),
-        *ragged([list(s) for s in shifts]),
+        *_indices([list(s) for s in shifts]),
         floats(p for s in shifts for p in s.values()),
-        *ragged([[slot for slot, _, _ in entries] for entries in losses]),
-        np.array([given for entries in losses for _, given, _ in entries], dtype=np.int32),
+        *_indices([[slot for slot, _, _ in entries] for entries in losses]),
+        np.array([given for entries in losses for _, given, _ in entries], dtype=np.uint32),
         floats(p for entries in losses for _, _, p in entries),
-        *ragged([numbers.slots(chosen) for chosen in variables]),
-        *ragged([union(sums_of, chosen) for chosen in variables]),
-        *ragged([union(rewards_of, chosen) for chosen in variables]),
+        *_indices([numbers.slots(chosen) for chosen in variables]),
+        *_indices([union(sums_of, chosen) for chosen in variables]),
+        *_indices([union(rewards_of, chosen) for chosen in variables]),
         floats(action.cost for action in task.actions),
         floats(payment(task, action) for action in range(len(task.actions))),
         floats(task.discounts),
@@ -110,6 +113,11 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
         floats([task.constant_reward]),
         np.array([independent]),
     )
+
+
+def _indices(lists: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
+    start, entries = ragged(lists)
+    return start.astype(np.uint32), entries.astype(np.uint32)
 
 
 def _effects(rule: GroundRule) -> Effects:
@@ -128,7 +136,7 @@ class _Numbers:
     def __init__(self, task: Task, rules: Sequence[GroundRule], independent: bool) -> None:
         self._independent = independent
         sizes = [len(variable.values) for variable in task.variables]
-        self.slot_start = np.cumsum([0, *sizes]).astype(np.int32)
+        self.slot_start = np.cumsum([0, *sizes])
         self._first: list[int] = self.slot_start.tolist()
         conditions = [*(rule.condition for rule in rules), *(reward.condition for reward in task.rewards)]
         several = {(v, tuple(sorted(a))) for condition in conditions for v, a in condition if len(a) > 1}

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Tables
+from cleancli.compiler.tables import Indices, Tables
 from cleancli.compiler.task import Assignment
 from cleancli.planning import kernel
 
@@ -129,11 +129,11 @@ def check(t: Tables) -> None:
     variables, slots, sums = len(t.slot_start) - 1, int(t.slot_start[-1]), len(t.sum_start) - 1
     actions, rules, rewards = len(t.rule_start) - 1, len(t.changes), len(t.state)
     numbers = slots + sums + 1
-    _check_lists(t.slot_start, np.arange(slots, dtype=np.int32), variables, slots)
+    _check_lists(t.slot_start, np.arange(slots, dtype=np.uint32), variables, slots)
     _check_lists(t.sum_start, t.sum_slot, sums, slots)
     _check_lists(t.guard_start, t.guard, actions, numbers)
     _check_lists(t.condition_start, t.condition, rules + rewards, numbers)
-    _check_lists(t.rule_start, np.arange(rules, dtype=np.int32), actions, rules)
+    _check_lists(t.rule_start, np.arange(rules, dtype=np.uint32), actions, rules)
     _check_lists(t.shift_start, t.shift_slot, rules, slots, t.shift)
     _check_lists(t.loss_start, t.loss_slot, rules, slots, t.loss)
     _check_lists(t.loss_start, t.loss_given, rules, numbers)
@@ -148,11 +148,13 @@ def check(t: Tables) -> None:
     assert (t.changes.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))
 
 
-def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:
+def _check_lists(
+    start: Indices, entries: Indices, lists: int, bound: int, along: Floats | None = None
+) -> None:
     """`lists` ragged lists of indices below `bound`, with a number along each entry where there are any."""
-    assert start.dtype == entries.dtype == np.int32
+    assert start.dtype == entries.dtype == np.uint32
     assert start.shape == (lists + 1,)
     assert (start[0], start[-1]) == (0, len(entries))
-    assert (np.diff(start) >= 0).all()
-    assert len(entries) == 0 or (entries.min() >= 0 and entries.max() < bound)
+    assert (start[1:] >= start[:-1]).all()
+    assert len(entries) == 0 or entries.max() < bound
     assert along is None or (along.dtype == np.float64 and along.shape == entries.shape)

@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Tables
+from cleancli.compiler.tables import Indices, Tables
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 NEGLIGIBLE = 1e-9
@@ -39,13 +39,14 @@ class Belief(NamedTuple):
 
 
 # No function here makes an array, so numba need not count references to arrays (`_nrt`); it would do so
-# wherever a field is read, which costs ten times as much as the arithmetic.
+# wherever a field is read, which costs ten times as much as the arithmetic. Those without a wrapper compile
+# faster, and only compiled code may call them: a call from Python crashes.
 _compiled = partial(njit, cache=True, nogil=True, error_model="numpy", _nrt=False)
 _inner = partial(_compiled, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 @_inner()
-def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+def _product(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     product = 1.0
     for i in range(start[item], start[item + 1]):
         product *= number[entries[i]]
@@ -53,7 +54,7 @@ def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
 
 
 @_inner()
-def _sum(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+def _sum(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     total = 0.0
     for i in range(start[item], start[item + 1]):
         total += number[entries[i]]
