@@ -1,32 +1,52 @@
-"""How fast PRADA plans: `python benchmarks/planning.py [samples]`, on one core, medians of 5 seeds.
+"""How fast PRADA plans: `python benchmarks/planning.py [--samples N] [--peers FOLDER]`, medians of 7 seeds.
 
 The tasks are tables with dirty areas at random places, made from the rules of planning.nid. Two areas nearer
-than 0.18 m are near, one within 4 cm of the line between two places lies between them.
+than 0.18 m are near, one within 4 cm of the line between two places lies between them. FOLDER has libPRADA's
+own files for the same rules, in d2 to d14; what it needs for them on one core is in `LIBPRADA`.
+
+Compared with: the slow reference of the tests, which values drawn sequences and does not even draw them; and
+the multiply-adds that samples need, at one a cycle, if nothing else took time: those of the rules of the
+actions that are done, up to where a sample that knows the best value gives up.
 """
 
 from __future__ import annotations
 
+import argparse
 import itertools
+import os
+import re
 import statistics
 import sys
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from cleancli.compiler.ground import ground
+from cleancli.compiler.tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, Problem
+from cleancli.planning import inference, kernel
 from cleancli.planning.plan import Options
 from cleancli.planning.prada import prada
 from cleancli.planning.prepared import prepare
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "planning"))
+import reference
 
 DOMAIN = load_domain(read_source(Path(__file__).with_suffix(".nid")))
 SURFACE = np.array([0.60, 0.50])
 CONTAINER = np.array([0.30, 0.55])
 NEAR, STRIP = 0.18, 0.04
-SEEDS = range(5)
+SEEDS = range(7)
+AREAS = (2, 4, 6, 8, 10, 14, 20)
+LIBPRADA = {2: 0.115, 4: 0.304, 6: 0.711, 8: 1.40, 10: 2.66, 14: 7.54}
+"""User seconds for 10,000 samples on one core, its fastest build, static literals removed by hand."""
+COUNTED = 300
+"""Samples whose arithmetic is counted."""
 
 
 def layout(areas: int, seed: int) -> Problem:
@@ -59,29 +79,169 @@ def _lies_between(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> bool
     return 0 < share < 1 and float(np.linalg.norm(start + share * along - point)) < STRIP
 
 
-def _timed(areas: int, samples: int, seed: int) -> tuple[Task, float, float, float]:
-    """The task, CPU seconds of grounding, seconds of the search, and the plan's value."""
-    problem = layout(areas, 0)
-    started = time.process_time()
+def peers(folder: Path) -> Iterator[tuple[int, Problem]]:
+    """The tables of libPRADA's files; their rules are those of planning.nid under other names."""
+    for areas in LIBPRADA:
+        text = (folder / f"d{areas}" / "state.dat").read_text()
+        atoms = [(m[1], m[2].split()) for m in re.finditer(r"(\w+)\(([^)]*)\)", text)]
+        (container,) = (terms[0] for name, terms in atoms if name == "container")
+        facts = set()
+        for name, terms in atoms:
+            places = tuple("bin" if term == container else f"a{term}" for term in terms)
+            if name.endswith("Size"):
+                facts.add(Fact("size", places, name.removesuffix("Size")))
+            elif name == "near":
+                facts.add(Fact("near", tuple(sorted(places))))
+            elif name != "container":
+                facts.add(Fact(name, places))
+        objects = tuple(sorted(fact.objects[0] for fact in facts if fact.symbol == "dirt"))
+        areas_of = tuple(Object(name, "area") for name in objects)
+        yield areas, Problem(f"d{areas}", DOMAIN.name, areas_of, frozenset(facts))
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Of one task; times in seconds, of all samples."""
+
+    task: Task
+    grounding: float
+    lowering: float
+    one_core: float
+    two_cores: float
+    value: float
+    reference: float
+    floor: float
+
+
+def measured(problem: Problem, samples: int) -> Figures:
+    started = time.perf_counter()
     task = ground(DOMAIN, problem)
-    grounding = time.process_time() - started
-    plan = prada(prepare(task), Options(samples, seed))
-    return task, grounding, plan.seconds["search"], plan.value
+    grounded = time.perf_counter()
+    tables = lower(task)
+    lowered = time.perf_counter()
+    prepared = prepare(task)
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    plans = [prada(prepared, Options(samples, seed, threads=1)) for seed in SEEDS]
+    slow = _reference(task, tables, plans[0].value)
+    os.sched_setaffinity(0, cores)
+    both = [prada(prepared, Options(samples, seed, threads=2)) for seed in SEEDS]
+    value = statistics.median(plan.value for plan in plans)
+    return Figures(
+        task,
+        grounded - started,
+        lowered - grounded,
+        statistics.median(plan.seconds["search"] for plan in plans),
+        statistics.median(plan.seconds["search"] for plan in both),
+        value,
+        samples * slow,
+        samples * _operations(task, tables, value) / (_clock() * 1e6),
+    )
+
+
+def _reference(task: Task, tables: Tables, best: float) -> float:
+    """Seconds in which the reference values one sequence."""
+    sequences = [actions for actions, _ in itertools.islice(_drawn(task, tables, best), 5)]
+    started = time.perf_counter()
+    for actions in sequences:
+        reference.value(task, actions)
+    return (time.perf_counter() - started) / len(sequences)
+
+
+def _operations(task: Task, tables: Tables, best: float) -> float:
+    """Multiply-adds that a sample needs, in the mean of some."""
+    return statistics.mean(count for _, count in itertools.islice(_drawn(task, tables, best), COUNTED))
+
+
+def _drawn(task: Task, t: Tables, best: float) -> Iterator[tuple[list[int], int]]:
+    """Sequences as the search draws them, if it gave up where they cannot be worth the value, and how many
+    multiply-adds they need."""
+    state, rng = np.asarray(task.initial, dtype=np.int32), np.random.default_rng(0)
+    weighing, belief = (inference.new_belief(t, Options().rule_threshold) for _ in range(2))
+    ceiling = inference.ceiling(t, task.discount, task.horizon)
+    while True:
+        kernel.initialise(t, state, weighing)
+        kernel.initialise(t, state, belief)
+        actions: list[int] = []
+        count, value, factor = 0, 0.0, 1.0
+        while len(actions) < task.horizon and value + factor * ceiling[task.horizon - len(actions)] > best:
+            action = kernel.draw(weighing.weight, rng.random())
+            if action < 0:
+                break
+            actions.append(action)
+            kernel.advance(t, weighing, action)
+            paid, _ = kernel.follow(t, belief, action)
+            value, factor = value + factor * paid, factor * task.discount
+            count += _step(t, belief, action)
+        yield actions, count
+
+
+def _step(t: Tables, belief: kernel.Belief, action: int) -> int:
+    """Multiply-adds of an update: conditions, effects of rules that may apply, slots, sums, rewards."""
+    rules = range(t.rule_start[action], t.rule_start[action + 1])
+    applying = [rule for rule in rules if belief.cover[rule] > 0]
+    touched = t.touched_reward[t.touched_reward_start[action] : t.touched_reward_start[action + 1]]
+    sums = t.touched_sum[t.touched_sum_start[action] : t.touched_sum_start[action + 1]]
+    return int(
+        _entries(t.guard_start, [action])
+        + _entries(t.condition_start, [*rules, *(touched + len(t.changes))])
+        + _entries(t.shift_start, applying)
+        + 2 * _entries(t.loss_start, applying)
+        + _entries(t.touched_slot_start, [action])
+        + _entries(t.sum_start, sums)
+        + len(touched)
+        + 2
+    )
+
+
+def _entries(start: np.ndarray, items: list[int]) -> int:
+    return sum(int(start[item + 1] - start[item]) for item in items)
+
+
+def _clock() -> float:
+    """MHz of the machine as it says itself; not a number where it does not."""
+    found = re.search(r"cpu MHz\s*:\s*([\d.]+)", Path("/proc/cpuinfo").read_text())
+    return float(found[1]) if found else float("nan")
+
+
+def row(areas: int, samples: int, f: Figures) -> str:
+    libprada = (
+        f"{LIBPRADA[areas] / f.one_core:7.0f}" if samples == 10_000 and areas in LIBPRADA else "      -"
+    )
+    return (
+        f"{areas:5}  {len(f.task.actions):7}  {len(f.task.rules):5}  {f.grounding:6.3f}  {f.lowering:5.3f}"
+        f"  {f.one_core:8.4f}  {f.two_cores:9.4f}  {samples / f.one_core:9.0f}  {f.value:6.3f}  {libprada}"
+        f"  {f.reference / f.one_core:9.0f}  {f.one_core / f.floor:5.1f}"
+    )
 
 
 def main() -> None:
-    samples = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-    print(f"{samples} samples, horizon 1 + areas, medians of {len(SEEDS)} seeds")
-    print("areas  actions  rules  ground s  search s  samples/s  value")
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--samples", type=int, default=10_000)
+    parser.add_argument("--peers", type=Path)
+    asked = parser.parse_args()
     prada(prepare(ground(DOMAIN, layout(2, 0))), Options(10))
-    for areas in (2, 4, 6, 8, 10, 14, 20):
-        runs = [_timed(areas, samples, seed) for seed in SEEDS]
-        task = runs[0][0]
-        grounding, search, value = (statistics.median(column) for column in list(zip(*runs, strict=True))[1:])
+    print(
+        f"{asked.samples} samples, horizon 1 + areas, medians of {len(SEEDS)} seeds,"
+        f" load {os.getloadavg()[0]:.2f}"
+    )
+    print(
+        "times in seconds; ratios: libPRADA's and the reference's time to ours on one core, ours to the floor"
+    )
+    tasks = [("random tables", [(areas, layout(areas, 0)) for areas in AREAS])]
+    if asked.peers is None or not asked.peers.is_dir():
+        print("libPRADA's own files are left out: no --peers FOLDER")
+    else:
+        tasks.append(("libPRADA's files", list(peers(asked.peers))))
+    for name, problems in tasks:
+        print(f"\n{name}")
         print(
-            f"{areas:5}  {len(task.actions):7}  {len(task.rules):5}  {grounding:8.4f}  {search:8.4f}"
-            f"  {samples / search:9.0f}  {value:5.3f}"
+            "areas  actions  rules  ground  lower  one core  two cores  samples/s   value  libPRADA"
+            "  reference  floor"
         )
+        for areas, problem in problems:
+            print(row(areas, asked.samples, measured(problem, asked.samples)), flush=True)
+    print(f"\nload {os.getloadavg()[0]:.2f}, {_clock():.0f} MHz")
 
 
 if __name__ == "__main__":

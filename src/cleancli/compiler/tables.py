@@ -8,18 +8,23 @@ stored as ragged.py says.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
-from cleancli.compiler.task import GroundCondition, GroundRule, RewardCondition, Task
+from cleancli.compiler.ragged import Bools, Floats, floats, inverse, ragged, union
+from cleancli.compiler.task import GroundCondition, GroundRule, Task
 from cleancli.compiler.transition import payment
 
-Literal = tuple[int, frozenset[int]]
-"""A variable and the values that it may have."""
+Indices = NDArray[np.uint32]
+"""Not signed, so that compiled code need not ask whether one counts from an array's end: a quarter of its
+time."""
+
+Effects = dict[int, list[tuple[int, float]]]
+"""For each variable that a rule may set, ascending, the values that its outcomes give it, and how likely."""
 
 
 class Tables(NamedTuple):
@@ -34,28 +39,28 @@ class Tables(NamedTuple):
     from others.
     """
 
-    slot_start: Ints  # (V + 1,) slots of each variable
-    sum_start: Ints  # (N - S,)
-    sum_slot: Ints  # (n,) slots that each sum adds
-    guard_start: Ints  # (A + 1,)
-    guard: Ints  # (n,) numbers that all conditions of each action's rules multiply
-    condition_start: Ints  # (R + C + 1,)
-    condition: Ints  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
-    rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
+    slot_start: Indices  # (V + 1,) slots of each variable
+    sum_start: Indices  # (N - S,)
+    sum_slot: Indices  # (n,) slots that each sum adds
+    guard_start: Indices  # (A + 1,)
+    guard: Indices  # (n,) numbers that all conditions of each action's rules multiply
+    condition_start: Indices  # (R + C + 1,)
+    condition: Indices  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
+    rule_start: Indices  # (A + 1,) rules of each action; rules are sorted by action
     changes: Bools  # (R,) whether an outcome of the rule changes something
-    shift_start: Ints  # (R + 1,)
-    shift_slot: Ints  # (n,)
+    shift_start: Indices  # (R + 1,)
+    shift_slot: Indices  # (n,)
     shift: Floats  # (n,)
-    loss_start: Ints  # (R + 1,)
-    loss_slot: Ints  # (n,)
-    loss_given: Ints  # (n,) the number of the literal that the rule asks of the slot's variable
+    loss_start: Indices  # (R + 1,)
+    loss_slot: Indices  # (n,)
+    loss_given: Indices  # (n,) the number of the literal that the rule asks of the slot's variable
     loss: Floats  # (n,)
-    touched_slot_start: Ints  # (A + 1,)
-    touched_slot: Ints  # (n,) slots of variables that each action can set
-    touched_sum_start: Ints  # (A + 1,)
-    touched_sum: Ints  # (n,) sums (from 0) of those slots
-    touched_reward_start: Ints  # (A + 1,)
-    touched_reward: Ints  # (n,) reward conditions (from 0) that ask for those variables
+    touched_slot_start: Indices  # (A + 1,)
+    touched_slot: Indices  # (n,) slots of variables that each action can set
+    touched_sum_start: Indices  # (A + 1,)
+    touched_sum: Indices  # (n,) sums (from 0) of those slots
+    touched_reward_start: Indices  # (A + 1,)
+    touched_reward: Indices  # (n,) reward conditions (from 0) that ask for those variables
     cost: Floats  # (A,) what the reward of a step loses by each action
     payment: Floats  # (A,) what the reward of a step by each action is multiplied by
     discount: Floats  # (A,) what all that comes after each action is multiplied by
@@ -73,30 +78,36 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     variables, as independent of each other. Then rules may overlap.
     """
     rules = [rule for rule in task.rules if independent or any(o.effects for o in rule.outcomes)]
+    effects = [_effects(rule) for rule in rules]
     numbers = _Numbers(task, rules, independent)
-    rule_start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
-    of_action = [rules[a:b] for a, b in itertools.pairwise(rule_start.tolist())]
-    guards = [numbers.guard(group) for group in of_action]
+    start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
+    spans = [slice(a, b) for a, b in itertools.pairwise(start.tolist())]
+    guards = [numbers.guard(rules[span]) for span in spans]
     rests = [sorted(set(numbers.of(rule.condition)) - set(guards[rule.action])) for rule in rules]
-    losses = [numbers.losses(rule) for rule in rules]
-    shifts = [numbers.shifts(rule) for rule in rules]
+    shifts = list(map(numbers.shifts, rules, effects))
+    losses = list(map(numbers.losses, rules, effects))
+    variables = [sorted({v for effect in effects[span] for v in effect}) for span in spans]
+    sums_of = inverse(len(task.variables), [[variable] for variable, _ in numbers.sums])
+    rewards_of = inverse(len(task.variables), [[v for v, _ in reward.condition] for reward in task.rewards])
     return Tables(
-        numbers.slot_start,
-        *ragged(list(numbers.sums.values())),
-        *ragged(guards),
-        *ragged([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
-        rule_start.astype(np.int32),
+        numbers.slot_start.astype(np.uint32),
+        *_indices(list(numbers.sums.values())),
+        *_indices(guards),
+        *_indices([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
+        start.astype(np.uint32),
         np.array([any(o.effects for o in rule.outcomes) for rule in rules], dtype=np.bool_),
-        *ragged([list(s) for s in shifts]),
+        *_indices([list(s) for s in shifts]),
         floats(p for s in shifts for p in s.values()),
-        *ragged([[slot for slot, _, _ in entries] for entries in losses]),
-        np.array([given for entries in losses for _, given, _ in entries], dtype=np.int32),
+        *_indices([[slot for slot, _, _ in entries] for entries in losses]),
+        np.array([given for entries in losses for _, given, _ in entries], dtype=np.uint32),
         floats(p for entries in losses for _, _, p in entries),
-        *numbers.touched(of_action),
+        *_indices([numbers.slots(chosen) for chosen in variables]),
+        *_indices([union(sums_of, chosen) for chosen in variables]),
+        *_indices([union(rewards_of, chosen) for chosen in variables]),
         floats(action.cost for action in task.actions),
         floats(payment(task, action) for action in range(len(task.actions))),
         floats(task.discounts),
-        floats(_most(task, of_action)),
+        floats(_most(task, [effects[span] for span in spans])),
         floats(reward.decrease for reward in task.rewards),
         floats(reward.state for reward in task.rewards),
         floats([task.constant_reward]),
@@ -104,18 +115,35 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     )
 
 
+def _indices(lists: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
+    start, entries = ragged(lists)
+    return start.astype(np.uint32), entries.astype(np.uint32)
+
+
+def _effects(rule: GroundRule) -> Effects:
+    effects: Effects = {}
+    for outcome in rule.outcomes:
+        if outcome.probability:
+            probability = float(outcome.probability)
+            for variable, value in outcome.effects:
+                effects.setdefault(variable, []).append((value, probability))
+    return {variable: effects[variable] for variable in sorted(effects)}
+
+
 class _Numbers:
     """Which numbers of a belief literals, conditions and effects are about."""
 
     def __init__(self, task: Task, rules: Sequence[GroundRule], independent: bool) -> None:
-        self._task, self._independent = task, independent
+        self._independent = independent
         sizes = [len(variable.values) for variable in task.variables]
-        self.slot_start = np.cumsum([0, *sizes]).astype(np.int32)
-        self._first = self.slot_start.tolist()
+        self.slot_start = np.cumsum([0, *sizes])
+        self._first: list[int] = self.slot_start.tolist()
         conditions = [*(rule.condition for rule in rules), *(reward.condition for reward in task.rewards)]
         several = {(v, tuple(sorted(a))) for condition in conditions for v, a in condition if len(a) > 1}
         self.sums = {(v, a): [self._first[v] + value for value in a] for v, a in sorted(several)}
-        self._number = {literal: self._first[-1] + index for index, literal in enumerate(self.sums)}
+        self._number: dict[tuple[int, tuple[int, ...]], int] = {
+            literal: self._first[-1] + index for index, literal in enumerate(self.sums)
+        }
         self.one = self._first[-1] + len(self.sums)
 
     def of(self, condition: GroundCondition) -> list[int]:
@@ -124,8 +152,13 @@ class _Numbers:
 
     def _literal(self, variable: int, allowed: frozenset[int]) -> int:
         if len(allowed) == 1:
-            return int(self._first[variable]) + next(iter(allowed))
+            (value,) = allowed
+            return self._first[variable] + value
         return self._number[variable, tuple(sorted(allowed))]
+
+    def slots(self, variables: Sequence[int]) -> list[int]:
+        """Those of all their values."""
+        return [slot for v in variables for slot in range(self._first[v], self._first[v + 1])]
 
     def guard(self, rules: Sequence[GroundRule]) -> list[int]:
         """What all the rules ask for; nothing where they are independent, because then the probability that
@@ -134,83 +167,59 @@ class _Numbers:
             return []
         return sorted(set.intersection(*(set(self.of(rule.condition)) for rule in rules)))
 
-    def shifts(self, rule: GroundRule) -> dict[int, Fraction]:
+    def shifts(self, rule: GroundRule, effects: Effects) -> dict[int, float]:
         """What the rule adds to slots: what its outcomes set, less what they set where the value is known."""
-        shift: dict[int, Fraction] = {}
-        for outcome in rule.outcomes:
-            for variable, value in outcome.effects:
-                slot = self._first[variable] + value
-                shift[slot] = shift.get(slot, Fraction(0)) + outcome.probability
-        for variable, probability in _sets(rule).items():
-            allowed = self._asked(rule).get(variable, ())
-            if len(allowed) == 1:
-                slot = self._first[variable] + next(iter(allowed))
-                shift[slot] = shift.get(slot, Fraction(0)) - probability
-        return {slot: shift[slot] for slot in sorted(shift) if shift[slot]}
+        terms: dict[int, list[float]] = {}
+        asked = self._asked(rule)
+        for variable, entries in effects.items():
+            first = self._first[variable]
+            for value, probability in entries:
+                terms.setdefault(first + value, []).append(probability)
+            if len(asked.get(variable, ())) == 1:
+                known = terms.setdefault(first + next(iter(asked[variable])), [])
+                known += [-probability for _, probability in entries]
+        total = {slot: math.fsum(terms[slot]) for slot in sorted(terms)}
+        return {slot: shift for slot, shift in total.items() if shift}
 
-    def losses(self, rule: GroundRule) -> list[tuple[int, int, Fraction]]:
+    def losses(self, rule: GroundRule, effects: Effects) -> list[tuple[int, int, float]]:
         """Slot, given literal and probability where the value that is lost is not known."""
-        entries = []
-        for variable, probability in _sets(rule).items():
-            allowed = self._asked(rule).get(variable)
+        losses = []
+        asked = self._asked(rule)
+        for variable, entries in effects.items():
+            allowed = asked.get(variable)
+            probability = math.fsum(p for _, p in entries)
             if allowed is None:
-                slots = range(self._first[variable], self._first[variable + 1])
-                entries += [(slot, self.one, probability) for slot in slots]
+                losses += [(slot, self.one, probability) for slot in self.slots([variable])]
             elif len(allowed) > 1:
                 given = self._literal(variable, allowed)
-                entries += [(self._first[variable] + x, given, probability) for x in sorted(allowed)]
-        return entries
+                losses += [(self._first[variable] + x, given, probability) for x in sorted(allowed)]
+        return losses
 
     def _asked(self, rule: GroundRule) -> dict[int, frozenset[int]]:
         """What the update may take as known of each variable where the rule applies."""
         return {} if self._independent else dict(rule.condition)
 
-    def touched(self, of_action: Sequence[Sequence[GroundRule]]) -> list[Ints]:
-        """Per action what it makes stale: slots, sums of them, reward conditions; two arrays each."""
-        variables = [sorted({v for rule in rules for v in _sets(rule)}) for rules in of_action]
-        size = len(self._task.variables)
-        sums_of = inverse(size, [[variable] for variable, _ in self.sums])
-        rewards_of = inverse(size, [[v for v, _ in reward.condition] for reward in self._task.rewards])
-        slots = [[s for v in chosen for s in range(*self._first[v : v + 2])] for chosen in variables]
-        return [
-            *ragged(slots),
-            *ragged([union(sums_of, chosen) for chosen in variables]),
-            *ragged([union(rewards_of, chosen) for chosen in variables]),
-        ]
 
-
-def _sets(rule: GroundRule) -> dict[int, Fraction]:
-    """Per variable the total probability of the outcomes that set it."""
-    probability: dict[int, Fraction] = {}
-    for outcome in rule.outcomes:
-        if outcome.probability:
-            for variable, _ in outcome.effects:
-                probability[variable] = probability.get(variable, Fraction(0)) + outcome.probability
-    return dict(sorted(probability.items()))
-
-
-def _most(task: Task, of_action: Sequence[Sequence[GroundRule]]) -> list[Fraction]:
-    """Per action what it is paid at most for the conditions that may end or begin, less its cost.
+def _most(task: Task, effects: Sequence[Sequence[Effects]]) -> list[float]:
+    """Per action, with its rules' effects, what it is paid at most for the conditions that may end or begin,
+    less its cost.
 
     A rule as likely as p changes a literal's probability by at most p times that of the outcomes that change
     it, and a product of probabilities by at most the sum of what its factors change.
     """
-    asking: list[list[tuple[RewardCondition, frozenset[int]]]] = [[] for _ in task.variables]
+    asking: list[list[tuple[float, frozenset[int]]]] = [[] for _ in task.variables]
     for reward in task.rewards:
         for variable, allowed in reward.condition:
-            asking[variable].append((reward, allowed))
+            asking[variable].append((float(reward.decrease), allowed))
 
-    def paid(rule: GroundRule) -> Fraction:
+    def paid(rule: Effects) -> float:
         return sum(
-            (
-                outcome.probability * (-reward.decrease if value in allowed else reward.decrease)
-                for outcome in rule.outcomes
-                for variable, value in outcome.effects
-                for reward, allowed in asking[variable]
-                if (reward.decrease < 0) == (value in allowed)
-            ),
-            Fraction(0),
+            probability * abs(decrease)
+            for variable, entries in rule.items()
+            for decrease, allowed in asking[variable]
+            for value, probability in entries
+            if (decrease < 0) == (value in allowed)
         )
 
-    best = [max(map(paid, rules), default=Fraction(0)) for rules in of_action]
-    return [most - action.cost for most, action in zip(best, task.actions, strict=True)]
+    best = [max(map(paid, rules), default=0.0) for rules in effects]
+    return [most - float(action.cost) for most, action in zip(best, task.actions, strict=True)]

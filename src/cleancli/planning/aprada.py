@@ -18,10 +18,10 @@ def aprada(prepared: Prepared, options: Options) -> Plan:
 
 def _shortened(actions: Ints, worth: Worth) -> Ints:
     """The sequence less one action at a time, each time the one without which it is worth most."""
-    value = worth(actions)
+    value = worth([actions])[0]
     while actions.size:
         shorter = [np.delete(actions, place) for place in range(actions.size)]
-        values = [worth(sequence) for sequence in shorter]
+        values = worth(shorter)
         best = int(np.argmax(values))
         if values[best] <= value:
             break

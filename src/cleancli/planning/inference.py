@@ -4,13 +4,14 @@ divides its work among threads."""
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
 
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Tables
+from cleancli.compiler.tables import Indices, Tables
 from cleancli.compiler.task import Assignment
 from cleancli.planning import kernel
 
@@ -44,7 +45,7 @@ def best_sequence(
         threshold,
         np.uint64(seed % 2**64),
         _worth(discount, horizon),
-        _ceiling(tables, discount, horizon),
+        ceiling(tables, discount, horizon),
     )
     best, value, drawn = np.zeros(0, dtype=np.int32), -np.inf, 0
     size = PORTION if deadline is not None else max(-(-samples // threads), PORTION)
@@ -67,13 +68,13 @@ def _best_of(
     threshold: float,
     seed: np.uint64,
     idle: Floats,
-    ceiling: Floats,
+    most: Floats,
     portion: tuple[int, int, float],
 ) -> tuple[float, Ints]:
     """The best of some samples (first, last + 1) if it is worth more than a value, and its worth."""
     drawn, best = np.zeros((2, len(idle) - 1), dtype=np.int32)
     start, belief = new_belief(tables, threshold), new_belief(tables, threshold)
-    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, ceiling, *portion)
+    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, most, *portion)
     return worth, best[:length]
 
 
@@ -82,27 +83,29 @@ def _worth(discount: float, steps: int) -> Floats:
     return np.concatenate([[0.0], np.cumsum(discount ** np.arange(steps))])
 
 
-def _ceiling(t: Tables, discount: float, steps: int) -> Floats:
+def ceiling(t: Tables, discount: float, steps: int) -> Floats:
     """What so many steps can pay at most, at their start (steps + 1,)."""
     standing = float(t.constant[0]) + float(np.maximum(t.state, 0).sum())
     step = max(standing, float(np.max(t.payment * (t.most + standing), initial=0.0)), 0.0)
-    ceiling = step * _worth(float(np.max(t.discount, initial=discount)), steps)
-    return ceiling * (1 + ROUNDING) + ROUNDING
+    return step * _worth(float(np.max(t.discount, initial=discount)), steps) * (1 + ROUNDING) + ROUNDING
 
 
-def step_rewards(tables: Tables, state: Assignment, actions: Ints, steps: int, *, threshold: float) -> Floats:
-    """Undiscounted expected reward of each of `steps` steps (steps,) from a state, at least those of the
-    actions.
+def step_rewards(
+    tables: Tables, state: Assignment, sequences: Sequence[Ints], steps: int, *, threshold: float
+) -> Floats:
+    """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state
+    (sequences, steps).
 
-    Nothing is done in the steps after the last action.
+    Nothing is done in the steps after a sequence's last action.
     """
     check(tables)
-    assert actions.ndim == 1
-    assert actions.dtype == np.int32
-    assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.rule_start) - 1)
-    assert steps >= actions.size
-    result = np.zeros(steps)
-    kernel.rewards(tables, _state(tables, state), new_belief(tables, threshold), actions, result)
+    first, belief = _state(tables, state), new_belief(tables, threshold)
+    result = np.zeros((len(sequences), steps))
+    for row, actions in enumerate(sequences):
+        assert actions.ndim == 1
+        assert actions.size <= steps
+        assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.cost))
+        kernel.rewards(tables, first, belief, actions.astype(np.int64), result[row])
     return result
 
 
@@ -110,7 +113,8 @@ def new_belief(t: Tables, threshold: float) -> kernel.Belief:
     """Memory for a belief of a task, for `initialise` to fill in."""
     slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.changes), len(t.cost)
     sizes = (slots + sums + 1, len(t.state), actions, rules, rules, slots)
-    return kernel.Belief(*map(np.zeros, sizes), np.array([threshold]))
+    number, reward, weight, cover, others, change = map(np.zeros, sizes)
+    return kernel.Belief(number, reward, weight, cover, others, change, np.array([threshold]))
 
 
 def _state(t: Tables, assignment: Assignment) -> Ints:
@@ -125,34 +129,32 @@ def check(t: Tables) -> None:
     variables, slots, sums = len(t.slot_start) - 1, int(t.slot_start[-1]), len(t.sum_start) - 1
     actions, rules, rewards = len(t.rule_start) - 1, len(t.changes), len(t.state)
     numbers = slots + sums + 1
-    _check_lists(t.slot_start, np.arange(slots, dtype=np.int32), variables, slots)
+    _check_lists(t.slot_start, np.arange(slots, dtype=np.uint32), variables, slots)
     _check_lists(t.sum_start, t.sum_slot, sums, slots)
     _check_lists(t.guard_start, t.guard, actions, numbers)
     _check_lists(t.condition_start, t.condition, rules + rewards, numbers)
-    _check_lists(t.rule_start, np.arange(rules, dtype=np.int32), actions, rules)
+    _check_lists(t.rule_start, np.arange(rules, dtype=np.uint32), actions, rules)
     _check_lists(t.shift_start, t.shift_slot, rules, slots, t.shift)
     _check_lists(t.loss_start, t.loss_slot, rules, slots, t.loss)
     _check_lists(t.loss_start, t.loss_given, rules, numbers)
     _check_lists(t.touched_slot_start, t.touched_slot, actions, slots)
     _check_lists(t.touched_sum_start, t.touched_sum, actions, sums)
     _check_lists(t.touched_reward_start, t.touched_reward, actions, rewards)
-    for array, size in (
-        *((per_action, actions) for per_action in (t.cost, t.payment, t.discount, t.most)),
-        *((per_reward, rewards) for per_reward in (t.decrease, t.state)),
-        (t.constant, 1),
-    ):
-        assert array.dtype == np.float64
-        assert array.shape == (size,)
-    for array, size in ((t.changes, rules), (t.independent, 1)):
-        assert array.dtype == np.bool_
-        assert array.shape == (size,)
+    per_action, per_reward = (t.cost, t.payment, t.discount, t.most), (t.decrease, t.state)
+    assert all(array.dtype == np.float64 for array in (*per_action, *per_reward, t.constant))
+    assert all(array.shape == (actions,) for array in per_action)
+    assert all(array.shape == (rewards,) for array in per_reward)
+    assert t.changes.dtype == t.independent.dtype == np.bool_
+    assert (t.changes.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))
 
 
-def _check_lists(start: Ints, entries: Ints, lists: int, bound: int, along: Floats | None = None) -> None:
+def _check_lists(
+    start: Indices, entries: Indices, lists: int, bound: int, along: Floats | None = None
+) -> None:
     """`lists` ragged lists of indices below `bound`, with a number along each entry where there are any."""
-    assert start.dtype == entries.dtype == np.int32
+    assert start.dtype == entries.dtype == np.uint32
     assert start.shape == (lists + 1,)
     assert (start[0], start[-1]) == (0, len(entries))
-    assert (np.diff(start) >= 0).all()
-    assert len(entries) == 0 or (entries.min() >= 0 and entries.max() < bound)
+    assert (start[1:] >= start[:-1]).all()
+    assert len(entries) == 0 or entries.max() < bound
     assert along is None or (along.dtype == np.float64 and along.shape == entries.shape)

@@ -7,13 +7,15 @@ action changes, and only actions that are proposed are weighed. Guaranteed by `l
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Tables
+from cleancli.compiler.tables import Indices, Tables
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 NEGLIGIBLE = 1e-9
@@ -21,6 +23,7 @@ NEGLIGIBLE = 1e-9
 
 HALF = np.uint64(32)
 LOWER_HALF = np.uint64(2**32 - 1)
+UNIT = 2.0**-32
 
 
 class Belief(NamedTuple):
@@ -35,27 +38,30 @@ class Belief(NamedTuple):
     threshold: Floats  # (1,) a rule less likely than this is taken not to apply
 
 
-# The loops below name their arrays first: numba counts references wherever a field is read, which costs ten
-# times as much as the arithmetic.
+# No function here makes an array, so numba need not count references to arrays (`_nrt`); it would do so
+# wherever a field is read, which costs ten times as much as the arithmetic. Those without a wrapper compile
+# faster, and only compiled code may call them: a call from Python crashes.
+_compiled = partial(njit, cache=True, nogil=True, error_model="numpy", _nrt=False)
+_inner = partial(_compiled, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
-def _product(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+@_inner()
+def _product(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     product = 1.0
     for i in range(start[item], start[item + 1]):
         product *= number[entries[i]]
     return product
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
-def _sum(start: Ints, entries: Ints, number: Floats, item: int) -> float:
+@_inner()
+def _sum(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     total = 0.0
     for i in range(start[item], start[item + 1]):
         total += number[entries[i]]
     return total
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: float) -> None:
     """Of independent rules: the probability that each applies and no other does, cut as that of each was."""
     none = 1.0
@@ -69,7 +75,7 @@ def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: floa
         cover[rule] = product if product >= threshold else 0.0
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     """The probability that the action changes something, leaving in `cover` that of each of its rules; or
     0 as soon as it is known to be at most `least`."""
@@ -91,14 +97,14 @@ def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     return weight
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_compiled()
 def _weigh_all(t: Tables, belief: Belief) -> None:
     weight = belief.weight
     for action in range(len(weight)):
         weight[action] = _weigh(t, belief, action, 0.0)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
     """Each rule, as likely as `cover` says, sets slots and leaves the rest alone."""
     number, cover, change = belief.number, belief.cover, belief.change
@@ -121,7 +127,7 @@ def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
         number[first_sum + sums[i]] = _sum(sum_start, sum_slot, number, sums[i])
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
     number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.changes)
@@ -137,7 +143,7 @@ def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, floa
     return ended, rise
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow` for the action that was weighed last."""
     _update_numbers(t, belief, action)
@@ -145,7 +151,7 @@ def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return ended - t.cost[action], rise
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+@_compiled()
 def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
     and the rise of what doing nothing is paid from then on."""
@@ -153,7 +159,7 @@ def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return _apply(t, belief, action)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+@_compiled()
 def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow`, and weighs all actions."""
     paid, rise = follow(t, belief, action)
@@ -161,9 +167,15 @@ def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return paid, rise
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
-def initialise(t: Tables, state: Ints, belief: Belief) -> float:
-    """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
+@_inner()
+def _copy(source: Floats, target: Floats) -> None:
+    for i in range(len(target)):  # an assignment of slices would look for overlaps first
+        target[i] = source[i]
+
+
+@_compiled()
+def _settle(t: Tables, state: Ints, belief: Belief) -> float:
+    """`initialise` without weighing."""
     number, reward, slots = belief.number, belief.reward, len(belief.change)
     number[:] = 0.0
     belief.change[:] = 0.0
@@ -176,17 +188,18 @@ def initialise(t: Tables, state: Ints, belief: Belief) -> float:
     for c in range(len(reward)):
         reward[c] = _product(t.condition_start, t.condition, number, len(t.changes) + c)
         standing += t.state[c] * reward[c]
+    return standing
+
+
+@_compiled()
+def initialise(t: Tables, state: Ints, belief: Belief) -> float:
+    """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
+    standing = _settle(t, state, belief)
     _weigh_all(t, belief)
     return standing
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
-def _copy(source: Floats, target: Floats) -> None:
-    for i in range(len(target)):  # an assignment of slices would look for overlaps first
-        target[i] = source[i]
-
-
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_compiled()
 def restore(belief: Belief, start: Belief) -> None:
     """Makes a belief equal to another one of the same task."""
     _copy(start.number, belief.number)
@@ -194,7 +207,7 @@ def restore(belief: Belief, start: Belief) -> None:
     _copy(start.weight, belief.weight)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_compiled()
 def draw(weight: Floats, uniform: float) -> int:
     """An action in proportion to its weight; -1 where none has any."""
     total = 0.0
@@ -211,7 +224,7 @@ def draw(weight: Floats, uniform: float) -> int:
     return last
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)
+@_inner()
 def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
     """An action in proportion to its weight, weighed last; -1 where none has any.
 
@@ -222,8 +235,8 @@ def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint6
     for _ in range(actions):
         stream += GOLDEN
         bits = mixed(stream)
-        action = np.int64(((bits >> HALF) * np.uint64(actions)) >> HALF)
-        least = float(bits & LOWER_HALF) * (1.0 / 4294967296.0)
+        action = int(float(bits >> HALF) * UNIT * actions)
+        least = float(bits & LOWER_HALF) * UNIT
         if _weigh(t, belief, action, least) > least:
             return action, stream
     _weigh_all(t, belief)
@@ -234,11 +247,11 @@ def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint6
     return action, stream
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
-def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Floats) -> None:
+@_compiled()
+def rewards(t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], result: Floats) -> None:
     """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
     result has, nothing is done."""
-    standing = initialise(t, state, belief)
+    standing = _settle(t, state, belief)
     for step in range(len(result)):
         result[step] = 0.0
         if step < len(actions):
@@ -248,7 +261,7 @@ def rewards(t: Tables, state: Ints, belief: Belief, actions: Ints, result: Float
         result[step] += standing
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+@_compiled()
 def search(
     t: Tables,
     initial: Ints,
@@ -275,12 +288,13 @@ def search(
     stays.
     """
     horizon, payment, discount, whole = len(drawn), t.payment, t.discount, t.independent[0]
-    standing_first = initialise(t, initial, belief)
-    initialise(t, initial, start)
+    standing_first = _settle(t, initial, belief)
+    _settle(t, initial, start)
     nothing = standing_first * idle[horizon]
     best_value, best_length = least, 0
     for sample in range(first, last):
-        restore(belief, start)
+        _copy(start.number, belief.number)
+        _copy(start.reward, belief.reward)
         stream = mixed(split(seed, np.uint64(sample)))
         standing, value, factor, length = standing_first, 0.0, 1.0, 0
         stopped, useful_value, useful_length = nothing, nothing, 0

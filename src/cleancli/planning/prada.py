@@ -16,8 +16,8 @@ from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
 
-Worth = Callable[[Ints], float]
-"""The value of a sequence of action indices."""
+Worth = Callable[[Sequence[Ints]], Floats]
+"""The values of sequences of action indices."""
 
 
 def prada(prepared: Prepared, options: Options) -> Plan:
@@ -32,11 +32,11 @@ def best_sampled(
     task, limit = prepared.task, options.time_limit
     times = [time.perf_counter()]
     tables = lower(task, independent=True) if options.compat else prepared.tables
-    worth = partial(_value, task, tables, options.rule_threshold)
+    worth = partial(_values, task, tables, options.rule_threshold)
     times.append(time.perf_counter())
     draw = partial(_inference().best_sequence, tables, task.initial, threshold=options.rule_threshold)
     draw(0, task.discount, 1, 0)  # makes numba load or compile what will run
-    nothing = worth(np.zeros(0, dtype=np.int32))
+    nothing = float(worth([np.zeros(0, dtype=np.int32)])[0])
     times.append(time.perf_counter())
     best, samples = draw(
         task.horizon,
@@ -47,7 +47,7 @@ def best_sampled(
         deadline=None if limit is None else times[-1] + limit,
     )
     best = improved(best, worth)
-    value = worth(best)
+    value = float(worth([best])[0])
     times.append(time.perf_counter())
     chosen = best if value > nothing + options.margin else best[:0]
     return Plan(
@@ -71,7 +71,7 @@ def plan_value(
     does not treat variables as independent, as the belief does.
     """
     tables = lower(task, independent=compat)
-    return _value(task, tables, rule_threshold, np.asarray(actions, dtype=np.int32))
+    return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0])
 
 
 def _inference() -> ModuleType:
@@ -81,13 +81,14 @@ def _inference() -> ModuleType:
     return inference
 
 
-def _value(task: Task, tables: Tables, threshold: float, actions: Ints) -> float:
-    rewards: Floats = _inference().step_rewards(
-        tables, task.initial, actions, max(actions.size, task.horizon), threshold=threshold
-    )
-    discount = np.full(rewards.size, task.discount)
-    discount[: actions.size] = tables.discount[actions]
-    payment = np.ones(rewards.size)
-    payment[: actions.size] = tables.payment[actions]
-    factor = np.concatenate([[1.0], np.cumprod(discount)[:-1]]) if rewards.size else discount
-    return float(rewards @ (payment * factor))
+def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]) -> Floats:
+    steps = max(task.horizon, *(actions.size for actions in sequences))
+    rewards: Floats = _inference().step_rewards(tables, task.initial, sequences, steps, threshold=threshold)
+    factors = np.zeros_like(rewards)
+    for row, actions in enumerate(sequences):
+        discount, payment = np.full(steps, task.discount), np.ones(steps)
+        discount[: actions.size] = tables.discount[actions]
+        payment[: actions.size] = tables.payment[actions]
+        factors[row] = payment * np.cumprod(np.concatenate([[1.0], discount]))[:-1]
+    values: Floats = (rewards * factors).sum(axis=1)
+    return values
