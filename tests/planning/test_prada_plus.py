@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,8 +13,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cleancli.compiler.task import GroundOutcome, Task, by_time
-from cleancli.compiler.transition import exact_value
+from cleancli.compiler.task import Assignment, GroundOutcome, Task, by_time
+from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
 from cleancli.language.model import OutcomeKind
 from cleancli.planning import annealing
 from cleancli.planning.plan import Options, Plan
@@ -24,8 +25,9 @@ from cleancli.planning.prepared import prepare
 WORDS = 300
 
 
-def solve(task: Task, options: Options) -> Plan:
-    return prada_plus(prepare(task), options)
+def search(task: Task, options: Options) -> Plan:
+    """A plan of the search alone: as if too many states could be reached."""
+    return prada_plus(prepare(task), replace(options, solve=0))
 
 
 def indices(task: Task, plan: Plan) -> list[int]:
@@ -102,17 +104,41 @@ def best_of_all(task: Task) -> tuple[float, Sequence[int]]:
 
 
 @pytest.mark.parametrize("seed", range(6))
+def test_few_states_are_solved(seed: int) -> None:
+    task = domains.weighted_task(seed)
+
+    @functools.cache
+    def optimum(state: Assignment, steps: int) -> float:
+        if steps == 0:
+            return 0.0
+        idle = standing(task, state) + task.discount * optimum(state, steps - 1)
+        acting = (
+            sum(
+                p * (payment(task, a) * reward(task, state, a, s) + task.discounts[a] * optimum(s, steps - 1))
+                for p, s in successors(task, state, a)
+            )
+            for a in range(len(task.actions))
+        )
+        return max(idle, *acting)
+
+    plan = prada_plus(prepare(task), Options())
+    assert (plan.measure, plan.samples) == ("policy", 0)
+    assert plan.value == pytest.approx(optimum(task.initial, task.horizon), abs=1e-9)
+    assert plan.value >= search(task, Options(4000, seed)).value - 0.02 * abs(plan.value)
+
+
+@pytest.mark.parametrize("seed", range(6))
 def test_nearly_the_best_of_all_sequences_is_found(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=3)
     best, _ = best_of_all(task)
     nothing = exact_value(task, [])
-    found = exact_value(task, indices(task, solve(task, Options(2000, seed))))
+    found = exact_value(task, indices(task, search(task, Options(2000, seed))))
     assert found - nothing >= 0.98 * (best - nothing) - 0.05
 
 
 def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
     text = domains.TWO_SCATTERED + " horizon = 2 discount = 1"
-    plan = solve(domains.task(domains.SECTION_4, text), Options(500, 1))
+    plan = search(domains.task(domains.SECTION_4, text), Options(500, 1))
     assert plan.actions[0].name == "join"
     assert plan.value == pytest.approx(1.06, abs=0.04)
 
@@ -120,7 +146,7 @@ def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=8)
-    ours, theirs = solve(task, Options(2000, seed)), prada(prepare(task), Options(2000, seed))
+    ours, theirs = search(task, Options(2000, seed)), prada(prepare(task), Options(2000, seed))
     value, other = (exact_value(task, indices(task, plan)) for plan in (ours, theirs))
     assert value >= other - 0.03 * abs(other)
 
@@ -128,37 +154,37 @@ def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
 def test_the_value_is_the_plans() -> None:
     for seed in range(5):
         task = domains.weighted_task(seed)
-        plan = solve(task, Options(500, seed))
+        plan = search(task, Options(500, seed))
         assert plan.value == pytest.approx(exact_value(task, indices(task, plan)), abs=0.02 * spread(task))
 
 
 def test_the_number_of_threads_changes_nothing() -> None:
     task = domains.weighted_task(3)
-    plans = [solve(task, Options(1000, 5, threads=threads)) for threads in (1, 2, 3)]
+    plans = [search(task, Options(1000, 5, threads=threads)) for threads in (1, 2, 3)]
     assert len({(plan.actions, plan.value) for plan in plans}) == 1
 
 
 def test_the_last_plan_is_a_start() -> None:
     """A chain of one try can only come back with what it was given."""
     task = domains.weighted_task(1)
-    good = solve(task, Options(4000, 1))
-    again = solve(task, Options(4, 2, previous=good.actions))
+    good = search(task, Options(4000, 1))
+    again = search(task, Options(4, 2, previous=good.actions))
     assert exact_value(task, indices(task, again)) >= exact_value(task, indices(task, good)) - 0.02
 
 
 def test_a_time_limit_is_kept() -> None:
     task = replace(domains.weighted_task(2), horizon=8)
-    solve(task, Options(10))
-    plan = solve(task, Options(1000, 1, time_limit=0.2))
+    search(task, Options(10))
+    plan = search(task, Options(1000, 1, time_limit=0.2))
     assert 0.19 < plan.seconds["search"] < 1.0
     assert plan.samples > 4000
 
 
 @pytest.mark.parametrize("problem", ["objects { a - area } init { }", "objects { } init { }"])
 def test_nothing_to_do_gives_an_empty_plan(problem: str) -> None:
-    plan = solve(domains.task(domains.SECTION_4, problem), Options(100))
+    plan = search(domains.task(domains.SECTION_4, problem), Options(100))
     assert (plan.actions, plan.value) == ((), 0.0)
 
 
 def test_no_time_gives_an_empty_plan() -> None:
-    assert solve(replace(domains.random_task(0), horizon=0), Options(100)).actions == ()
+    assert search(replace(domains.random_task(0), horizon=0), Options(100)).actions == ()

@@ -1,8 +1,8 @@
 """How compiled code is compiled: cached on disk, without the interpreter's lock, and counting no references.
 
 numba counts references wherever an array of a named tuple is read, which here costs many times the
-arithmetic. Nothing is allocated and no array outlives its caller's, so nothing needs to be counted (`_nrt`, numba's own
-switch for code without its run-time memory). What breaks that is a compile-time error.
+arithmetic. Nothing is allocated and no array outlives its caller's, so nothing needs to be counted (`_nrt`,
+numba's own switch for code without its run-time memory). What breaks that is a compile-time error.
 """
 
 from __future__ import annotations

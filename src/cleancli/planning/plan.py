@@ -16,7 +16,8 @@ class Options:
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
     depend on them. `previous`: what is left of the last plan, to start from. A plan must be worth `margin`
     more than doing nothing. For beliefs: rules less likely than `rule_threshold` are taken not to apply;
-    `compat` computes literally as libPRADA does.
+    `compat` computes literally as libPRADA does. `prada+` solves exactly where no more than `solve` states
+    can be reached.
     """
 
     samples: int = 10_000
@@ -27,6 +28,7 @@ class Options:
     rule_threshold: float = 0.03
     margin: float = 0.05
     compat: bool = False
+    solve: int = 10_000
 
 
 @dataclass(frozen=True, slots=True)

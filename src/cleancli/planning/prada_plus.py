@@ -1,17 +1,19 @@
-"""PRADA+: what PRADA finds, improved by annealing over drawn runs.
+"""PRADA+: what PRADA finds, improved by annealing over drawn runs; small problems are solved exactly.
 
 PRADA values a sequence by a belief whose variables are independent, and only ever draws new sequences. Here a
-sequence is valued by runs of the process itself, and the next one to try is a change of a good one.
+sequence is valued by runs of the process itself, and the next one to try is a change of a good one. Where few
+states can be reached, no sequence is sought: the best policy is calculated (docs/decisions/0008).
 """
 
 from __future__ import annotations
 
-import itertools
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import ModuleType
 
+from cleancli.compiler.task import Assignment
+from cleancli.planning.course import course_plan, likeliest_course
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import prada
 from cleancli.planning.prepared import Prepared
@@ -29,47 +31,56 @@ Actions = tuple[int, ...]
 
 
 def prada_plus(prepared: Prepared, options: Options) -> Plan:
-    """The best of about `samples` sequences, or of as many as `time_limit` allows; empty where it is not
-    worth `margin` more than doing nothing.
+    """The best policy where at most `solve` states can be reached, and otherwise the best of about `samples`
+    sequences, or of as many as `time_limit` allows; empty where it is worth no more than doing nothing.
 
-    Its value is the mean of runs that chose nothing, so it is not too high for having been chosen.
+    A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
     """
     task, times = prepared.task, [time.perf_counter()]
     _ = prepared.tables, prepared.process
     times.append(time.perf_counter())
-    annealing = _annealing()
-    annealing.chain(prepared, (), 0, WORDS, 0)  # makes numba load or compile what will run
-    drawn = prada(prepared, replace(options, samples=1 + options.samples // BELIEF_SHARE, time_limit=None))
-    times.append(time.perf_counter() - drawn.seconds["search"])
-    number = {action: index for index, action in enumerate(task.actions)}
-    plans = (drawn.actions, options.previous)
-    starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
-    found, tried = _annealed(prepared, options, starts)
-    nothing: float = annealing.value(prepared, (), FRESH_WORDS, options.seed)
-    best = max(found, key=lambda actions: annealing.value(prepared, actions, FRESH_WORDS, options.seed))
-    value: float = annealing.value(prepared, best, FRESH_WORDS, options.seed + 1)
+    _load(prepared)
     times.append(time.perf_counter())
-    worth_doing = value > nothing + options.margin
-    spent = [after - before for before, after in itertools.pairwise(times)]
-    return Plan(
-        planner="prada+",
-        actions=tuple(task.actions[action] for action in best) if worth_doing else (),
-        value=value if worth_doing else nothing,
-        measure="sampled",
-        samples=tried,
-        horizon=task.horizon,
-        coverage=None,
-        seconds=dict(zip(("lower", "compile", "search"), spent, strict=True)),
-    )
+    solved = _solved(prepared, options.solve)
+    if solved is not None:
+        course, value = solved
+        times.append(time.perf_counter())
+        return course_plan("prada+", task, course, value, times=times)
+    found, tried = _annealed(prepared, options, times[-1])
+    value_by = _annealing().value
+    best = max(found, key=lambda actions: value_by(prepared, actions, FRESH_WORDS, options.seed))
+    value = value_by(prepared, best, FRESH_WORDS, options.seed + 1)
+    times.append(time.perf_counter())
+    return course_plan("prada+", task, best, value, times=times, measure="sampled", samples=tried)
 
 
-def _annealed(prepared: Prepared, options: Options, starts: list[Actions]) -> tuple[list[Actions], int]:
+def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
+    """The likeliest course and the value of the best policy; None where more states can be reached."""
+    task, reachable = prepared.task, _reachable()
+    graph = reachable.reachable(prepared.process, task.initial, limit, max(task.horizon, 0))
+    if graph is None:
+        return None
+    values, best = reachable.backward(graph, prepared.process, task.discount, max(task.horizon, 0))
+    number = {tuple(state): index for index, state in enumerate(graph.states.tolist())}
+
+    def choose(step: int, state: Assignment) -> int | None:
+        action = int(best[step, number[state]])
+        return None if action < 0 else action
+
+    return likeliest_course(task, choose), float(values[0, 0])
+
+
+def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[list[Actions], int]:
     """The best sequence of each chain, and how many sequences were tried in all.
 
     Without a time limit there are `CHAINS`; with one, as many as there is time for, and at least one.
     """
+    deadline = None if options.time_limit is None else started + options.time_limit
+    few = replace(options, samples=1 + options.samples // BELIEF_SHARE, time_limit=None)
+    number = {action: index for index, action in enumerate(prepared.task.actions)}
+    plans = (prada(prepared, few).actions, options.previous)
+    starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
     moves = -(-options.samples // CHAINS)
-    deadline = None if options.time_limit is None else time.perf_counter() + options.time_limit
     annealing = _annealing()
 
     def chain(index: int) -> Actions:
@@ -84,8 +95,22 @@ def _annealed(prepared: Prepared, options: Options, starts: list[Actions]) -> tu
     return found, moves * len(found)
 
 
+def _load(prepared: Prepared) -> None:
+    """Makes numba load or compile what will run."""
+    _annealing().chain(prepared, (), 0, WORDS, 0)
+    prada(prepared, Options(samples=1))
+    _solved(prepared.at(prepared.task.initial, 0), 1)
+
+
 def _annealing() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
+    """The one place that loads numba for the annealing."""
     from cleancli.planning import annealing
 
     return annealing
+
+
+def _reachable() -> ModuleType:
+    """The one place that loads numba for exact solutions."""
+    from cleancli.planning import reachable
+
+    return reachable

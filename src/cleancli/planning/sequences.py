@@ -226,7 +226,10 @@ def _run(
 def _worth(runs: Runs, length: int, row: int, idle: Floats) -> float:
     """The mean value of the runs of a sequence whose last states stand in a row; `idle` as in states.py."""
     rest = runs.word.shape[1] - 1 - length
-    return float(runs.total[row, length]) + runs.factor[row, length] * runs.standing[row, length] * idle[rest]
+    worth: float = (
+        runs.total[row, length] + runs.factor[row, length] * runs.standing[row, length] * idle[rest]
+    )
+    return worth
 
 
 @compiled
