@@ -180,6 +180,11 @@ def test_a_time_limit_is_kept() -> None:
     assert plan.samples > 4000
 
 
+def test_seeds_may_be_large() -> None:
+    task = domains.weighted_task(3)
+    assert search(task, Options(100, 2**64 - 1)).actions == search(task, Options(100, 2**64 - 1)).actions
+
+
 @pytest.mark.parametrize("problem", ["objects { a - area } init { }", "objects { } init { }"])
 def test_nothing_to_do_gives_an_empty_plan(problem: str) -> None:
     plan = search(domains.task(domains.SECTION_4, problem), Options(100))

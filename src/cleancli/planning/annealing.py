@@ -34,7 +34,7 @@ def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed
         _idle(prepared),
         moves if prepared.task.actions else 0,
         HEAT,
-        np.uint64(seed),
+        np.uint64(seed % 2**64),
     )
     return tuple(best[:length].tolist())
 
@@ -48,7 +48,7 @@ def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
         luck,
         np.asarray(actions, dtype=np.int32),
         _idle(prepared),
-        np.uint64(seed),
+        np.uint64(seed % 2**64),
     )
     return worth
 

@@ -23,6 +23,16 @@ def compiled(function: F) -> F:
     return result
 
 
+def inner(function: F) -> F:
+    """The same for a function that only compiled code calls, which saves compiling it for Python.
+
+    A call from Python would crash.
+    """
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    result: F = _njit(cache=True, nogil=True, _nrt=False, error_model="numpy", **options)(function)
+    return result
+
+
 def inlined(function: F) -> F:
     """The same for a small function, which becomes a part of its callers."""
     result: F = _njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)(function)

@@ -84,7 +84,7 @@ def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[lis
     annealing = _annealing()
 
     def chain(index: int) -> Actions:
-        seed = options.seed * 2**16 + index
+        seed = options.seed + (index + 2) * 2**32
         best: Actions = annealing.chain(prepared, starts[index % len(starts)], moves, WORDS, seed)
         return best
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning.compiled import compiled, inlined
+from cleancli.planning.compiled import compiled, inlined, inner
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
 Words = NDArray[np.uint64]
@@ -82,7 +82,7 @@ def _held(p: Process, word: Words, row: int, place: int, condition: int, w: int)
     return held
 
 
-@compiled
+@inner
 def _drawn(probability: float, stream: np.uint64) -> np.uint64:
     """A word whose bits are each set with the probability: its binary digits, from the last on, say whether
     a random word is joined by `or` or by `and`."""
@@ -99,7 +99,7 @@ def _drawn(probability: float, stream: np.uint64) -> np.uint64:
     return word
 
 
-@compiled
+@inner
 def _outcomes(p: Process, luck: Luck, rule: int, use: int, seed: np.uint64) -> int:
     """Where in `luck` it stands in which runs each outcome of a rule comes, at this use of its action."""
     key = rule * 4096 + use
@@ -123,7 +123,7 @@ def _outcomes(p: Process, luck: Luck, rule: int, use: int, seed: np.uint64) -> i
     return entry
 
 
-@compiled
+@inner
 def _paid(p: Process, runs: Runs, row: int, place: int, action: int) -> tuple[float, float]:
     """What all runs are paid for its decrease and for their states, as far as the action can change it."""
     rules, decreasing, standing = len(p.rule_changes), 0.0, 0.0
@@ -136,7 +136,7 @@ def _paid(p: Process, runs: Runs, row: int, place: int, action: int) -> tuple[fl
     return decreasing, standing
 
 
-@compiled
+@inner
 def _set(p: Process, word: Words, row: int, place: int, outcome: int, w: int, runs: np.uint64) -> None:
     """Changes what holds in some of 64 runs as an outcome says."""
     for i in range(p.effect_start[outcome], p.effect_start[outcome + 1]):
@@ -147,7 +147,7 @@ def _set(p: Process, word: Words, row: int, place: int, outcome: int, w: int, ru
         word[row, place, first + p.effect_value[i], w] |= runs
 
 
-@compiled
+@inner
 def _act(
     p: Process,
     runs: Runs,
@@ -178,7 +178,7 @@ def _act(
     return changed
 
 
-@compiled
+@inner
 def _run(
     p: Process,
     runs: Runs,
@@ -222,7 +222,7 @@ def _run(
     return useless
 
 
-@compiled
+@inner
 def _worth(runs: Runs, length: int, row: int, idle: Floats) -> float:
     """The mean value of the runs of a sequence whose last states stand in a row; `idle` as in states.py."""
     rest = runs.word.shape[1] - 1 - length
@@ -232,7 +232,7 @@ def _worth(runs: Runs, length: int, row: int, idle: Floats) -> float:
     return worth
 
 
-@compiled
+@inner
 def _proposed(p: Process, runs: Runs, place: int, stream: np.uint64) -> int:
     """An action that can change one of the runs before a place; -1 if none is met."""
     row, actions, words = runs.row[place], len(p.rule_start) - 1, runs.word.shape[3]
@@ -247,13 +247,13 @@ def _proposed(p: Process, runs: Runs, place: int, stream: np.uint64) -> int:
     return -1
 
 
-@compiled
+@inner
 def _copy(source: Ints, start: int, end: int, target: Ints, place: int) -> None:
     for i in range(start, end):
         target[place + i - start] = source[i]
 
 
-@compiled
+@inner
 def _change(p: Process, runs: Runs, s: Scratch, length: int, stream: np.uint64) -> tuple[int, int]:
     """Writes a changed sequence to `trial`; its length, and the first place that differs (-1: no change)."""
     current, trial, horizon = s.current, s.trial, runs.word.shape[1] - 1
