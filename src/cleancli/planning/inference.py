@@ -15,8 +15,9 @@ from cleancli.compiler.tables import Indices, Tables
 from cleancli.compiler.task import Assignment
 from cleancli.planning import kernel
 
-PORTION = 500
-"""Samples that a thread draws before the clock is looked at. Chosen: milliseconds for ten areas."""
+PORTION = 1000
+"""The fewest samples that are worth a thread, and how many it draws between looks at the clock. Chosen:
+milliseconds for ten areas."""
 
 ROUNDING = 1e-9
 """What bounds are raised by, so that sums in another order stay below them."""
