@@ -28,14 +28,23 @@ def holds(p: Process, state: Ints, condition: int) -> bool:
     return _holds(p.literal_start, p.literal_variable, p.literal_row, p.allowed, state, condition)
 
 
-@njit(cache=True, nogil=True)
-def covering(p: Process, state: Ints, action: int) -> int:
-    """The rule of the action that covers the state; -1 where the default rule does."""
-    start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
-    for rule in range(p.rule_start[action], p.rule_start[action + 1]):
+@njit(cache=True, nogil=True, forceinline=True)
+def covered(
+    rule_start: Ints, start: Ints, variable: Ints, row: Ints, allowed: Bools, state: Ints, action: int
+) -> int:
+    """`covering` for loops that have named the arrays already."""
+    for rule in range(rule_start[action], rule_start[action + 1]):
         if _holds(start, variable, row, allowed, state, rule):
             return rule
     return -1
+
+
+@njit(cache=True, nogil=True)
+def covering(p: Process, state: Ints, action: int) -> int:
+    """The rule of the action that covers the state; -1 where the default rule does."""
+    return int(
+        covered(p.rule_start, p.literal_start, p.literal_variable, p.literal_row, p.allowed, state, action)
+    )
 
 
 @njit(cache=True, nogil=True)

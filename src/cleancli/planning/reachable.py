@@ -1,0 +1,345 @@
+"""The states that can be reached from one, their transitions, and the best policy over them, compiled.
+
+The meaning is that of compiler/transition.py. States are numbered as they are found, breadth first and by
+actions in their order, so equal tasks give equal graphs. Guaranteed by `lower_process`: at most one rule of
+an action covers a state.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from cleancli.compiler.process import Process
+from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.compiler.task import Assignment
+from cleancli.planning.states import covered, rewarded
+from cleancli.planning.stream import mixed, split
+
+EDGE_LIMIT = 20_000_000
+"""Most transitions that are kept (240 MB). Chosen."""
+
+AS_GOOD = 1e-9
+"""An action that is better by no more than this does not take the place of an earlier one, or of nothing."""
+
+
+class Graph(NamedTuple):
+    """N states, M choices of an action that may change its state, and E transitions.
+
+    State 0 is the initial one. States that were found in the last step have no choices. A choice's
+    transitions go to different states, one of them perhaps its own, with probabilities that sum to 1.
+    """
+
+    states: Ints  # (N, V)
+    within: Ints  # (steps + 1,) how many states are found within so many steps
+    decreasing: Floats  # (N,) what is paid for its decrease in each state
+    standing: Floats  # (N,) what a step that ends in each state is paid
+    choice_start: Ints  # (N + 1,) choices in each state
+    choice_action: Ints  # (M,) ascending within a state
+    choice_reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
+    edge_start: Ints  # (M + 1,) transitions of each choice
+    edge_successor: Ints  # (E,)
+    edge_probability: Floats  # (E,)
+
+
+class _Room(NamedTuple):
+    """What `_expand` fills: as in `Graph` with room to spare, and the hash table of the states."""
+
+    states: Ints
+    hashes: NDArray[np.uint64]
+    decreasing: Floats
+    standing: Floats
+    choice_start: Ints
+    choice_action: Ints
+    choice_reward: Floats
+    edge_start: Ints
+    edge_successor: Ints
+    edge_probability: Floats
+    table: Ints  # (2^k,) states in the places of their hashes; -1 where free
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def digit(variable: int, value: int) -> np.uint64:
+    """A variable's share of its state's hash, which is the exclusive or of all."""
+    return mixed(split(np.uint64(variable + 1), np.uint64(value)))
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def same(states: Ints, one: int, other: int) -> bool:
+    """Whether two rows are equal."""
+    for variable in range(states.shape[1]):  # noqa: SIM110 (compiled)
+        if states[one, variable] != states[other, variable]:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _enter(room: _Room, number: int) -> None:
+    """Enters the first states into an empty table."""
+    hashes, table = room.hashes, room.table
+    mask = np.uint64(len(table) - 1)
+    for state in range(number):
+        place = hashes[state] & mask
+        while table[place] >= 0:
+            place = (place + np.uint64(1)) & mask
+        table[place] = state
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def find(table: Ints, hashes: NDArray[np.uint64], states: Ints, h: np.uint64, row: int) -> np.uint64:
+    """The place in the table of a state with the hash h that is equal to a row, or the free place for it."""
+    mask = np.uint64(len(table) - 1)
+    place = h & mask
+    while table[place] >= 0 and not (hashes[table[place]] == h and same(states, table[place], row)):
+        place = (place + np.uint64(1)) & mask
+    return place
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def change(
+    start: Ints, variable: Ints, value: Ints, states: Ints, s: int, to: int, outcome: int, h: np.uint64
+) -> np.uint64:
+    """Writes to a row what an outcome makes of state s; returns its hash, given that of s."""
+    states[to] = states[s]
+    for e in range(start[outcome], start[outcome + 1]):
+        v, old = variable[e], states[s, variable[e]]
+        if old != value[e]:
+            h ^= digit(v, old) ^ digit(v, value[e])
+            states[to, v] = value[e]
+    return h
+
+
+@njit(cache=True, nogil=True)
+def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
+    """Adds the choices in a state and its successors."""
+    states, hashes, decreasing, standing = room.states, room.hashes, room.decreasing, room.standing
+    choice_action, choice_reward, edge_start = room.choice_action, room.choice_reward, room.edge_start
+    edge_successor, edge_probability, table = room.edge_successor, room.edge_probability, room.table
+    rule_start, start, variable, row = p.rule_start, p.literal_start, p.literal_variable, p.literal_row
+    allowed, outcome_start, probability, cost = p.allowed, p.outcome_start, p.probability, p.cost
+    effect_start, effect_variable, effect_value = p.effect_start, p.effect_variable, p.effect_value
+    number, choices, edges = used[0], used[1], used[2]
+    for action in range(len(cost)):
+        rule = covered(rule_start, start, variable, row, allowed, states[s], action)
+        if rule < 0:
+            continue
+        begin, reward = edges, -cost[action]
+        for outcome in range(outcome_start[rule], outcome_start[rule + 1]):
+            if probability[outcome] == 0.0:
+                continue
+            h = change(effect_start, effect_variable, effect_value, states, s, number, outcome, hashes[s])
+            place = find(table, hashes, states, h, number)
+            after = table[place]
+            if after < 0:
+                after, number = number, number + 1
+                table[place], hashes[after] = after, h
+                decreasing[after], standing[after] = rewarded(p, states[after])
+            reward += probability[outcome] * (decreasing[s] - decreasing[after] + standing[after])
+            e = begin
+            while e < edges and edge_successor[e] != after:
+                e += 1
+            if e == edges:
+                edge_successor[e], edge_probability[e] = after, 0.0
+                edges += 1
+            edge_probability[e] += probability[outcome]
+        if edges == begin + 1 and edge_successor[begin] == s:
+            edges = begin
+            continue
+        choice_action[choices], choice_reward[choices] = action, reward
+        choices += 1
+        edge_start[choices] = edges
+    used[0], used[1], used[2] = number, choices, edges
+
+
+@njit(cache=True, nogil=True)
+def _expand(
+    p: Process,
+    room: _Room,
+    used: NDArray[np.int64],
+    first: int,
+    last: int,
+    chosen: Bools,
+    most: int,
+    limit: int,
+) -> int:
+    """Adds choices and successors of the chosen states from `first` on; returns where it stopped: before
+    `last` if the room may not do (a state has at most `most` transitions), or there are more states than
+    `limit`."""
+    states, choices, edges = len(room.states), len(room.choice_action), len(room.edge_successor)
+    s = first
+    while s < last:
+        short = used[0] + most > states or used[1] + len(p.cost) > choices or used[2] + most > edges
+        if short or used[0] > limit:
+            break
+        if chosen[s]:
+            _choices(p, room, used, s)
+        s += 1
+        room.choice_start[s] = used[1]
+    return s
+
+
+@njit(cache=True, nogil=True)
+def _stage(
+    g: Graph, payment: Floats, discount: Floats, idle: float, later: Floats, now: Floats, best: Ints
+) -> None:
+    """One step of backward induction, for as many states as `now` and `best` have."""
+    choice_start, choice_action, choice_reward = g.choice_start, g.choice_action, g.choice_reward
+    edge_start, edge_successor, edge_probability = g.edge_start, g.edge_successor, g.edge_probability
+    standing = g.standing
+    for s in range(len(now)):
+        value = standing[s] + idle * later[s]
+        chosen, chosen_value = -1, value
+        for choice in range(choice_start[s], choice_start[s + 1]):
+            expected = 0.0
+            for e in range(edge_start[choice], edge_start[choice + 1]):
+                expected += edge_probability[e] * later[edge_successor[e]]
+            action = choice_action[choice]
+            total = payment[action] * choice_reward[choice] + discount[action] * expected
+            value = max(value, total)
+            if total > chosen_value + AS_GOOD:
+                chosen, chosen_value = action, total
+        now[s], best[s] = value, chosen
+
+
+class Enumeration:
+    """A graph that grows by one step at a time from an initial state."""
+
+    def __init__(self, process: Process, initial: Assignment, limit: int) -> None:
+        self._process, self._limit = process, limit
+        outcomes = np.diff(process.outcome_start)
+        rules = zip(process.rule_start[:-1], process.rule_start[1:], strict=True)
+        self._most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
+        self._used = np.array([1, 0, 0], dtype=np.int64)
+        self._within = [1]
+        self._expanded = 0
+        self._room = _room(len(process.sizes), 512 + self._most, len(process.cost) + 1024, 4096 + self._most)
+        state = np.asarray(initial, dtype=np.int32)
+        assert state.shape == process.sizes.shape
+        assert ((state >= 0) & (state < process.sizes)).all()
+        self._room.states[0] = state
+        self._room.decreasing[0], self._room.standing[0] = rewarded(process, state)
+        _enter(self._room, 1)
+
+    @property
+    def number(self) -> int:
+        """States found so far."""
+        return int(self._used[0])
+
+    @property
+    def frontier(self) -> range:
+        """The states of the last step, which have no choices yet."""
+        return range(self._expanded, self.number)
+
+    def expand(self, chosen: Bools | None = None) -> bool:
+        """Adds the successors of the frontier, or of those of it that are chosen; whether all had room."""
+        first, last = self._expanded, self.number
+        mask = np.ones(last, dtype=np.bool_)
+        if chosen is not None:
+            assert chosen.shape == (last - first,)
+            mask[first:] = chosen
+        while True:
+            first = _expand(self._process, self._room, self._used, first, last, mask, self._most, self._limit)
+            if self.number > self._limit or self._used[2] > EDGE_LIMIT:
+                return False
+            if first == last:
+                break
+            self._grow()
+        self._expanded = last
+        self._within.append(self.number)
+        return True
+
+    def graph(self) -> Graph:
+        """What has been found, valid until the next expansion."""
+        room, (number, choices, edges) = self._room, self._used.tolist()
+        room.choice_start[self._expanded : number + 1] = choices
+        return Graph(
+            room.states[:number],
+            np.array(self._within, dtype=np.int32),
+            room.decreasing[:number],
+            room.standing[:number],
+            room.choice_start[: number + 1],
+            room.choice_action[:choices],
+            room.choice_reward[:choices],
+            room.edge_start[: choices + 1],
+            room.edge_successor[:edges],
+            room.edge_probability[:edges],
+        )
+
+    def _grow(self) -> None:
+        """Doubles what has become short."""
+        old, (number, choices, edges) = self._room, self._used.tolist()
+        sizes = [
+            size * (1 + (used + need > size))
+            for used, need, size in (
+                (number, self._most, len(old.states)),
+                (choices, len(self._process.cost), len(old.choice_action)),
+                (edges, self._most, len(old.edge_successor)),
+            )
+        ]
+        self._room = _room(old.states.shape[1], *sizes)
+        kept: tuple[NDArray[Any], ...] = old[:-1]
+        room: tuple[NDArray[Any], ...] = self._room[:-1]
+        for before, after in zip(kept, room, strict=True):
+            after[: len(before)] = before
+        if len(old.table) == len(self._room.table):
+            self._room.table[:] = old.table
+        else:
+            _enter(self._room, number)
+
+
+def reachable(process: Process, initial: Assignment, limit: int, steps: int) -> Graph | None:
+    """The states within so many steps of one; None where they are more than `limit`, or their transitions
+    more than `EDGE_LIMIT`."""
+    enumeration = Enumeration(process, initial, limit)
+    for _ in range(steps):
+        if not enumeration.frontier:
+            break
+        if not enumeration.expand():
+            return None
+    return enumeration.graph()
+
+
+def backward(graph: Graph, process: Process, discount: float, horizon: int) -> tuple[Floats, Ints]:
+    """Optimal values (horizon + 1, N) and actions (horizon, N) per step and state, by backward induction.
+
+    Row t holds what follows from step t on, for the states that can be reached by then, which come first (0
+    and -1 for the others). The graph must reach `horizon` steps, or as far as states go. An action of -1
+    does nothing, which is always allowed; actions that leave a state as it is are not considered. Rewards and
+    discounts are those of `exact_value` (compiler/transition.py).
+    """
+    number = len(graph.states)
+    values = np.zeros((horizon + 1, number))
+    best = np.full((horizon, number), -1, dtype=np.int32)
+    for step in reversed(range(horizon)):
+        known = int(graph.within[min(step, len(graph.within) - 1)])
+        _stage(
+            graph,
+            process.payment,
+            process.discount,
+            discount,
+            values[step + 1],
+            values[step, :known],
+            best[step, :known],
+        )
+    return values, best
+
+
+def _room(variables: int, states: int, choices: int, edges: int) -> _Room:
+    """Empty room for so many states, choices and transitions."""
+    slots = 1 << (2 * states).bit_length()
+    return _Room(
+        np.zeros((states, variables), dtype=np.int32),
+        np.zeros(states, dtype=np.uint64),
+        np.zeros(states),
+        np.zeros(states),
+        np.zeros(states + 1, dtype=np.int32),
+        np.zeros(choices, dtype=np.int32),
+        np.zeros(choices),
+        np.zeros(choices + 1, dtype=np.int32),
+        np.zeros(edges, dtype=np.int32),
+        np.zeros(edges),
+        np.full(slots, -1, dtype=np.int32),
+    )

@@ -1,0 +1,91 @@
+"""Enumerated states and the optimal policy against a plain recursion over compiler/transition.py."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import domains
+import numpy as np
+import pytest
+
+from cleancli.compiler.process import lower_process
+from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.transition import payment, reward, standing, successors
+from cleancli.planning.reachable import Graph, backward, reachable
+
+
+def optimum(task: Task) -> Callable[[Assignment, int], float]:
+    """The optimal value of a state with so many steps left, slowly."""
+
+    @cache
+    def value(state: Assignment, left: int) -> float:
+        if left == 0:
+            return 0.0
+        best = standing(task, state) + task.discount * value(state, left - 1)
+        for action in range(len(task.actions)):
+            after = successors(task, state, action)
+            if [s for _, s in after] != [state]:
+                paid = sum(p * reward(task, state, action, s) for p, s in after)
+                later = sum(p * value(s, left - 1) for p, s in after)
+                best = max(best, payment(task, action) * paid + task.discounts[action] * later)
+        return best
+
+    return value
+
+
+def graph(task: Task, steps: int, limit: int = 10_000) -> Graph:
+    found = reachable(lower_process(task), task.initial, limit, steps)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_graph_is_the_process(seed: int) -> None:
+    task = domains.weighted_task(seed)
+    found = graph(task, 3)
+    states = [tuple(row) for row in found.states.tolist()]
+    number = {state: index for index, state in enumerate(states)}
+    assert len(number) == len(states) == found.within[-1]
+    assert states[0] == task.initial
+    near = {task.initial}
+    for within in found.within:
+        assert set(states[:within]) == near
+        near |= {s for state in near for a in range(6) for _, s in successors(task, state, a)}
+    for index in range(int(found.within[-2])):
+        choices = range(*found.choice_start[index : index + 2])
+        changing = [
+            a for a in range(6) if [s for _, s in successors(task, states[index], a)] != [states[index]]
+        ]
+        assert found.choice_action[choices].tolist() == changing
+        for choice, action in zip(choices, changing, strict=True):
+            edges = slice(*found.edge_start[choice : choice + 2])
+            after = {states[s]: p for p, s in _edges(found, edges)}
+            expected = {s: p for p, s in successors(task, states[index], action)}
+            assert after == pytest.approx(expected)
+            paid = sum(p * reward(task, states[index], action, s) for s, p in expected.items())
+            assert found.choice_reward[choice] == pytest.approx(paid)
+
+
+def _edges(found: Graph, edges: slice) -> list[tuple[float, int]]:
+    return list(
+        zip(found.edge_probability[edges].tolist(), found.edge_successor[edges].tolist(), strict=True)
+    )
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_backward_induction_is_the_recursion(seed: int) -> None:
+    task = domains.weighted_task(seed)
+    found, value = graph(task, 4), optimum(task)
+    values, _ = backward(found, lower_process(task), task.discount, 4)
+    for step, within in enumerate(found.within[:4].tolist()):
+        expected = [value(tuple(row), 4 - step) for row in found.states[:within].tolist()]
+        assert values[step, :within] == pytest.approx(expected, abs=1e-12)
+
+
+def test_too_many_states_are_none_and_room_grows() -> None:
+    task = domains.random_task(3)
+    number = len(graph(task, 5).states)
+    assert len(graph(task, 5, number).states) == number
+    assert reachable(lower_process(task), task.initial, number - 1, 5) is None
+    assert np.array_equal(graph(task, 0).states, [task.initial])
