@@ -10,7 +10,7 @@ from cleancli.compiler.task import Assignment, by_time
 from cleancli.language.model import Domain, Problem, State
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.table import Planner
 from cleancli.simulation.world import assignment_of, unchanging_facts
 
 
@@ -30,12 +30,11 @@ class _View:
 
 
 class Agent:
-    """A planner by name. Grounds its rules again only where the facts differ in what these cannot change,
-    which other rules may have changed."""
+    """A planner that sees all. Grounds its rules again only where other rules than these have changed
+    what these can't."""
 
-    def __init__(self, planner: str, domain: Domain, problem: Problem, timed: bool = False) -> None:
-        self.name = planner
-        self._planner = PLANNERS[planner]
+    def __init__(self, planner: Planner, domain: Domain, problem: Problem, timed: bool = False) -> None:
+        self._planner = planner
         self._domain, self._problem, self._timed = domain, problem, timed
         self._views: list[_View] = []
 

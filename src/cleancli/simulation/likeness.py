@@ -9,8 +9,8 @@ from cleancli.language.findings import meant
 from cleancli.language.model import Condition, Domain, Literal, Problem, Quantified, Symbol, Variable
 from cleancli.language.names import Kind, names_in
 
-Names = Mapping[str, object]
-"""What each name stands for; equal where both domains mean the same by it."""
+Names = Mapping[str, str]
+"""What each name stands for, as a text: equal where both domains mean the same by it."""
 
 Places = Mapping[tuple[Kind, str], Span]
 
@@ -53,7 +53,7 @@ def _unlike(
             yield Diagnostic("E901", message, here, "declared by the planner's domain", help)
         elif name in ours and ours[name] != theirs[name]:
             message = f"the {what} `{name}` of the world is not the planner's"
-            yield Diagnostic("E901", message, there, "declared otherwise", _declared(name, ours[name]))
+            yield Diagnostic("E901", message, there, "declared otherwise", f"the planner's is `{ours[name]}`")
         elif name not in ours and kind is not Kind.ACTION:
             message = f"only the world has the {what} `{name}`"
             yield Diagnostic("E901", message, there, help="declare it in the planner's domain too")
@@ -69,36 +69,23 @@ def _compared(domain: Domain, world: Domain) -> Iterator[tuple[Kind, str, Names,
 def _meanings(domain: Domain) -> tuple[Names, ...]:
     """What types, constants, symbols and actions stand for, by name."""
     return (
-        {type_.name: type_.parent for type_ in domain.types},
-        {constant.name: constant.type for constant in domain.constants},
-        {symbol.name: _shape(symbol) for symbol in domain.symbols},
-        {action.name: _types(action.parameters) for action in domain.actions},
+        {t.name: t.name if t.parent is None else f"{t.name} - {t.parent}" for t in domain.types},
+        {constant.name: f"{constant.name} - {constant.type}" for constant in domain.constants},
+        {symbol.name: _symbol(symbol) for symbol in domain.symbols},
+        {action.name: _signature(action.name, action.parameters) for action in domain.actions},
     )
 
 
-def _shape(symbol: Symbol) -> object:
+def _symbol(symbol: Symbol) -> str:
     """What a symbol is, but for the names of its variables and for who may change it."""
-    return _types(symbol.parameters), symbol.values, symbol.symmetric
+    first, *_, last = symbol.values
+    values = f"{first}..{last}" if isinstance(first, int) else " < ".join(map(str, symbol.values))
+    kind = "" if symbol.is_predicate else f": {values}"
+    return _signature(symbol.name, symbol.parameters) + kind + (" [symmetric]" if symbol.symmetric else "")
 
 
-def _types(parameters: Sequence[Variable]) -> tuple[str, ...]:
-    return tuple(variable.type for variable in parameters)
-
-
-def _declared(name: str, meaning: object) -> str:
-    """A help line that says what the planner's domain means by a name."""
-    match meaning:
-        case None:
-            return f"the planner's `{name}` is below no other type"
-        case str():
-            return f"the planner's `{name}` is of type `{meaning}`"
-        case (tuple() as types, tuple() as values, bool() as symmetric):
-            kind = " [symmetric]" if symmetric else ""
-            valued = "" if values == (False, True) else f": {', '.join(map(str, values))}"
-            return f"the planner's is `{name}({', '.join(types)}){valued}{kind}`"
-        case tuple():
-            return f"the planner's is `{name}({', '.join(map(str, meaning))})`"
-    raise AssertionError(meaning)
+def _signature(name: str, parameters: Sequence[Variable]) -> str:
+    return f"{name}({', '.join(variable.type for variable in parameters)})"
 
 
 def _spoken_of(problem: Problem, world: Domain) -> Iterator[tuple[str, Collection[str]]]:

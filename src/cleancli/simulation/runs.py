@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
+from cleancli.planning.table import PLANNERS
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, Limits, episode
 from cleancli.simulation.world import world_of
@@ -39,7 +40,7 @@ Round = tuple[Episode, ...]
 def rounds(setup: Setup, numbers: Sequence[int]) -> Iterator[Round]:
     """The numbered episodes of each planner. Raises `Refused`, `NoDurationError` and what planners raise."""
     world = world_of(setup.world, setup.problem, setup.timed)
-    agents = [Agent(name, setup.domain, setup.problem, setup.timed) for name in setup.planners]
+    agents = [Agent(PLANNERS[name], setup.domain, setup.problem, setup.timed) for name in setup.planners]
     for number in numbers:
         yield tuple(episode(world, agent, number, setup.options, setup.limits) for agent in agents)
 
