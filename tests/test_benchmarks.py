@@ -1,4 +1,4 @@
-"""The benchmarks that are tests when they are made small: benchmarks/fuzz.py and benchmarks/roundtrip.py."""
+"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, regret.py."""
 
 from __future__ import annotations
 
@@ -26,3 +26,13 @@ def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     result = _run("roundtrip.py", "90", cwd=tmp_path)
     assert result.returncode == 0, result.stdout
     assert "30 domain, 30 problem, 30 scene" in result.stdout
+
+
+def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
+    result = _run("regret.py", "--quick", "--planner", "prada", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    line = next(line for line in result.stdout.splitlines() if line.startswith("prada"))
+    problems, mean = line.split()[1:3]
+    assert problems == "8"
+    assert 0.9 < float(mean) <= 1.0
+    assert "8 problems; skipped: " in result.stdout

@@ -93,6 +93,7 @@ ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
     "compile": (("domain", 1, domains), ("problem", 1, problems)),
     "explain": (("domain", 1, domains), ("problem", 1, problems), ("action", 1, actions)),
     "plan": (("domain", 1, domains), ("problem", 1, problems)),
+    "simulate": (("domain", 1, domains), ("problem", 1, problems)),
     "execute": (("domain", 1, domains), ("scene", 1, problems)),
     "learn": (("domain", 1, domains), ("experience", -1, None)),
 }

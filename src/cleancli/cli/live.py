@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import time
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.status import Status
 
 from cleancli.execution.events import Ended, Event, Looked, Moved, Planned, Started, StrokeEnded
 
 SLOW = 2.0
 """Seconds after which a person wonders what is going on."""
+
+_Item = TypeVar("_Item")
 
 
 class View(Protocol):
@@ -94,3 +98,19 @@ def working(what: str) -> Iterator[None]:
         return
     with console.status(what):
         yield
+
+
+def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
+    """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
+    console = Console(stderr=True)
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    task, started = bar.add_task(what, total=number), time.monotonic()
+    try:
+        for item in items:
+            bar.advance(task)
+            if not bar.live.is_started and time.monotonic() - started > SLOW:
+                bar.start()
+            yield item
+    finally:
+        bar.stop()

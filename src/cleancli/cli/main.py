@@ -27,6 +27,7 @@ SUMMARIES = {
     "explain": "Which rule covers an action, and if none does, why.",
     "rename": "Rename a declared thing in a domain and its problems.",
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
+    "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
     "lsp": "Serve editors: mistakes while typing, completion, rename.",

@@ -1,0 +1,274 @@
+"""How near planners come to the optimum, in closed loop: `python benchmarks/regret.py --planner prada ...`.
+
+Random problems (instances.py) with at most 5,000 states that can be reached within their steps. At step t of
+H a planner sees the state, plans for H - t steps, and its first action is done. A planner's share is what it
+gains over doing nothing, as part of what the optimum gains; problems where that is less than `WORTH` say
+nothing and are skipped. Plans count where they are worth any more than doing nothing (`margin` is 0).
+
+A planner with a fixed seed is a policy. Where it meets few pairs of state and step, its return is exact: the
+optimum less what each of its actions loses against the optimum, weighted by the probability that the pair
+comes. Else the same losses are summed over drawn episodes, on the same draws for all planners: with the
+optimal values as control variate, only the losses are noisy, and an optimal planner has no error at all.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import multiprocessing
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from instances import FAMILIES, instance
+
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import GroundAction
+from cleancli.planning.plan import Options
+from cleancli.planning.prepared import Prepared, prepare
+from cleancli.planning.reachable import Graph, backward, reachable
+from cleancli.planning.table import PLANNERS, Planner
+
+STATES = 5_000
+WORTH = 0.2
+"""What the optimum must gain over doing nothing for a problem to count. Chosen."""
+ANYTIME = {"uct": 10_000_000, "prada+": 10_000_000}
+"""Planners that go on until their time is over, and the samples that they are allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """`pairs` of state and step at most for an exact return, else so many `episodes`; `time_limit` in seconds
+    for a plan of an anytime planner."""
+
+    planners: tuple[str, ...]
+    pairs: int
+    episodes: int
+    time_limit: float
+    samples: int
+
+
+@dataclass(frozen=True, slots=True)
+class Game:
+    """A problem with its optimum: `values` (H + 1, N) by step and state, `nothing` likewise for doing nothing
+    from there on; `choices` of each state by action."""
+
+    prepared: Prepared
+    graph: Graph
+    values: np.ndarray
+    nothing: np.ndarray
+    choices: tuple[Mapping[int, int], ...]
+
+    @property
+    def steps(self) -> int:
+        return len(self.values) - 1
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """A planner's share in a problem, its standard error (0 where exact), and seconds per plan."""
+
+    planner: str
+    family: str
+    seed: int
+    share: float
+    error: float
+    seconds: tuple[float, ...]
+
+
+def game_of(prepared: Prepared, steps: int) -> Game | None:
+    """The optimum of a task; None where it has too many states."""
+    task, process = prepared.task, prepared.process
+    graph = reachable(process, task.initial, STATES, steps)
+    if graph is None:
+        return None
+    values, _ = backward(graph, process, task.discount, steps)
+    idle = [sum(task.discount**k for k in range(steps - t)) for t in range(steps + 1)]
+    starts = graph.choice_start.tolist()
+    choices = tuple(
+        {int(graph.choice_action[c]): c for c in range(a, b)} for a, b in itertools.pairwise(starts)
+    )
+    return Game(prepared, graph, values, np.outer(idle, graph.standing), choices)
+
+
+class Policy:
+    """A planner's first actions by step and state, asked for when first wanted."""
+
+    def __init__(self, game: Game, planner: Planner, options: Options) -> None:
+        self._game, self._planner, self._options = game, planner, options
+        actions = game.prepared.task.actions
+        self._number: dict[GroundAction, int] = {action: index for index, action in enumerate(actions)}
+        self._known: dict[tuple[int, int], int | None] = {}
+        self.seconds: list[float] = []
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def action(self, step: int, state: int) -> int | None:
+        """The action's index; None to do nothing from here on."""
+        if (step, state) not in self._known:
+            row = tuple(self._game.graph.states[state].tolist())
+            started = time.perf_counter()
+            plan = self._planner(self._game.prepared.at(row, self._game.steps - step), self._options)
+            self.seconds.append(time.perf_counter() - started - plan.seconds.get("compile", 0.0))
+            self._known[step, state] = self._number[plan.actions[0]] if plan.actions else None
+        return self._known[step, state]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """What an action loses against the optimum, the states it may lead to with their probabilities, and its
+    discount; nowhere, where nothing is done from there on."""
+
+    loss: float
+    after: tuple[tuple[int, float], ...]
+    discount: float
+
+
+def move(game: Game, step: int, state: int, action: int | None) -> Move:
+    """What comes of an action in a state at a step."""
+    best, graph, process = game.values[step, state], game.graph, game.prepared.process
+    if action is None:
+        return Move(best - game.nothing[step, state], (), 0.0)
+    choice = game.choices[state].get(action)
+    reward, after = graph.standing[state] - process.cost[action], ((state, 1.0),)
+    if choice is not None:
+        edges = slice(graph.edge_start[choice], graph.edge_start[choice + 1])
+        successors, chances = graph.edge_successor[edges].tolist(), graph.edge_probability[edges].tolist()
+        reward, after = graph.choice_reward[choice], tuple(zip(successors, chances, strict=True))
+    discount = float(process.discount[action])
+    expected = sum(p * game.values[step + 1, s] for s, p in after)
+    return Move(best - process.payment[action] * reward - discount * expected, after, discount)
+
+
+def exact_loss(game: Game, policy: Policy, pairs: int) -> float | None:
+    """What a policy loses against the optimum; None where it meets more pairs of state and step."""
+    weights, total = {0: 1.0}, 0.0
+    for step in range(game.steps):
+        if len(policy) + len(weights) > pairs:
+            return None
+        later: dict[int, float] = {}
+        for state, weight in sorted(weights.items()):
+            moved = move(game, step, state, policy.action(step, state))
+            total += weight * moved.loss
+            for after, chance in moved.after:
+                later[after] = later.get(after, 0.0) + weight * chance * moved.discount
+        weights = later
+    return total
+
+
+def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> tuple[float, float]:
+    """The mean of what a policy loses over drawn episodes, and its standard error."""
+    losses = []
+    for luck in np.random.default_rng(seed).random((episodes, game.steps)):
+        state, weight, total = 0, 1.0, 0.0
+        for step in range(game.steps):
+            moved = move(game, step, state, policy.action(step, state))
+            total += weight * moved.loss
+            if not moved.after:
+                break
+            reached = np.searchsorted(np.cumsum([p for _, p in moved.after]), luck[step], side="right")
+            state = moved.after[min(int(reached), len(moved.after) - 1)][0]
+            weight *= moved.discount
+        losses.append(total)
+    return float(np.mean(losses)), float(np.std(losses, ddof=1) / math.sqrt(episodes))
+
+
+def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
+    """Of each planner on the problem of a seed, or why there are none."""
+    found = instance(seed)
+    game = game_of(prepare(ground(found.domain, found.problem)), found.steps)
+    if game is None:
+        return f"more than {STATES:,} states"
+    worth = float(game.values[0, 0] - game.nothing[0, 0])
+    if worth < WORTH:
+        return f"the optimum gains less than {WORTH}"
+    result = []
+    for name in asked.planners:
+        options = Options(samples=asked.samples, seed=seed, threads=1, margin=0.0)
+        if name in ANYTIME:
+            options = replace(options, samples=ANYTIME[name], time_limit=asked.time_limit)
+        policy = Policy(game, PLANNERS[name], options)
+        loss, error = exact_loss(game, policy, asked.pairs), 0.0
+        if loss is None:
+            loss, error = drawn_loss(game, policy, asked.episodes, seed)
+        share = 1 - loss / worth
+        result.append(Score(name, found.family, seed, share, error / worth, tuple(policy.seconds)))
+    return tuple(result)
+
+
+def print_table(found: Sequence[Score]) -> None:
+    print("planner         problems   mean  worst     5%  >=0.95  >=0.99  s/step  95%     error")
+    for name in dict.fromkeys(score.planner for score in found):
+        mine = [score for score in found if score.planner == name]
+        shares = np.array([score.share for score in mine])
+        low = np.quantile(shares, 0.05)
+        seconds = [spent for score in mine for spent in score.seconds]
+        error = math.sqrt(sum(score.error**2 for score in mine)) / len(mine)
+        print(
+            f"{name:15} {len(mine):8} {shares.mean():6.3f} {shares.min():6.3f} {low:6.3f}"
+            f" {np.mean(shares >= 0.95):7.2f} {np.mean(shares >= 0.99):7.2f}"
+            f" {np.median(seconds):7.4f} {np.quantile(seconds, 0.95):7.4f} {error:6.4f}"
+        )
+    print("\nmean share by family")
+    for name in dict.fromkeys(score.planner for score in found):
+        means = {
+            family: [score.share for score in found if (score.planner, score.family) == (name, family)]
+            for family in FAMILIES
+        }
+        shown = (f"{family} {np.mean(shares):.3f}" for family, shares in means.items() if shares)
+        print(f"{name:15} " + "  ".join(shown))
+
+
+def played(seeds: Iterable[int], asked: Asked, jobs: int) -> list[tuple[Score, ...] | str]:
+    """The scores of all seeds, in their order."""
+    numbers = list(seeds)
+    if jobs == 1:
+        return [scores(seed, asked) for seed in numbers]
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as executor:
+        return list(executor.map(scores, numbers, [asked] * len(numbers)))
+
+
+def wanted_scores(wanted: int, asked: Asked, jobs: int) -> tuple[list[tuple[Score, ...]], Mapping[str, int]]:
+    """The scores of so many problems, and how many were skipped on the way, by reason."""
+    counted: list[tuple[Score, ...]] = []
+    skipped: dict[str, int] = {}
+    first = 0
+    while len(counted) < wanted:
+        batch = range(first, first + wanted - len(counted))
+        first = batch.stop
+        for result in played(batch, asked, jobs):
+            if isinstance(result, str):
+                skipped[result] = skipped.get(result, 0) + 1
+            else:
+                counted.append(result)
+    return counted, skipped
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--problems", type=int, default=200, help="that count, of so many seeds as they need")
+    parser.add_argument("--planner", action="append", choices=list(PLANNERS), help="default: all")
+    parser.add_argument("--pairs", type=int, default=60)
+    parser.add_argument("--episodes", type=int, default=20)
+    parser.add_argument("--time-limit", type=float, default=0.1)
+    parser.add_argument("--samples", type=int, default=10_000)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--quick", action="store_true", help="8 problems, few samples")
+    given = parser.parse_args()
+    planners = tuple(dict.fromkeys(given.planner or PLANNERS))
+    asked = Asked(planners, given.pairs, given.episodes, given.time_limit, given.samples)
+    wanted = given.problems
+    if given.quick:
+        wanted, asked = 8, replace(asked, samples=500, time_limit=0.01, pairs=30, episodes=8)
+    counted, skipped = wanted_scores(wanted, asked, given.jobs)
+    print_table([score for result in counted for score in result])
+    reasons = ", ".join(f"{number} where {reason}" for reason, number in skipped.items())
+    print(f"\n{len(counted)} problems; skipped: {reasons or 'none'}")
+
+
+if __name__ == "__main__":
+    main()

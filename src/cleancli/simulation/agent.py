@@ -1,0 +1,60 @@
+"""A planner with rules of its own, which is shown all facts of the present state and says what to do."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import Assignment, by_time
+from cleancli.language.model import Domain, Problem, State
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import Prepared, prepare
+from cleancli.planning.table import Planner
+from cleancli.simulation.world import assignment_of, unchanging_facts
+
+
+@dataclass(frozen=True, slots=True)
+class _View:
+    """The rules grounded for all states that differ in what they can change; `rest` are the facts that they
+    can't."""
+
+    prepared: Prepared
+    rest: State
+
+    def assignment(self, facts: State) -> Assignment | None:
+        """The state that the facts are; None where it is not one of the view's."""
+        if unchanging_facts(self.prepared.task, facts) != self.rest:
+            return None
+        return assignment_of(self.prepared.task, facts)
+
+
+class Agent:
+    """A planner that sees all. Grounds its rules again only where other rules than these have changed
+    what these can't."""
+
+    def __init__(self, planner: Planner, domain: Domain, problem: Problem, timed: bool = False) -> None:
+        self._planner = planner
+        self._domain, self._problem, self._timed = domain, problem, timed
+        self._views: list[_View] = []
+
+    def plan(self, facts: State, options: Options, horizon: int | None = None) -> tuple[Plan, float]:
+        """What to do from these facts on, and how long it took to say; what numba took to load is left out.
+
+        The horizon is the one of these facts unless one is given. Raises `Refused` (E6xx),
+        `NoDurationError`, and what the planner raises.
+        """
+        started = time.perf_counter()
+        plan = self._planner(self.prepared(facts, horizon), options)
+        return plan, time.perf_counter() - started - plan.seconds.get("compile", 0.0)
+
+    def prepared(self, facts: State, horizon: int | None = None) -> Prepared:
+        """The planner's task from these facts on."""
+        for view in self._views:
+            assignment = view.assignment(facts)
+            if assignment is not None:
+                return view.prepared.at(assignment, horizon)
+        task = ground(self._domain, replace(self._problem, state=facts))
+        task = by_time(task) if self._timed else task
+        self._views.append(_View(prepare(task), unchanging_facts(task, facts)))
+        return self._views[-1].prepared.at(task.initial, horizon)

@@ -1,0 +1,121 @@
+"""One closed loop in the symbolic world: plan from the present state, do the first actions, plan again."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cleancli.compiler.task import Assignment, GroundAction
+from cleancli.compiler.transition import standing
+from cleancli.planning.plan import Options
+from cleancli.simulation.agent import Agent
+from cleancli.simulation.world import Step, World, do, succeeded
+
+
+class Reason(enum.Enum):
+    """Why an episode is over."""
+
+    GOAL = "the goal holds"
+    CLEARED = "nothing is left of the count"
+    IDLE = "the planner finds nothing worth doing"
+    LIMIT = "the limit of actions is reached"
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """`commit`: actions of a plan that are done before the next one is made (§4.2.4). With `horizon` given,
+    the n-th action is planned with as many steps less; else with the horizon of the state then reached."""
+
+    max_actions: int = 60
+    commit: int = 1
+    horizon: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """What came of one closed loop.
+
+    The returns count `max_actions` steps: after the end nothing is done, and the state is paid for what it
+    is. `success` is None where there is neither a goal nor a count to decrease. `seconds` of robot time, None
+    where a duration is not declared; `planning` in seconds, a number per plan.
+    """
+
+    number: int
+    reason: Reason
+    success: bool | None
+    discounted: float
+    plain: float
+    actions: tuple[GroundAction, ...]
+    seconds: float | None
+    planning: tuple[float, ...]
+
+
+class _Stream(enum.IntEnum):
+    """What randomness is wanted for; numbers are part of an episode's identity and never reused."""
+
+    WORLD = 0
+    PLANNING = 1
+
+
+def episode(world: World, agent: Agent, number: int, options: Options, limits: Limits) -> Episode:
+    """The numbered episode of the seed in `options`; it depends on no other episode.
+
+    The world's draws are the same for all planners, each plan has a seed of its own. Raises what planners do.
+    """
+    rng = np.random.default_rng(_seeds(options.seed, number, _Stream.WORLD))
+    state, steps, planning = world.task.initial, list[Step](), list[float]()
+    rest: tuple[GroundAction, ...] = ()
+    reason = _over(world, state, steps, limits)
+    while reason is None:
+        plan_seed = _seeds(options.seed, number, _Stream.PLANNING, len(steps)).generate_state(1)
+        asked = replace(options, seed=int(plan_seed[0]), previous=rest)
+        horizon = None if limits.horizon is None else max(limits.horizon - len(steps), 0)
+        plan, seconds = agent.plan(world.facts(state), asked, horizon)
+        planning.append(seconds)
+        if not plan.actions:
+            reason = Reason.IDLE
+        for action in plan.actions[: limits.commit]:
+            step, state = do(world, state, action, rng)
+            steps.append(step)
+            reason = _over(world, state, steps, limits)
+            if reason is not None:
+                break
+        rest = plan.actions[limits.commit :]
+    discounted, plain = returns(world, steps, state, limits.max_actions)
+    durations = [step.seconds for step in steps if step.seconds is not None]
+    return Episode(
+        number,
+        reason,
+        succeeded(world, state),
+        discounted,
+        plain,
+        tuple(step.action for step in steps),
+        sum(durations) if len(durations) == len(steps) else None,
+        tuple(planning),
+    )
+
+
+def returns(world: World, steps: Sequence[Step], last: Assignment, length: int) -> tuple[float, float]:
+    """The discounted and the plain return of `length` steps, in which nothing is done after those given; as
+    `exact_value` of compiler/transition.py counts."""
+    discounted, plain, factor = 0.0, 0.0, 1.0
+    for step in steps:
+        discounted += factor * step.payment * step.reward
+        plain += step.reward
+        factor *= step.discount
+    paid, left = standing(world.task, last), max(length - len(steps), 0)
+    idle = sum(world.task.discount**k for k in range(left))
+    return discounted + factor * idle * paid, plain + left * paid
+
+
+def _over(world: World, state: Assignment, steps: Sequence[Step], limits: Limits) -> Reason | None:
+    if succeeded(world, state):
+        return Reason.GOAL if world.has_goal else Reason.CLEARED
+    return Reason.LIMIT if len(steps) >= limits.max_actions else None
+
+
+def _seeds(seed: int, number: int, stream: _Stream, *place: int) -> np.random.SeedSequence:
+    return np.random.SeedSequence(seed, spawn_key=(number, stream, *place))

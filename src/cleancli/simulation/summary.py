@@ -1,0 +1,84 @@
+"""What many episodes of a planner come to: means and shares, each with its 95 % confidence interval."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from scipy.special import stdtrit
+
+from cleancli.simulation.episode import Episode, Reason
+
+LEVEL = 0.95
+NORMAL = 1.959963984540054
+"""The standard normal distribution's quantile for a two-sided interval of that level."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A mean or share with its interval; without one (both None) where there is but a single episode."""
+
+    mean: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Of one planner. `success` is None where the problem has neither goal nor count to decrease, `seconds`
+    where a duration is not declared; `gain` is the discounted return less that of the first planner, episode
+    by episode, None for the first. Planning seconds are per plan."""
+
+    planner: str
+    episodes: int
+    discounted: Estimate
+    plain: Estimate
+    gain: Estimate | None
+    actions: Estimate
+    seconds: Estimate | None
+    success: Estimate | None
+    planning_median: float | None
+    planning_95: float | None
+    reasons: Mapping[Reason, int]
+
+
+def summarized(planner: str, episodes: Sequence[Episode], first: Sequence[Episode] | None) -> Summary:
+    """The summary of a planner's episodes; `first` are those of the planner to compare with, in order."""
+    successes = [e.success for e in episodes if e.success is not None]
+    seconds = [e.seconds for e in episodes if e.seconds is not None]
+    planning = [spent for e in episodes for spent in e.planning]
+    reasons = Counter(e.reason for e in episodes)
+    gains = [e.discounted - f.discounted for e, f in zip(episodes, first or episodes, strict=True)]
+    return Summary(
+        planner,
+        len(episodes),
+        mean_of([e.discounted for e in episodes]),
+        mean_of([e.plain for e in episodes]),
+        None if first is None else mean_of(gains),
+        mean_of([float(len(e.actions)) for e in episodes]),
+        mean_of(seconds) if len(seconds) == len(episodes) else None,
+        share_of(sum(successes), len(successes)) if successes else None,
+        float(np.median(planning)) if planning else None,
+        float(np.quantile(planning, 0.95)) if planning else None,
+        {reason: reasons[reason] for reason in Reason if reasons[reason]},
+    )
+
+
+def mean_of(values: Sequence[float]) -> Estimate:
+    """The mean with Student's t interval; at least one value."""
+    mean, number = float(np.mean(values)), len(values)
+    if number == 1:
+        return Estimate(mean, None, None)
+    half = float(stdtrit(number - 1, (1 + LEVEL) / 2)) * float(np.std(values, ddof=1)) / sqrt(number)
+    return Estimate(mean, mean - half, mean + half)
+
+
+def share_of(successes: int, number: int) -> Estimate:
+    """A share with Wilson's score interval (Wilson, JASA 1927)."""
+    share, z = successes / number, NORMAL
+    centre = (share + z * z / (2 * number)) / (1 + z * z / number)
+    half = z / (1 + z * z / number) * sqrt(share * (1 - share) / number + z * z / (4 * number * number))
+    return Estimate(share, max(centre - half, 0.0), min(centre + half, 1.0))

@@ -1,0 +1,113 @@
+"""benchmarks/regret.py scores policies rightly: against plain recursion over compiler/transition.py."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import Assignment
+from cleancli.compiler.transition import payment, reward, standing, successors
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import Prepared, prepare
+
+STEPS = 3
+SEEDS = range(6)
+"""One of each family."""
+
+
+@pytest.fixture
+def regret(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
+    yield importlib.import_module("regret")
+    for name in ("regret", "instances", "planning"):
+        sys.modules.pop(name, None)
+
+
+def odd(prepared: Prepared, options: Options) -> Plan:
+    """Says something or other that depends on the state and the horizon, and sometimes nothing."""
+    task = prepared.task
+    number = (sum((3 * i + 1) * v for i, v in enumerate(task.initial)) + 5 * task.horizon) % 11
+    said = () if number == 7 else (task.actions[number % len(task.actions)],)
+    return Plan("odd", said, 0.0, "exact", 0, task.horizon, None, {})
+
+
+def game_of(regret: ModuleType, seed: int) -> Any:
+    found = regret.instance(seed)
+    return regret.game_of(prepare(ground(found.domain, found.problem)), STEPS)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_policys_return_is_what_recursion_says(regret: ModuleType, seed: int) -> None:
+    game = game_of(regret, seed)
+    task = game.prepared.task
+
+    def step(state: Assignment, action: int, left: int, then: Any) -> float:
+        return sum(
+            p
+            * (
+                payment(task, action) * reward(task, state, action, s)
+                + task.discounts[action] * then(s, left - 1)
+            )
+            for p, s in successors(task, state, action)
+        )
+
+    @cache
+    def returned(state: Assignment, left: int) -> float:
+        said = odd(game.prepared.at(state, left), Options()).actions
+        if left == 0 or not said:
+            return standing(task, state) * sum(task.discount**k for k in range(left))
+        return step(state, task.actions.index(said[0]), left, returned)
+
+    @cache
+    def optimum(state: Assignment, left: int) -> float:
+        if left == 0:
+            return 0.0
+        nothing = standing(task, state) + task.discount * optimum(state, left - 1)
+        return max([nothing, *(step(state, a, left, optimum) for a in range(len(task.actions)))])
+
+    best = optimum(task.initial, STEPS)
+    assert game.values[0, 0] == pytest.approx(best)
+    policy = regret.Policy(game, odd, Options())
+    loss = regret.exact_loss(game, policy, 10_000)
+    assert best - loss == pytest.approx(returned(task.initial, STEPS))
+    drawn, error = regret.drawn_loss(game, policy, 2000, seed)
+    assert abs(drawn - loss) <= stats.norm.isf(1e-5) * error + 1e-9
+    assert regret.exact_loss(game, regret.Policy(game, odd, Options()), 0) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_best_policy_loses_nothing(regret: ModuleType, seed: int) -> None:
+    game = game_of(regret, seed)
+    _, best = regret.backward(game.graph, game.prepared.process, game.prepared.task.discount, STEPS)
+    rows = {tuple(state): number for number, state in enumerate(game.graph.states.tolist())}
+
+    def optimal(prepared: Prepared, options: Options) -> Plan:
+        task = prepared.task
+        action = best[STEPS - task.horizon, rows[task.initial]]
+        return Plan("best", (task.actions[action],) if action >= 0 else (), 0.0, "policy", 0, 0, None, {})
+
+    policy = regret.Policy(game, optimal, Options())
+    assert regret.exact_loss(game, policy, 10_000) == pytest.approx(0, abs=1e-8)
+    drawn, error = regret.drawn_loss(game, policy, 5, seed)
+    assert (drawn, error) == pytest.approx((0, 0), abs=1e-8)
+
+
+def test_instances_are_of_all_families_and_vary(regret: ModuleType) -> None:
+    found = [regret.instance(seed) for seed in range(12)]
+    assert {each.family for each in found} == set(regret.FAMILIES)
+    assert found[0] == regret.instance(0)
+    assert all(one.problem != other.problem for one, other in zip(found[:6], found[6:], strict=True))
+    for each in found:
+        assert all(sum(o.probability for o in rule.outcomes) == 1 for rule in each.domain.rules)
+        assert all(o.probability >= 0 for rule in each.domain.rules for o in rule.outcomes)
+    assert np.mean([each.steps for each in found]) > 4

@@ -1,0 +1,67 @@
+"""Small domains and planners that always say the same, for the tests of the symbolic world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cleancli.compiler.task import GroundAction
+from cleancli.language.diagnostics import Source
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Domain, Problem
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import Prepared
+from cleancli.planning.table import Planner
+
+DOORS = """
+domain doors {
+  types      { door }
+  predicates { open(?d - door) jammed(?d - door) }
+  functions  { force(?d - door): 1..3 }
+  derived    { shut := count ?d - door: not open(?d)  opened := count ?d - door: open(?d) }
+  actions    { push(?d - door) [duration = 4 s, cost = 1]  oil(?d - door) [duration = 10 s] }
+  rule push_it: push(?d) {
+    when not open(?d), not jammed(?d)
+    then 0.6: open(?d)
+         0.4: nothing
+  }
+  rule oil_it: oil(?d) {
+    when not open(?d)
+    then 0.5: open(?d)
+         rest: noise
+  }
+  reward { decrease(shut) }
+}
+"""
+
+JAMMING = DOORS.replace("0.4: nothing", "0.4: jammed(?d), force(?d) += 1").replace("doors", "jamming", 1)
+"""The same, but that doors may get stuck where the other rules know nothing of it."""
+
+PAID = DOORS.replace("reward { decrease(shut) }", "reward { 0.5 * opened - 0.2 * cost }")
+"""The same, but that open doors pay in each step, and pushing costs."""
+
+TWO_DOORS = "init { force(a) = 1, force(b) = 1 }"
+
+
+def domain(text: str) -> Domain:
+    """The checked domain of a text."""
+    return load_domain(Source("domain.nid", text))
+
+
+def problem(known: Domain, inside: str = TWO_DOORS) -> Problem:
+    """A problem with two doors."""
+    text = f"problem p {{ domain = {known.name} objects {{ a b - door }} {inside} }}"
+    return load_problem(Source("problem.nid", text), known)
+
+
+def saying(*actions: str) -> Planner:
+    """A planner that always says the same actions, written like `push(a)`."""
+    said = tuple(GroundAction(text[:-3], (text[-2],), None) for text in actions)
+
+    def planner(prepared: Prepared, options: Options) -> Plan:
+        return plan(prepared, said)
+
+    return planner
+
+
+def plan(prepared: Prepared, actions: Sequence[GroundAction]) -> Plan:
+    return Plan("said", tuple(actions), 0.0, "exact", 0, prepared.task.horizon, None, {})

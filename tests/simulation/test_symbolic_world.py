@@ -1,0 +1,238 @@
+"""Episodes: what is drawn, paid and shown to planners, and why they end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import rooms
+from scipy import stats
+
+from cleancli.compiler.evaluate import StateView
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import NoDurationError, by_time
+from cleancli.compiler.transition import exact_value
+from cleancli.language.model import Fact
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import Prepared
+from cleancli.simulation import agent as agents
+from cleancli.simulation.agent import Agent
+from cleancli.simulation.episode import Episode, Limits, Reason, episode
+from cleancli.simulation.world import assignment_of, do, succeeded, world_of
+
+DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
+PROBLEM = rooms.problem(DOORS)
+STEPS = "horizon = 5"
+
+
+def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
+    """One episode of a planner that always says the same."""
+    known = rooms.domain(text)
+    given = rooms.problem(known, inside)
+    who = Agent(rooms.saying(*said), known, given)
+    return episode(world_of(known, given), who, number, Options(), Limits(**limits))
+
+
+# ---- what is paid
+
+
+@pytest.mark.parametrize("timed", [False, True])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (rooms.DOORS, ("push(a)", "oil(b)", "push(a)", "push(b)")),
+        (rooms.PAID, ("push(a)", "push(a)", "oil(b)")),
+        (rooms.JAMMING, ("push(a)", "push(a)", "oil(a)")),
+    ],
+)
+def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], timed: bool) -> None:
+    known = rooms.domain(text)
+    given = rooms.problem(known, f"{rooms.TWO_DOORS} {STEPS}")
+    task = ground(known, given)
+    numbers = [[str(a) for a in task.actions].index(name) for name in said]
+    expected = exact_value(by_time(task) if timed else task, numbers)
+    world, who = world_of(known, given, timed), Agent(rooms.saying(*said), known, given, timed)
+    limits = Limits(max_actions=len(said), commit=len(said))
+    found = [episode(world, who, n, Options(), limits) for n in range(3000)]
+    # What is paid for the state after the limit of actions is left out, so the horizon is that limit.
+    expected = exact_value(replace(by_time(task) if timed else task, horizon=len(said)), numbers)
+    returns = [each.discounted for each in found]
+    assert abs(np.mean(returns) - expected) < stats.norm.isf(1e-5) * stats.sem(returns)
+    assert np.std(returns) > 0.05
+
+
+def test_after_an_early_end_standing_still_is_paid() -> None:
+    idle = run(
+        rooms.PAID,
+        inside=f"{{init}} {STEPS}".format(init="init { open(a), force(a) = 1, force(b) = 1 }"),
+        max_actions=4,
+    )
+    assert idle.reason is Reason.IDLE
+    assert idle.plain == pytest.approx(4 * 0.5)
+    assert idle.discounted == pytest.approx(0.5 * sum(0.95**k for k in range(4)))
+
+
+def test_actions_that_can_change_nothing_cost_and_last() -> None:
+    """The planner thinks that oil helps; in the world it does nothing, so the task has no such action."""
+    text = rooms.DOORS.replace("reward { decrease(shut) }", "reward { decrease(shut) - cost }")
+    known = rooms.domain(text)
+    without = text.replace("then 0.5: open(?d)\n         rest: noise", "then 1: noise").replace(
+        "oil(?d - door) [duration = 10 s]", "oil(?d - door) [duration = 8 s, cost = 0.25]"
+    )
+    actual = rooms.domain(without)
+    given = rooms.problem(known)
+    who = Agent(rooms.saying("oil(a)"), known, given)
+    found = episode(world_of(actual, given), who, 0, Options(), Limits(max_actions=3))
+    assert (found.reason, found.success) == (Reason.LIMIT, False)
+    assert found.plain == pytest.approx(-0.75)
+    assert found.seconds == pytest.approx(24)
+    timed = world_of(actual, given, timed=True)
+    first = do(timed, timed.task.initial, found.actions[0], np.random.default_rng(0))[0]
+    assert first.discount == pytest.approx(0.95 ** (8 / 6))  # the mean of 4 s and 8 s
+
+
+def test_robot_time_needs_every_duration() -> None:
+    text = rooms.DOORS.replace("[duration = 4 s, cost = 1]", "[cost = 1]")
+    assert run(text, "oil(a)", max_actions=2).seconds is not None
+    assert run(text, "push(a)", max_actions=2).seconds is None
+    with pytest.raises(NoDurationError, match="push"):
+        world_of(rooms.domain(text), PROBLEM, timed=True)
+
+
+# ---- why episodes end
+
+
+def test_reasons() -> None:
+    goal = f"{rooms.TWO_DOORS} goal {{ open(a) }}"
+    assert run(rooms.DOORS, "oil(a)", inside=goal).reason is Reason.GOAL
+    assert run(rooms.DOORS, "oil(b)", inside=goal, max_actions=9).reason is Reason.LIMIT
+    assert run(rooms.DOORS, "oil(a)", "oil(b)", commit=2).reason is Reason.CLEARED
+    assert run(rooms.DOORS).reason is Reason.IDLE
+    assert run(rooms.DOORS, "oil(a)", max_actions=0).reason is Reason.LIMIT
+    open_already = "init { open(a), open(b), force(a) = 1, force(b) = 1 }"
+    assert run(rooms.DOORS, "oil(a)", inside=open_already, max_actions=0).reason is Reason.CLEARED
+    endless = run(rooms.PAID, "push(a)", inside=f"{rooms.TWO_DOORS} {STEPS}", max_actions=7)
+    assert (endless.reason, endless.success, len(endless.actions)) == (Reason.LIMIT, None, 7)
+
+
+def test_a_goal_that_can_never_hold_is_no_success() -> None:
+    found = run(rooms.DOORS, "oil(b)", inside=f"{rooms.TWO_DOORS} goal {{ jammed(a) }}", max_actions=3)
+    assert (found.reason, found.success) == (Reason.LIMIT, False)
+
+
+def test_an_episode_ends_amid_a_plan() -> None:
+    found = run(rooms.DOORS, *["oil(a)"] * 9, commit=9, inside=f"{rooms.TWO_DOORS} goal {{ open(a) }}")
+    assert found.reason is Reason.GOAL
+    assert len(found.actions) < 9
+    assert len(found.planning) == 1
+
+
+# ---- what is drawn
+
+
+def test_an_episode_depends_on_seed_and_number_alone() -> None:
+    goal = f"{rooms.TWO_DOORS} goal {{ open(a) }}"
+    alone = [run(rooms.DOORS, "push(a)", number=n, inside=goal).actions for n in (3, 5)]
+    given = rooms.problem(DOORS, goal)
+    world, who = world_of(DOORS, given), Agent(rooms.saying("push(a)"), DOORS, given)
+    together = [episode(world, who, n, Options(), Limits()).actions for n in range(6)]
+    assert [together[3], together[5]] == alone
+    assert len({len(actions) for actions in together}) > 1
+
+
+def test_the_nth_action_meets_the_same_luck_whatever_came_before() -> None:
+    """Pushing an open door draws nothing, and yet uses up its number."""
+    world = world_of(DOORS, PROBLEM)
+    push = rooms.saying("push(a)", "push(b)")
+    a, b = push(Agent(push, DOORS, PROBLEM).prepared(PROBLEM.state), Options()).actions
+    opened = assignment_of(world.task, PROBLEM.state | {Fact("open", ("a",))})
+    assert opened is not None
+    for seed in range(20):
+        first, second = np.random.default_rng(seed), np.random.default_rng(seed)
+        do(world, opened, a, first)
+        do(world, world.task.initial, a, second)
+        luck = [do(world, world.task.initial, b, rng)[0].reward for rng in (first, second)]
+        assert luck[0] == luck[1]
+
+
+# ---- what planners are shown
+
+
+def test_horizons_and_rests_of_plans() -> None:
+    asked: list[tuple[int, int, tuple[str, ...]]] = []
+
+    def planner(prepared: Prepared, options: Options) -> Plan:
+        asked.append((prepared.task.horizon, options.seed, tuple(map(str, options.previous))))
+        return rooms.plan(prepared, prepared.task.actions[:2])
+
+    known = rooms.domain(rooms.PAID)
+    given = rooms.problem(known, f"{rooms.TWO_DOORS} {STEPS}")
+    who = Agent(planner, known, given)
+    episode(world_of(known, given), who, 0, Options(), Limits(max_actions=3, horizon=3))
+    assert [horizon for horizon, _, _ in asked] == [3, 2, 1]
+    assert [rest for _, _, rest in asked] == [(), ("oil(b)",), ("oil(b)",)]
+    assert len({seed for _, seed, _ in asked}) == 3
+    asked.clear()
+    episode(world_of(known, given), who, 0, Options(), Limits(max_actions=3, commit=2))
+    assert [horizon for horizon, _, _ in asked] == [5, 5]
+
+
+def test_the_horizon_is_that_of_the_present_state() -> None:
+    who = Agent(rooms.saying(), DOORS, PROBLEM)
+    assert who.prepared(PROBLEM.state).task.horizon == 3
+    assert who.prepared(PROBLEM.state | {Fact("open", ("b",))}).task.horizon == 2
+
+
+def test_rules_are_grounded_again_only_for_what_they_cannot_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    grounded = []
+    monkeypatch.setattr(agents, "ground", lambda *given: grounded.append(given) or ground(*given))
+    who = Agent(rooms.saying(), DOORS, PROBLEM)
+    jammed = PROBLEM.state | {Fact("jammed", ("a",))}
+    stronger = frozenset(fact for fact in jammed if fact.objects != ("a",)) | {
+        Fact("jammed", ("a",)),
+        Fact("force", ("a",), 2),
+    }
+    for facts, times in [
+        (PROBLEM.state, 1),
+        (PROBLEM.state | {Fact("open", ("a",))}, 1),
+        (jammed, 2),
+        (stronger, 3),
+        (jammed | {Fact("open", ("b",))}, 3),
+        (PROBLEM.state, 3),
+    ]:
+        task = who.prepared(facts).task
+        assert len(grounded) == times
+        view = StateView(DOORS, PROBLEM.objects, facts)
+        assert all(
+            view.value((v.symbol, v.objects)) == v.values[i]
+            for v, i in zip(task.variables, task.initial, strict=True)
+        )
+    assert [str(a) for a in who.prepared(jammed).task.actions] == ["oil(a)", "oil(b)", "push(b)"]
+
+
+def test_a_world_may_do_what_the_planner_does_not_expect() -> None:
+    """A planner that always pushes the first door that it can push: with its own rules it opens all; where
+    doors jam it stops when both do."""
+
+    def pushing(prepared: Prepared, options: Options) -> Plan:
+        task = prepared.task
+        shut = {v.objects for v, i in zip(task.variables, task.initial, strict=True) if not v.values[i]}
+        return rooms.plan(prepared, [a for a in task.actions if a.name == "push" and a.objects in shut][:1])
+
+    given = rooms.problem(DOORS)
+    own = [
+        episode(world_of(DOORS, given), Agent(pushing, DOORS, given), n, Options(), Limits())
+        for n in range(40)
+    ]
+    assert all(each.success for each in own)
+    who = Agent(pushing, DOORS, given)
+    jam = [episode(world_of(JAMMING, given), who, n, Options(), Limits()) for n in range(200)]
+    assert {each.reason for each in jam} == {Reason.CLEARED, Reason.IDLE}
+    assert sum(bool(each.success) for each in jam) == pytest.approx(200 * 0.36, abs=30)
+
+
+def test_success_without_goal_is_an_empty_count() -> None:
+    world = world_of(DOORS, PROBLEM)
+    assert succeeded(world, world.task.initial) is False
+    assert succeeded(world_of(PAID, PROBLEM), ()) is None
