@@ -8,6 +8,7 @@ states can be reached, no sequence is sought: the best policy is calculated (doc
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import ModuleType
@@ -23,6 +24,9 @@ CHAINS = 4
 
 BELIEF_SHARE = 20
 """PRADA draws one sequence for so many that are tried. Chosen."""
+
+FIRST_MOVES = 500
+"""Changes that the first chains try where time is limited. Chosen: milliseconds for ten areas."""
 
 WORDS, FRESH_WORDS = 4, 64
 """A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
@@ -71,28 +75,47 @@ def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
 
 
 def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[list[Actions], int]:
-    """The best sequence of each chain, and how many sequences were tried in all.
-
-    Without a time limit there are `CHAINS`; with one, as many as there is time for, and at least one.
-    """
+    """The best sequence of each chain, and how many sequences were tried in all."""
     deadline = None if options.time_limit is None else started + options.time_limit
-    few = replace(options, samples=1 + options.samples // BELIEF_SHARE, time_limit=None)
+    few = 1 + options.samples // BELIEF_SHARE if deadline is None else FIRST_MOVES
     number = {action: index for index, action in enumerate(prepared.task.actions)}
-    plans = (prada(prepared, few).actions, options.previous)
+    plans = (prada(prepared, replace(options, samples=few, time_limit=None)).actions, options.previous)
     starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
-    moves = -(-options.samples // CHAINS)
     annealing = _annealing()
 
-    def chain(index: int) -> Actions:
+    def chain(index: int, moves: int) -> Actions:
         seed = options.seed + (index + 2) * 2**32
         best: Actions = annealing.chain(prepared, starts[index % len(starts)], moves, WORDS, seed)
         return best
 
     found: list[Actions] = []
+    tried = 0
     with ThreadPoolExecutor(options.threads) as pool:
-        while len(found) < CHAINS if deadline is None else not found or time.perf_counter() < deadline:
-            found += pool.map(chain, range(len(found), len(found) + options.threads))
-    return found, moves * len(found)
+        for together, moves in _schedule(options, deadline):
+            found += pool.map(chain, range(len(found), len(found) + together), [moves] * together)
+            tried += together * moves
+    return found, tried
+
+
+def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, int]]:
+    """How many chains to run next, and how many changes each of them is to try.
+
+    Until a deadline chains double in length, so that the last ones take about half the time; they are as
+    short as what is left of it asks for.
+    """
+    if deadline is None:
+        yield CHAINS, -(-options.samples // CHAINS)
+        return
+    together, moves, left = options.threads, FIRST_MOVES, options.samples
+    while left > 0:
+        begun = time.perf_counter()
+        yield together, min(moves, left)
+        now = time.perf_counter()
+        left -= together * moves
+        pace = moves / (now - begun)
+        moves = min(2 * moves, int(pace * (deadline - now)))
+        if moves < FIRST_MOVES:
+            return
 
 
 def _load(prepared: Prepared) -> None:
