@@ -136,7 +136,7 @@ def test_a_belief_stays_one(seed: int, compat: bool) -> None:
 def choices(t: Tables, belief: kernel.Belief, counts: np.ndarray, number: int) -> None:
     stream = np.uint64(1)
     for _ in range(number):
-        action, stream = kernel._choose(t, belief, stream)
+        action, stream = kernel.choose(t, belief, stream)
         counts[action] += 1
 
 

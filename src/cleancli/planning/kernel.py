@@ -225,8 +225,8 @@ def draw(weight: Floats, uniform: float) -> int:
 
 
 @_inner()
-def _choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
-    """An action in proportion to its weight, weighed last; -1 where none has any.
+def choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
+    """An action in proportion to what it weighs now, and the stream after it; -1 where none has weight.
 
     One is proposed, each as likely, and accepted with its weight as the probability, until it is cheaper to
     weigh them all. A number gives a half of its bits to either choice.
@@ -301,7 +301,7 @@ def search(
         while length < horizon:
             if value + factor * ceiling[horizon - length] <= max(best_value, useful_value):
                 break
-            action, stream = _choose(t, belief, stream)
+            action, stream = choose(t, belief, stream)
             if action < 0:
                 break
             drawn[length] = action
