@@ -14,7 +14,10 @@ class Options:
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
-    depend on them. `previous`: what is left of the last plan, to start from.
+    depend on them. `previous`: what is left of the last plan, to start from. exact: at most so many `states`,
+    and "float" or "rational" `arithmetic`. uct: `exploration` is how much an action that was tried seldom is
+    favoured. sst: so many results of each action are drawn (`branching`), so many steps deep (`depth`).
+    determinized: so many states a step are followed (`width`).
     """
 
     samples: int = 10_000
@@ -24,6 +27,12 @@ class Options:
     previous: tuple[GroundAction, ...] = ()
     rule_threshold: float = 0.03
     margin: float = 0.05
+    states: int = 100_000
+    arithmetic: str = "float"
+    exploration: float = 0.3
+    branching: int = 3
+    depth: int = 2
+    width: int = 2_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,3 +54,12 @@ class Plan:
     horizon: int
     coverage: float | None
     seconds: Mapping[str, float]
+
+
+class TooManyStatesError(ValueError):
+    """A planner that must know all states has `reached` more than the `limit`."""
+
+    def __init__(self, reached: int, limit: int) -> None:
+        super().__init__(f"{reached} states reached, and there are more; the limit is {limit}")
+        self.reached = reached
+        self.limit = limit

@@ -77,9 +77,8 @@ def same(states: Ints, one: int, other: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _enter(room: _Room, number: int) -> None:
+def enter(table: Ints, hashes: NDArray[np.uint64], number: int) -> None:
     """Enters the first states into an empty table."""
-    hashes, table = room.hashes, room.table
     mask = np.uint64(len(table) - 1)
     for state in range(number):
         place = hashes[state] & mask
@@ -221,7 +220,7 @@ class Enumeration:
         assert ((state >= 0) & (state < process.sizes)).all()
         self._room.states[0] = state
         self._room.decreasing[0], self._room.standing[0] = rewarded(process, state)
-        _enter(self._room, 1)
+        enter(self._room.table, self._room.hashes, 1)
 
     @property
     def number(self) -> int:
@@ -250,6 +249,10 @@ class Enumeration:
         self._expanded = last
         self._within.append(self.number)
         return True
+
+    def reach(self, steps: int) -> bool:
+        """Expands so many steps, or as far as states go; whether all had room."""
+        return all(self.expand() for _ in range(steps) if self.frontier)
 
     def graph(self) -> Graph:
         """What has been found, valid until the next expansion."""
@@ -284,22 +287,14 @@ class Enumeration:
         room: tuple[NDArray[Any], ...] = self._room[:-1]
         for before, after in zip(kept, room, strict=True):
             after[: len(before)] = before
-        if len(old.table) == len(self._room.table):
-            self._room.table[:] = old.table
-        else:
-            _enter(self._room, number)
+        enter(self._room.table, self._room.hashes, number)
 
 
 def reachable(process: Process, initial: Assignment, limit: int, steps: int) -> Graph | None:
     """The states within so many steps of one; None where they are more than `limit`, or their transitions
     more than `EDGE_LIMIT`."""
     enumeration = Enumeration(process, initial, limit)
-    for _ in range(steps):
-        if not enumeration.frontier:
-            break
-        if not enumeration.expand():
-            return None
-    return enumeration.graph()
+    return enumeration.graph() if enumeration.reach(steps) else None
 
 
 def backward(graph: Graph, process: Process, discount: float, horizon: int) -> tuple[Floats, Ints]:

@@ -48,6 +48,26 @@ def covering(p: Process, state: Ints, action: int) -> int:
 
 
 @njit(cache=True, nogil=True)
+def changing(p: Process, state: Ints, action: int) -> int:
+    """The rule of the action that covers the state, if it may change it; -1 otherwise."""
+    rule = covering(p, state, action)
+    if rule < 0:
+        return -1
+    effect_start, variable, value, probability = (
+        p.effect_start,
+        p.effect_variable,
+        p.effect_value,
+        p.probability,
+    )
+    for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+        if probability[outcome] > 0.0:
+            for i in range(effect_start[outcome], effect_start[outcome + 1]):
+                if state[variable[i]] != value[i]:
+                    return rule
+    return -1
+
+
+@njit(cache=True, nogil=True)
 def draw(p: Process, rule: int, uniform: float) -> int:
     """The outcome (a row of `probability`) of a rule for a number in [0, 1)."""
     outcome, last, cumulated = int(p.outcome_start[rule]), p.outcome_start[rule + 1] - 1, p.cumulated

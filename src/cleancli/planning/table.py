@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from cleancli.planning.exact import exact
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import prada
 from cleancli.planning.prepared import Prepared
+from cleancli.planning.sst import sst
+from cleancli.planning.uct import uct
 
 Planner = Callable[[Prepared, Options], Plan]
 
-PLANNERS: Mapping[str, Planner] = MappingProxyType({"prada": prada})
+PLANNERS: Mapping[str, Planner] = MappingProxyType({"prada": prada, "exact": exact, "uct": uct, "sst": sst})
