@@ -116,9 +116,7 @@ def costly_task(seed: int) -> Task:
     nothing."""
     task = random_task(seed)
     rng = np.random.default_rng([seed, 2])
-    return replace(
-        task, actions=tuple(replace(a, cost=Fraction(rng.uniform(0, 0.1))) for a in task.actions)
-    )
+    return replace(task, actions=tuple(replace(a, cost=Fraction(rng.uniform(0, 0.1))) for a in task.actions))
 
 
 def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome, ...]:

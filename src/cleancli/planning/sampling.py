@@ -49,7 +49,8 @@ def _look_ahead(
             count = counts[level, outcome - first]
             if count > 0:
                 counts[level, outcome - first] = 0
-                rows[level + 1] = rows[level]
+                for v in range(rows.shape[1]):  # assigning the row would compile for seconds
+                    rows[level + 1, v] = rows[level, v]
                 apply(p, rows[level + 1], outcome)
                 left_over, after = rewarded(p, rows[level + 1])
                 paid += count * (decreasing - left_over + after)

@@ -141,7 +141,8 @@ def sequence_value(
     total, squares = 0.0, 0.0
     rest = max(len(idle) - 1 - len(actions), 0)
     for sample in range(samples):
-        state[:] = initial
+        for variable in range(len(state)):  # assigning the array would compile for seconds
+            state[variable] = initial[variable]
         stream = split(seed, np.uint64(sample))
         value, factor, now = 0.0, 1.0, standing
         for action in actions:

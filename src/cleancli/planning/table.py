@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from cleancli.planning.determinized import likeliest, optimistic
 from cleancli.planning.exact import exact
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import prada
@@ -14,4 +15,13 @@ from cleancli.planning.uct import uct
 
 Planner = Callable[[Prepared, Options], Plan]
 
-PLANNERS: Mapping[str, Planner] = MappingProxyType({"prada": prada, "exact": exact, "uct": uct, "sst": sst})
+PLANNERS: Mapping[str, Planner] = MappingProxyType(
+    {
+        "prada": prada,
+        "exact": exact,
+        "uct": uct,
+        "sst": sst,
+        "likeliest": likeliest,
+        "all-outcomes": optimistic,
+    }
+)

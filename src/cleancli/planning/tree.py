@@ -52,7 +52,7 @@ def add(p: Process, t: Tree, number: int, h: np.uint64) -> None:
     t.hashes[number] = h
     t.table[find(t.table, t.hashes, states, h, number)] = number
     t.decreasing[number], t.standing[number] = rewarded(p, states[number])
-    choices = t.choice_start[number]
+    choices = int(t.choice_start[number])
     action[choices] = rule[choices] = -1
     choices += 1
     for a in range(len(p.cost)):
@@ -66,7 +66,7 @@ def add(p: Process, t: Tree, number: int, h: np.uint64) -> None:
 @njit(cache=True, nogil=True)
 def _choose(t: Tree, node: int, exploration: float, uniform: float) -> int:
     """An untried choice of a node, or the one with the greatest upper bound (UCB1)."""
-    tried, total, first, last = t.tried, t.total, t.choice_start[node], t.choice_start[node + 1]
+    tried, total, first, last = t.tried, t.total, int(t.choice_start[node]), int(t.choice_start[node + 1])
     untried = last - first - t.visits[node]
     if untried > 0:
         skip = int(uniform * untried)
@@ -123,13 +123,13 @@ def _rollout(p: Process, state: Ints, standing: float, idle: Floats, left: int, 
 def _follow(p: Process, t: Tree, number: int, node: int, choice: int, uniform: float) -> tuple[int, float]:
     """The node after a choice, which is `number` if it is new, and the reward of the step."""
     states, last = t.states, t.states.shape[1] - 1
-    outcome, at = draw(p, t.rule[choice], uniform), states[node, last]
+    outcome, at = draw(p, int(t.rule[choice]), uniform), int(states[node, last])
     h = change(
         p.effect_start, p.effect_variable, p.effect_value, states, node, number, outcome, t.hashes[node]
     )
     states[number, last] = at + 1
     h ^= digit(last, at) ^ digit(last, at + 1)
-    after = t.table[find(t.table, t.hashes, states, h, number)]
+    after = int(t.table[find(t.table, t.hashes, states, h, number)])
     if after < 0:
         after = number
         add(p, t, number, h)
@@ -140,13 +140,14 @@ def _follow(p: Process, t: Tree, number: int, node: int, choice: int, uniform: f
 @njit(cache=True, nogil=True)
 def _episode(p: Process, t: Tree, number: int, idle: Floats, exploration: float, stream: np.uint64) -> int:
     """Plays an episode from node 0 and enters what it returned; returns the number of nodes after it."""
-    horizon, node, depth, nodes, stopped = len(idle) - 1, 0, 0, number, False
+    horizon, depth, nodes, stopped = len(idle) - 1, 0, number, False
+    node = int(np.int64(0))  # a plain 0 has a type of its own, for which all that is called compiles again
     choices, paid, kept = np.empty(horizon, dtype=np.int64), np.empty(horizon), np.empty(horizon)
     path = np.empty(horizon, dtype=np.int64)
     while depth < horizon and nodes == number and not stopped:
         stream = mixed(stream + GOLDEN)
         choice = _choose(t, node, exploration, uniform(stream))
-        path[depth], choices[depth], action = node, choice, t.action[choice]
+        path[depth], choices[depth], action = node, choice, int(t.action[choice])
         if action < 0:
             paid[depth], kept[depth], stopped = t.standing[node] * idle[horizon - depth], 0.0, True
         else:
