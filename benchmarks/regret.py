@@ -213,14 +213,16 @@ def print_table(found: Sequence[Score]) -> None:
             f" {np.mean(shares >= 0.95):7.2f} {np.mean(shares >= 0.99):7.2f}"
             f" {np.median(seconds):7.4f} {np.quantile(seconds, 0.95):7.4f} {error:6.4f}"
         )
-    print("\nmean share by family")
+    print("\nmean share by family, and the worst problems")
     for name in dict.fromkeys(score.planner for score in found):
         means = {
             family: [score.share for score in found if (score.planner, score.family) == (name, family)]
             for family in FAMILIES
         }
         shown = (f"{family} {np.mean(shares):.3f}" for family, shares in means.items() if shares)
-        print(f"{name:15} " + "  ".join(shown))
+        mine = sorted((score for score in found if score.planner == name), key=lambda score: score.share)
+        worst = ", ".join(f"{score.family} {score.seed}: {score.share:.3f}" for score in mine[:3])
+        print(f"{name:15} {'  '.join(shown)}\n{'':15} worst: {worst}")
 
 
 def played(seeds: Iterable[int], asked: Asked, jobs: int) -> list[tuple[Score, ...] | str]:
