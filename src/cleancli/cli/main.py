@@ -29,6 +29,7 @@ SUMMARIES = {
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
+    "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
     "lsp": "Serve editors: mistakes while typing, completion, rename.",
 }
 """Subcommands and their line in the help. Each lives in the module of the same name as `command`."""
