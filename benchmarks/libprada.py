@@ -1,8 +1,8 @@
-"""Plans for libPRADA's own files against its figures: `python benchmarks/libprada.py FOLDER [samples] [seeds]`.
+"""Plans for libPRADA's files against its figures: `python benchmarks/libprada.py FOLDER [samples] [seeds]`.
 
-FOLDER holds d2, d4 ... d14, each with libPRADA's rules.dat, state.dat and symbols.dat. The reward is eq. 2, the
-horizon 1 and the number of dirty areas, the discount 0.95. True values are means over the seeds' plans, each
-executed 500 times by the rules.
+FOLDER holds d2, d4 ... d14, each with rules.dat, state.dat and symbols.dat. The reward is eq. 2, the horizon
+1 and the number of dirty areas, the discount 0.95. True values are means over the seeds' plans, each executed
+500 times by the rules.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import click
@@ -12,9 +13,17 @@ from cleancli.cli.report import echo_refused
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import Change, write_all
+from cleancli.language.findings import RESERVED
 from cleancli.language.load import read_source
 
 FILES = ("rules.dat", "state.dat", "symbols.dat")
+
+
+def _named(context: click.Context, option: click.Parameter, name: str) -> str:
+    """A name that the domain can have, with a file of its own beside problem.nid."""
+    if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) is None or name in {*RESERVED, "problem"}:
+        raise click.BadParameter("take letters, digits and `_`, and no word that means something already")
+    return name
 
 
 @click.command("convert", short_help="Rules, state and symbols of libPRADA as a domain and a problem.")
@@ -24,7 +33,11 @@ FILES = ("rules.dat", "state.dat", "symbols.dat")
 )
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option(
-    "--domain-name", default="domain", show_default=True, help="The domain is in a file of this name."
+    "--domain-name",
+    default="domain",
+    show_default=True,
+    callback=_named,
+    help="What the domain and its file are called.",
 )
 @click.option(
     "--reward", help="Like `decrease(dirty) - cost`. [default: fewer dirty objects, if there are any]"

@@ -65,7 +65,7 @@ def fresh(name: str, taken: Collection[str]) -> str:
 
 def _function(group: Group, taken: Collection[str]) -> Function:
     """`smallSize` and `bigSize` become `size`: small < big."""
-    words = [re.findall(r"[A-Z]*[a-z0-9]+|[A-Z]+", member) for member in group.members]
+    words = [re.findall(r"[A-Z]*[a-z]+|[A-Z]+|[0-9]+", member) or [member] for member in group.members]
     backward = _shared([each[::-1] for each in words])
     forward = _shared(words)
     if backward:
@@ -84,7 +84,7 @@ def _function(group: Group, taken: Collection[str]) -> Function:
 def _shared(words: Sequence[Sequence[str]]) -> int:
     """How many words all begin with; each keeps one at least."""
     count = 0
-    while all(len(each) > count + 1 and each[count] == words[0][count] for each in words):
+    while all(len(each) > count + 1 and each[count].lower() == words[0][count].lower() for each in words):
         count += 1
     return count
 

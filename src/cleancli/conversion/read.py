@@ -42,7 +42,7 @@ def _symbols(source: Source, found: list[Diagnostic]) -> Iterator[Declaration]:
         tokens = tokens_of(source, start, end)
         if tokens:
             try:
-                yield _declaration(Scanner(tokens, Span(source.path, end, end)))
+                yield _declaration(Scanner(tokens, Span(source.path, end, end), "line"))
             except Unreadable as unreadable:
                 found.append(unreadable.diagnostic)
         start += len(line)
@@ -89,7 +89,7 @@ def _rules(source: Source, found: list[Diagnostic]) -> Iterator[LibraryRule]:
     for start, end in pairwise([*starts, len(tokens)]):
         following = tokens[end].span.start if end < len(tokens) else len(source.text.rstrip())
         try:
-            scanner = Scanner(tokens[start:end], Span(source.path, following, following))
+            scanner = Scanner(tokens[start:end], Span(source.path, following, following), "rule")
             yield _rule(scanner, source.text.count("\n", 0, tokens[start].span.start) + 1)
         except Unreadable as unreadable:
             found.append(unreadable.diagnostic)
@@ -98,7 +98,7 @@ def _rules(source: Source, found: list[Diagnostic]) -> Iterator[LibraryRule]:
 def _header(tokens: list[Token], rules: int, source: Source) -> None:
     """`#rules = 23`, which must be so; a file may do without, but not without rules."""
     after = tokens[-1].span.end if tokens else len(source.text)
-    scanner = Scanner(tokens, Span(source.path, after, after))
+    scanner = Scanner(tokens, Span(source.path, after, after), "text")
     if scanner.accept("#"):
         scanner.take("rules")
         scanner.take("=")
@@ -132,6 +132,8 @@ def _title(scanner: Scanner, word: str) -> None:
 def _context(scanner: Scanner) -> tuple[Atom, ...]:
     found = []
     while not scanner.sees("OUTCOMES"):
+        if not scanner.sees("-", "word"):
+            raise scanner.misplaced("a literal or `OUTCOMES:`")
         found.append(scanner.atom())
         scanner.accept(",")
     return tuple(found)
@@ -157,7 +159,7 @@ def _result(scanner: Scanner) -> Result:
 
 def _state(source: Source, found: list[Diagnostic]) -> tuple[Atom, ...]:
     end = len(source.text.rstrip())
-    scanner = Scanner(tokens_of(source), Span(source.path, end, end))
+    scanner = Scanner(tokens_of(source), Span(source.path, end, end), "text")
     try:
         facts = scanner.atoms()
         if scanner.next is not None:

@@ -8,17 +8,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations
 
 from cleancli.conversion.names import OBJECT, fresh
 from cleancli.conversion.records import Atom, Library, LibraryRule, Result, is_variable, variables_of
 from cleancli.conversion.symbols import Asked, Vocabulary
 from cleancli.language.model import (
     Assign,
+    Condition,
     Equality,
+    Object,
     Outcome,
     OutcomeKind,
     Reference,
     Rule,
+    Term,
     Value,
     Variable,
 )
@@ -35,39 +39,88 @@ class Translated:
 
 def rules_of(library: Library, words: Vocabulary) -> tuple[Translated, ...]:
     """All rules but the default, in the file's order."""
-    changed = {effect.symbol for rule in library.rules for r in rule.results for effect in r.effects}
-    static = {symbol.name for symbol in library.symbols} - changed
     numbers: dict[str, int] = {}
-    choosing = [rule.action.symbol for rule in library.rules if _referred(rule)]
+    contested = _contested(library, words)
     found = []
     for rule in library.rules:
         action = rule.action.symbol
         numbers[action] = numbers.get(action, 0) + 1
-        places = static if choosing.count(action) > 1 else set()
-        found.append(_translated(rule, f"{words.names.symbols[action]}_{numbers[action]}", words, places))
+        name = f"{words.names.symbols[action]}_{numbers[action]}"
+        found.append(_translated(rule, name, words, contested))
     return tuple(found)
 
 
-def _referred(rule: LibraryRule) -> list[str]:
-    """The deictic references: variables of the context that are no arguments of the action."""
-    return [v for v in variables_of(*rule.context) if v not in rule.action.terms]
+def _about_references(rule: LibraryRule) -> list[Atom]:
+    """What the context says of its deictic references, which are no arguments of the action."""
+    return [atom for atom in rule.context if not set(variables_of(atom)) <= set(rule.action.terms)]
 
 
-def _translated(rule: LibraryRule, name: str, words: Vocabulary, static: set[str]) -> Translated:
+_Question = tuple[str, str, tuple[int | str | None, ...]]
+"""An action, a symbol, and terms: positions among the action's, constants, None for what is referred to."""
+
+
+def _question(atom: Atom, rule: LibraryRule, words: Vocabulary) -> _Question:
+    """What a literal asks for, the same in all rules of the action that ask for it."""
+    places: dict[str, int] = {term: place for place, term in enumerate(rule.action.terms)}
+    terms = tuple(places.get(term, None if is_variable(term) else term) for term in atom.terms)
+    return rule.action.symbol, words.literal(atom, _variables(rule)).symbol, terms
+
+
+def _contested(library: Library, words: Vocabulary) -> set[_Question]:
+    """The questions about what rules of an action refer to that these want answered in different ways."""
+    asked: dict[_Question, set[frozenset[Value]]] = {}
+    for rule in library.rules:
+        for atom in _about_references(rule):
+            values = words.literal(atom, _variables(rule)).values
+            asked.setdefault(_question(atom, rule, words), set()).add(values)
+    return {question for question, values in asked.items() if len(values) > 1}
+
+
+def _translated(rule: LibraryRule, name: str, words: Vocabulary, contested: set[_Question]) -> Translated:
     variables = _variables(rule)
     head, equal = _head(rule, words, variables)
-    referred = _referred(rule)
-    about = [atom for atom in rule.context if set(atom.terms) & set(referred)]
+    about = _about_references(rule)
     plain = words.conjunction([a for a in rule.context if a not in about], variables)
-    references = _references(about, referred, words, variables, static)
+    asking = [atom for atom in about if _question(atom, rule, words) in contested]
+    references = _references(rule, [a for a in about if a not in asking], asking, words, variables)
     whole = words.conjunction(rule.context, variables)
     if plain is None or references is None or whole is None:
         return Translated(rule.line, None, ())
     known = {(part.symbol, part.terms): part.values for part in whole}
     outcomes, remarks = _outcomes([_outcome(r, known, words, variables) for r in rule.results])
+    apart = _apart(outcomes)
+    if apart:
+        remarks = (*remarks, "what `!=` keeps apart, one outcome would both set and clear")
+    known_apart = [part for part in apart if {part.left, part.right}.isdisjoint(_bound_by(references))]
+    condition: Condition = (*equal, *known_apart, *plain)
+    references = _with([part for part in apart if part not in known_apart], references)
     action = words.names.symbols[rule.action.symbol]
-    made = Rule(name, action, head, (*equal, *plain), outcomes, references)
-    return Translated(rule.line, made, remarks)
+    return Translated(rule.line, Rule(name, action, head, condition, outcomes, references), remarks)
+
+
+def _apart(outcomes: Iterable[Outcome]) -> tuple[Equality, ...]:
+    """Terms that must not be one object, because an outcome gives a symbol one value for each."""
+    found: dict[Equality, None] = {}
+    for outcome in outcomes:
+        for one, other in combinations([e for e in outcome.effects if isinstance(e, Assign)], 2):
+            differing = [pair for pair in zip(one.terms, other.terms, strict=False) if pair[0] != pair[1]]
+            if one.symbol == other.symbol and one.value != other.value and len(differing) == 1:
+                left, right = sorted(differing[0], key=lambda term: (isinstance(term, Object), term.name))
+                if isinstance(left, Variable):
+                    found[Equality(left, right, False)] = None
+    return tuple(found)
+
+
+def _bound_by(references: Iterable[Reference]) -> set[Term]:
+    return {variable for reference in references for variable in reference.variables}
+
+
+def _with(apart: Sequence[Equality], references: tuple[Reference, ...]) -> tuple[Reference, ...]:
+    """The references, of which the last asks for what is apart, too."""
+    if not apart:
+        return references
+    last = references[-1]
+    return (*references[:-1], Reference(last.variables, (*last.condition, *apart)))
 
 
 def _variables(rule: LibraryRule) -> dict[str, Variable]:
@@ -96,21 +149,20 @@ def _head(
 
 
 def _references(
-    about: Sequence[Atom],
-    referred: Sequence[str],
+    rule: LibraryRule,
+    naming: Sequence[Atom],
+    asking: Sequence[Atom],
     words: Vocabulary,
     variables: Mapping[str, Variable],
-    static: set[str],
 ) -> tuple[Reference, ...] | None:
-    """References that say, by what no rule changes, which objects are meant; the rest is asked of these.
+    """References that find the one binding of which `naming` holds, and then ask the rest of what was found.
 
-    Two rules that ask for opposites of the object that is meant exclude each other so. Without a `static`
-    literal, everything says which is meant.
+    So rules that ask for opposites of what they refer to exclude each other. None where the literals
+    contradict each other.
     """
-    naming = [atom for atom in about if atom.symbol in static]
     if not naming:
-        naming = list(about)
-    asking = [atom for atom in about if atom not in naming]
+        naming, asking = asking, ()
+    referred = [name for name in variables_of(*naming, *asking) if name not in rule.action.terms]
     first = [name for name in referred if name in variables_of(*naming)]
     second = [name for name in referred if name not in first]
     inner = dict(variables)

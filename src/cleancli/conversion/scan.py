@@ -44,12 +44,13 @@ def tokens_of(source: Source, start: int = 0, end: int | None = None) -> list[To
 
 
 class Scanner:
-    """Takes tokens one after the other; `end` is the place that follows the last."""
+    """Takes the tokens of a `part` of a text one after the other; `end` is the place behind the last."""
 
-    def __init__(self, tokens: Iterable[Token], end: Span) -> None:
+    def __init__(self, tokens: Iterable[Token], end: Span, part: str) -> None:
         self._tokens = list(tokens)
         self._place = 0
         self._end = end
+        self._part = part
 
     @property
     def next(self) -> Token | None:
@@ -78,7 +79,7 @@ class Scanner:
     def misplaced(self, wanted: str) -> Unreadable:
         """E901 at the next token."""
         token = self.next
-        found = "the text ends" if token is None else f"there is `{token.text}`"
+        found = f"the {self._part} ends" if token is None else f"there is `{token.text}`"
         place = self._end if token is None else token.span
         return Unreadable(Diagnostic("E901", f"expected {wanted}, but {found}", place))
 
