@@ -244,7 +244,7 @@ def converted_or_refused(files: dict[str, str]) -> Converted | Refused:
 
 def damaged(text: str, rng: random.Random) -> str:
     """The text with a word lost, doubled or exchanged, or a character in a wrong place."""
-    words = re.findall(r"\s+|\w+|.", text)
+    words = re.findall(r"\s+|\w+|.", text) or [""]
     place = rng.randrange(len(words))
     match rng.randrange(5):
         case 0:
