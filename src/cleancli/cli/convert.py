@@ -43,7 +43,13 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
     "--reward", help="Like `decrease(dirty) - cost`. [default: fewer dirty objects, if there are any]"
 )
 @click.option("--horizon", type=click.IntRange(1, 1000), help="Steps of a plan. [default: 1 + what is dirty]")
-@click.option("--discount", type=click.FloatRange(0, 1), default=0.95, show_default=True, help="γ of eq. 6.")
+@click.option(
+    "--discount",
+    type=click.FloatRange(0, 1),
+    default=0.95,
+    show_default=True,
+    help="Worth of a reward a step later.",
+)
 @click.option("--json", "as_data", is_flag=True, help="Say what was converted as JSON.")
 def command(
     files: tuple[str, ...],

@@ -28,7 +28,7 @@ ROUNDING = Fraction(1, 1000)
 
 
 def check(library: Library) -> None:
-    """Raises Refused with E902, E903 and E904 for everything that cannot be converted."""
+    """Raises Refused with E912, E913 and E914 for everything that cannot be converted."""
     declared = {symbol.name: symbol for symbol in library.symbols}
     found = [
         *_declared_twice(library.symbols),
@@ -46,7 +46,7 @@ def _declared_twice(symbols: Iterable[Declaration]) -> Iterator[Diagnostic]:
     seen = set()
     for symbol in symbols:
         if symbol.name in seen:
-            yield Diagnostic("E902", f"`{symbol.name}` is declared a second time", symbol.span)
+            yield Diagnostic("E912", f"`{symbol.name}` is declared a second time", symbol.span)
         seen.add(symbol.name)
 
 
@@ -57,7 +57,7 @@ def _counted(symbol: Declaration, declared: Mapping[str, Declaration]) -> Iterat
     unbound = [v for v in variables_of(*symbol.condition) if v not in symbol.variables]
     if symbol.arity or unbound:
         message = f"the count `{symbol.name}` is one for each object"
-        yield Diagnostic("E903", message, symbol.span, help="a .nid file counts over all objects together")
+        yield Diagnostic("E913", message, symbol.span, help="a .nid file counts over all objects together")
 
 
 def _rule(rule: LibraryRule, declared: Mapping[str, Declaration]) -> Iterator[Diagnostic]:
@@ -76,9 +76,9 @@ def _default(rule: LibraryRule) -> Iterator[Diagnostic]:
     effects = [effect for result in rule.results for effect in result.effects]
     for atom in (*rule.context, *effects):
         message = "the default rule has neither context nor effects here"
-        yield Diagnostic("E903", message, atom.span, help="it covers every action, and so has no variables")
+        yield Diagnostic("E913", message, atom.span, help="it covers every action, and so has no variables")
     if rule.action.terms:
-        yield Diagnostic("E903", "the default rule has no arguments", rule.action.span)
+        yield Diagnostic("E913", "the default rule has no arguments", rule.action.span)
     yield from _probabilities(rule)
 
 
@@ -87,10 +87,10 @@ def _probabilities(rule: LibraryRule) -> Iterator[Diagnostic]:
     for result in rule.results:
         total += result.probability
         if result.probability > 1:
-            yield Diagnostic("E904", "a probability is at most 1", result.span)
+            yield Diagnostic("E914", "a probability is at most 1", result.span)
     if abs(total - 1) > ROUNDING:
         message = f"the probabilities of a rule for `{rule.action.symbol}` sum to {print_fraction(total)}"
-        yield Diagnostic("E904", message, rule.results[0].span, "the first of them")
+        yield Diagnostic("E914", message, rule.results[0].span, "the first of them")
 
 
 def _literals(atoms: Iterable[Atom], declared: Mapping[str, Declaration]) -> Iterator[Diagnostic]:
@@ -103,29 +103,29 @@ def _atom(atom: Atom, declared: Mapping[str, Declaration], wanted: Kind) -> Iter
     if symbol is None:
         known = [name for name, each in declared.items() if each.kind is wanted]
         message = f"`{atom.symbol}` is not declared in symbols.dat"
-        yield Diagnostic("E902", message, atom.span, help=meant(atom.symbol, known, "symbol"))
+        yield Diagnostic("E912", message, atom.span, help=meant(atom.symbol, known, "symbol"))
     elif (symbol.kind is Kind.ACTION) != (wanted is Kind.ACTION):
         what = "an action" if symbol.kind is Kind.ACTION else "no action"
-        yield Diagnostic("E902", f"`{atom.symbol}` is declared as {what}", atom.span)
+        yield Diagnostic("E912", f"`{atom.symbol}` is declared as {what}", atom.span)
     elif len(atom.terms) != symbol.arity:
         message = f"`{atom.symbol}` is declared with {symbol.arity} arguments, and has {len(atom.terms)}"
-        yield Diagnostic("E902", message, atom.span)
+        yield Diagnostic("E912", message, atom.span)
     elif symbol.kind is not wanted:
         message = f"`{atom.symbol}` follows from other symbols in a way that is not converted"
         help = "write what it follows from in its place, or a derived predicate by hand"
-        yield Diagnostic("E903", message, atom.span, help=help)
+        yield Diagnostic("E913", message, atom.span, help=help)
     elif symbol.is_binary != isinstance(atom.value, bool):
         what = "is true or false" if symbol.is_binary else "has a number as its value"
-        yield Diagnostic("E902", f"`{atom.symbol}` {what}", atom.span)
+        yield Diagnostic("E912", f"`{atom.symbol}` {what}", atom.span)
 
 
 def _effect(effect: Atom, bound: set[str]) -> Iterator[Diagnostic]:
     for variable in variables_of(effect):
         if variable not in bound:
             message = f"neither the action nor the context binds `{variable}`"
-            yield Diagnostic("E903", message, effect.span)
+            yield Diagnostic("E913", message, effect.span)
     if effect.relation != "=":
-        yield Diagnostic("E903", f"`{effect.symbol}` is set to no value", effect.span, help="write `=`")
+        yield Diagnostic("E913", f"`{effect.symbol}` is set to no value", effect.span, help="write `=`")
 
 
 def _sets_twice(effects: Iterable[Atom]) -> Iterator[Diagnostic]:
@@ -133,7 +133,7 @@ def _sets_twice(effects: Iterable[Atom]) -> Iterator[Diagnostic]:
     for effect in effects:
         if values.setdefault((effect.symbol, effect.terms), effect.value) != effect.value:
             message = f"one outcome gives `{effect.symbol}` two values"
-            yield Diagnostic("E903", message, effect.span)
+            yield Diagnostic("E913", message, effect.span)
 
 
 def _fact(fact: Atom, declared: Mapping[str, Declaration]) -> Iterator[Diagnostic]:
@@ -143,13 +143,13 @@ def _fact(fact: Atom, declared: Mapping[str, Declaration]) -> Iterator[Diagnosti
     yield from _atom(fact, declared, Kind.PRIMITIVE)
     for term in fact.terms:
         if is_variable(term):
-            yield Diagnostic("E902", f"a state has no variables: `{term}`", fact.span)
+            yield Diagnostic("E912", f"a state has no variables: `{term}`", fact.span)
     if fact.relation != "=":
-        yield Diagnostic("E902", f"a state gives `{fact.symbol}` a value", fact.span, help="write `=`")
+        yield Diagnostic("E912", f"a state gives `{fact.symbol}` a value", fact.span, help="write `=`")
 
 
 def _values(library: Library) -> Iterator[Diagnostic]:
-    """E903 for functions that the state gives no value, or two."""
+    """E913 for functions that the state gives no value, or two."""
     declared = {symbol.name: symbol for symbol in library.symbols}
     yield from _sets_twice(library.facts)
     given = Counter({(fact.symbol, fact.terms): 1 for fact in library.facts})
@@ -160,7 +160,7 @@ def _values(library: Library) -> Iterator[Diagnostic]:
         for terms in [()] if symbol.arity == 0 else [(each,) for each in constants_of(library)]:
             if not given[name, terms]:
                 shown = f"{name}({' '.join(terms)})"
-                yield Diagnostic("E903", f"state.dat has no value of `{shown}`", symbol.span)
+                yield Diagnostic("E913", f"state.dat has no value of `{shown}`", symbol.span)
 
 
 def used(library: Library) -> tuple[str, ...]:

@@ -69,7 +69,7 @@ def convert(
 ) -> Converted:
     """The texts of a domain and a problem; `paths` are what their mistakes go by.
 
-    Raises Refused (E901 to E905) where the files, or the wishes, cannot be converted.
+    Raises Refused (E911 to E914) where the files, or the wishes, cannot be converted.
     """
     library = read(rules, state, symbols)
     check(library)
@@ -138,7 +138,7 @@ def _with_reward(domain: Domain, wishes: Wishes) -> Domain:
         raise Refused(
             [
                 Diagnostic(
-                    "E903",
+                    "E913",
                     f"the files have no reward, and none can be guessed: there is no `{DIRT}` and no count",
                     None,
                     help="say one, like `--reward cost`",

@@ -20,7 +20,7 @@ _KINDS = {kind.value: kind for kind in (Kind.ACTION, Kind.PRIMITIVE, Kind.COUNT)
 
 
 def read(rules: Source, state: Source, symbols: Source) -> Library:
-    """What the texts say. Raises Refused with E901 for each rule, line or state that cannot be read."""
+    """What the texts say. Raises Refused with E911 for each rule, line or state that cannot be read."""
     found: list[Diagnostic] = []
     declared = tuple(_symbols(symbols, found))
     every = tuple(_rules(rules, found))
@@ -53,7 +53,7 @@ def _declaration(scanner: Scanner) -> Declaration:
     name = scanner.take("word", "the name of a symbol")
     arity = scanner.take("number", "the number of its arguments")
     if not arity.text.isdecimal():
-        raise Unreadable(Diagnostic("E901", f"`{arity.text}` is no number of arguments", arity.span))
+        raise Unreadable(Diagnostic("E911", f"`{arity.text}` is no number of arguments", arity.span))
     kind = _KINDS.get(scanner.take("word", "`primitive`, `action` or `count`").text, Kind.OTHER)
     is_binary = scanner.take("word", "`binary` or `integers`").text == "binary"
     variables: list[str] = []
@@ -105,7 +105,7 @@ def _header(tokens: list[Token], rules: int, source: Source) -> None:
         number = scanner.take("number", "the number of rules")
         if number.text != str(rules):
             message = f"the file announces {number.text} rules, and has {rules}"
-            raise Unreadable(Diagnostic("E901", message, number.span))
+            raise Unreadable(Diagnostic("E911", message, number.span))
     if scanner.next is not None or not rules:
         raise scanner.misplaced("`ACTION:`")
 
@@ -114,7 +114,7 @@ def _rule(scanner: Scanner, line: int) -> LibraryRule:
     _title(scanner, "ACTION")
     action = scanner.atom()
     if action.value is not True:
-        raise Unreadable(Diagnostic("E901", "expected an action with its arguments", action.span))
+        raise Unreadable(Diagnostic("E911", "expected an action with its arguments", action.span))
     _title(scanner, "CONTEXT")
     context = () if scanner.accept("empty") or scanner.sees("OUTCOMES") else _context(scanner)
     _title(scanner, "OUTCOMES")
@@ -147,7 +147,7 @@ def _result(scanner: Scanner) -> Result:
         word = scanner.take("result")
         if word.text not in _RESULTS:
             message = f"expected effects, `<no-change>` or `<noise>`, but there is `{word.text}`"
-            raise Unreadable(Diagnostic("E901", message, word.span))
+            raise Unreadable(Diagnostic("E911", message, word.span))
         kind = _RESULTS[word.text]
     elif not (effects := scanner.atoms()):
         raise scanner.misplaced("effects, `<no-change>` or `<noise>`")

@@ -77,11 +77,11 @@ class Scanner:
         return True
 
     def misplaced(self, wanted: str) -> Unreadable:
-        """E901 at the next token."""
+        """E911 at the next token."""
         token = self.next
         found = f"the {self._part} ends" if token is None else f"there is `{token.text}`"
         place = self._end if token is None else token.span
-        return Unreadable(Diagnostic("E901", f"expected {wanted}, but {found}", place))
+        return Unreadable(Diagnostic("E911", f"expected {wanted}, but {found}", place))
 
     def atom(self) -> Atom:
         """A literal: `p(X 10)`, `-p(X)`, `f(X)=3`."""
