@@ -30,6 +30,7 @@ SUMMARIES = {
     "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
+    "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
     "lsp": "Serve editors: mistakes while typing, completion, rename.",
 }
 """Subcommands and their line in the help. Each lives in the module of the same name as `command`."""
