@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from cleancli.language import syntax
@@ -39,7 +38,8 @@ def with_includes(
     A file that is included twice counts once.
     """
     includer = _Includer(findings, allow_outside, read)
-    return replace(node, sections=includer.expand(node, findings.source.path, ()))
+    sections = includer.expand(node, findings.source.path, ())
+    return syntax.DomainNode(node.name, sections, span=node.span)
 
 
 class _Includer:
