@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import gc
 import os
 import re
@@ -15,7 +16,6 @@ from cleancli.language.build import Builder
 from cleancli.language.diagnostics import Refused, Source, Span
 from cleancli.language.grammar import grammar
 from cleancli.language.parse import kind_of, parse
-from cleancli.language.syntax import Node, fields
 from cleancli.shipped import shipped
 
 HERE = Path(__file__).parent
@@ -32,12 +32,13 @@ def _dump(node: object, text: str, depth: int = 0) -> str:
     margin = "  " * depth
     if isinstance(node, tuple):
         return "".join(_dump(item, text, depth) for item in node)
-    if not isinstance(node, Node):
+    if not dataclasses.is_dataclass(node):
         return f"{margin}{node!r}\n"
-    span = node.span
+    span = node.span  # type: ignore[attr-defined]
     covered = " ".join(text[span.start : span.end].split())
     shown = covered if len(covered) < 60 else f"{covered[:28]} ... {covered[-27:]}"
-    children = [_dump(getattr(node, name), text, depth + 1) for name in fields(node)]
+    fields = [f.name for f in dataclasses.fields(node) if f.name != "span"]
+    children = [_dump(getattr(node, name), text, depth + 1) for name in fields]
     return f"{margin}{type(node).__name__}: {shown}\n{''.join(children)}"
 
 

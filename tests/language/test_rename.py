@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import typing
 from pathlib import Path
@@ -14,7 +15,6 @@ from cleancli.language.edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.names import Kind, Occurrence, names_in
 from cleancli.language.rename import rename
-from cleancli.language.syntax import fields
 from cleancli.shipped import find, shipped
 
 HERE = Path(__file__).parent
@@ -61,9 +61,9 @@ def test_every_name_in_the_tree_has_a_meaning() -> None:
     for node in vars(syntax).values():
         if isinstance(node, type) and issubclass(node, syntax.Node):
             hints = typing.get_type_hints(node)
-            for field in fields(node):
-                if re.search(r"\bName\b", str(hints[field]).replace("syntax.", " ")):
-                    assert (node, field) in known, f"{node.__name__}.{field}"
+            for field in dataclasses.fields(node):
+                if re.search(r"\bName\b", str(hints[field.name]).replace("syntax.", " ")):
+                    assert (node, field.name) in known, f"{node.__name__}.{field.name}"
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from itertools import pairwise
 
-from cleancli.language.syntax import Node, OutcomeNode, Root, fields
+from cleancli.language.syntax import Node, OutcomeNode, Root
 from cleancli.language.tokens import Token
 
 WIDTH = 100
@@ -88,7 +89,7 @@ class Blocks:
         """Note what a node lists between its own braces, and so for all that it holds."""
         inside = self.depth[numbers[node.span.start]] + 1
         for field in fields(node):
-            value = getattr(node, field)
+            value = getattr(node, field.name)
             for part in value if isinstance(value, tuple) else (value,):
                 if not isinstance(part, Node):
                     continue

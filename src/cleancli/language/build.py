@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any, cast
 
@@ -99,9 +100,7 @@ class Builder:
     def build_integer(self, c: list[_Child], span: Span) -> syntax.Number:
         minus, token = c
         number = self._number(token)
-        if minus is None:
-            return number
-        return syntax.Number(-number.value, number.is_whole, number.denominator_is_zero, span=span)
+        return number if minus is None else replace(number, value=-number.value, span=span)
 
     def build_derived(self, c: list[_Child], span: Span) -> syntax.Derived:
         return syntax.Derived(tuple(c), span=span)
@@ -154,11 +153,12 @@ class Builder:
 
     def build_reward(self, c: list[_Child], span: Span) -> syntax.Reward:
         signs, payments = c[0::2], c[1::2]
-        signed = (
-            syntax.Payment(payment.weight, payment.what, sign == "-", span=payment.span)
-            for sign, payment in zip(signs, payments, strict=True)
+        return syntax.Reward(
+            tuple(
+                replace(payment, negative=sign == "-") for sign, payment in zip(signs, payments, strict=True)
+            ),
+            span=span,
         )
-        return syntax.Reward(tuple(signed), span=span)
 
     def build_payment(self, c: list[_Child], span: Span) -> syntax.Payment:
         return syntax.Payment(c[0], c[1], span=span)

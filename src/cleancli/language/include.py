@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from cleancli.language import syntax
@@ -38,8 +39,7 @@ def with_includes(
     A file that is included twice counts once.
     """
     includer = _Includer(findings, allow_outside, read)
-    sections = includer.expand(node, findings.source.path, ())
-    return syntax.DomainNode(node.name, sections, span=node.span)
+    return replace(node, sections=includer.expand(node, findings.source.path, ()))
 
 
 class _Includer:

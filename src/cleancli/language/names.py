@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from cleancli.language import syntax
 from cleancli.language.diagnostics import Source, Span
 from cleancli.language.parse import parse
-from cleancli.language.syntax import fields
 
 
 class Kind(enum.Enum):
@@ -126,7 +125,7 @@ def occurrences(root: syntax.Root) -> tuple[Occurrence, ...]:
 
 def children(node: syntax.Node) -> Iterator[tuple[str, syntax.Node]]:
     """The nodes directly inside a node, each with the field that holds it."""
-    for field in fields(node):
+    for field in node.__dataclass_fields__:
         value = getattr(node, field)
         for child in value if isinstance(value, tuple) else (value,):
             if isinstance(child, syntax.Node):
