@@ -35,7 +35,8 @@ class ContextLexer(Lexer):
 
     def lex(self, lexer_state: LexerState, parser_state: Any) -> Iterator[Token]:
         """The tokens of a text; raises UnexpectedInput where none stands that the parser takes."""
-        text = lexer_state.text.text
+        given: Any = lexer_state.text
+        text: str = getattr(given, "text", given)  # a slice of the text since lark 1.3
         states = parser_state.parse_conf.states
         place = 0
         while place < len(text):
