@@ -16,7 +16,7 @@ from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart
 from cleancli.language.diagnostics import Refused
-from cleancli.world.physics import MissingPhysics
+from cleancli.world.missing import MissingPhysics
 
 SUMMARIES = {
     "init": "Write a small domain and a problem to start from.",
