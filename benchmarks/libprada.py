@@ -2,9 +2,9 @@
 
 FOLDER holds d2, d4 ... d14, each with rules.dat, state.dat and symbols.dat. The reward is eq. 2, the horizon
 1 and the number of dirty areas, the discount 0.95. Values are means over the seeds, with the standard error
-for libPRADA's way; true values are of 20,000 runs by the rules. Seconds are CPU time of a plan for a task that
-is grounded and lowered, on one core, medians; libPRADA's were measured before, on the same kind of machine,
-with n = 10,000.
+for libPRADA's way; true values are of 20,000 runs by the rules. Seconds are CPU time of a plan for a task
+that is grounded and lowered, on one core, medians; libPRADA's were measured before, on the same kind of
+machine, with n = 10,000.
 """
 
 from __future__ import annotations
