@@ -35,5 +35,6 @@ def inner(function: F) -> F:
 
 def inlined(function: F) -> F:
     """The same for a small function, which becomes a part of its callers."""
-    result: F = _njit(cache=True, nogil=True, _nrt=False, error_model="numpy", forceinline=True)(function)
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
+    result: F = _njit(cache=True, nogil=True, _nrt=False, error_model="numpy", **options)(function)
     return result

@@ -7,15 +7,14 @@ action changes, and only actions that are proposed are weighed. Guaranteed by `l
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.tables import Indices, Tables
+from cleancli.planning.compiled import compiled, inlined
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 NEGLIGIBLE = 1e-9
@@ -38,14 +37,7 @@ class Belief(NamedTuple):
     threshold: Floats  # (1,) a rule less likely than this is taken not to apply
 
 
-# No function here makes an array, so numba need not count references to arrays (`_nrt`); it would do so
-# wherever a field is read, which costs ten times as much as the arithmetic. Those without a wrapper compile
-# faster, and only compiled code may call them: a call from Python crashes.
-_compiled = partial(njit, cache=True, nogil=True, error_model="numpy", _nrt=False)
-_inner = partial(_compiled, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-
-
-@_inner()
+@inlined
 def _product(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     product = 1.0
     for i in range(start[item], start[item + 1]):
@@ -53,7 +45,7 @@ def _product(start: Indices, entries: Indices, number: Floats, item: int) -> flo
     return product
 
 
-@_inner()
+@inlined
 def _sum(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     total = 0.0
     for i in range(start[item], start[item + 1]):
@@ -61,7 +53,7 @@ def _sum(start: Indices, entries: Indices, number: Floats, item: int) -> float:
     return total
 
 
-@_inner()
+@inlined
 def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: float) -> None:
     """Of independent rules: the probability that each applies and no other does, cut as that of each was."""
     none = 1.0
@@ -75,7 +67,7 @@ def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: floa
         cover[rule] = product if product >= threshold else 0.0
 
 
-@_inner()
+@inlined
 def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     """The probability that the action changes something, leaving in `cover` that of each of its rules; or
     0 as soon as it is known to be at most `least`."""
@@ -97,14 +89,14 @@ def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
     return weight
 
 
-@_compiled()
+@compiled
 def _weigh_all(t: Tables, belief: Belief) -> None:
     weight = belief.weight
     for action in range(len(weight)):
         weight[action] = _weigh(t, belief, action, 0.0)
 
 
-@_inner()
+@inlined
 def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
     """Each rule, as likely as `cover` says, sets slots and leaves the rest alone."""
     number, cover, change = belief.number, belief.cover, belief.change
@@ -127,7 +119,7 @@ def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
         number[first_sum + sums[i]] = _sum(sum_start, sum_slot, number, sums[i])
 
 
-@_inner()
+@inlined
 def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
     number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.changes)
@@ -143,7 +135,7 @@ def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, floa
     return ended, rise
 
 
-@_inner()
+@inlined
 def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow` for the action that was weighed last."""
     _update_numbers(t, belief, action)
@@ -151,7 +143,7 @@ def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return ended - t.cost[action], rise
 
 
-@_compiled()
+@compiled
 def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
     and the rise of what doing nothing is paid from then on."""
@@ -159,7 +151,7 @@ def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return _apply(t, belief, action)
 
 
-@_compiled()
+@compiled
 def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """`follow`, and weighs all actions."""
     paid, rise = follow(t, belief, action)
@@ -167,13 +159,13 @@ def advance(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     return paid, rise
 
 
-@_inner()
+@inlined
 def _copy(source: Floats, target: Floats) -> None:
     for i in range(len(target)):  # an assignment of slices would look for overlaps first
         target[i] = source[i]
 
 
-@_compiled()
+@compiled
 def _settle(t: Tables, state: Ints, belief: Belief) -> float:
     """`initialise` without weighing."""
     number, reward, slots = belief.number, belief.reward, len(belief.change)
@@ -191,7 +183,7 @@ def _settle(t: Tables, state: Ints, belief: Belief) -> float:
     return standing
 
 
-@_compiled()
+@compiled
 def initialise(t: Tables, state: Ints, belief: Belief) -> float:
     """Sets the belief to certainty about a state (V,); returns what doing nothing in it is paid."""
     standing = _settle(t, state, belief)
@@ -199,7 +191,7 @@ def initialise(t: Tables, state: Ints, belief: Belief) -> float:
     return standing
 
 
-@_compiled()
+@compiled
 def restore(belief: Belief, start: Belief) -> None:
     """Makes a belief equal to another one of the same task."""
     _copy(start.number, belief.number)
@@ -207,7 +199,7 @@ def restore(belief: Belief, start: Belief) -> None:
     _copy(start.weight, belief.weight)
 
 
-@_compiled()
+@compiled
 def draw(weight: Floats, uniform: float) -> int:
     """An action in proportion to its weight; -1 where none has any."""
     total = 0.0
@@ -224,7 +216,7 @@ def draw(weight: Floats, uniform: float) -> int:
     return last
 
 
-@_inner()
+@inlined
 def choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64]:
     """An action in proportion to what it weighs now, and the stream after it; -1 where none has weight.
 
@@ -247,7 +239,7 @@ def choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64
     return action, stream
 
 
-@_compiled()
+@compiled
 def rewards(t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], result: Floats) -> None:
     """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
     result has, nothing is done."""
@@ -261,7 +253,7 @@ def rewards(t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], 
         result[step] += standing
 
 
-@_compiled()
+@compiled
 def search(
     t: Tables,
     initial: Ints,
