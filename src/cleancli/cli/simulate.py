@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import click
@@ -11,13 +11,11 @@ import click
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain
 from cleancli.cli.live import counted
+from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import open_both
 from cleancli.cli.simulated import as_data, print_summaries
-from cleancli.compiler.task import NoDurationError
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics import Source
 from cleancli.language.model import Problem
-from cleancli.language.names import names_in
-from cleancli.language.syntax import ActionNode
 from cleancli.planning.plan import Options
 from cleancli.planning.table import PLANNERS
 from cleancli.simulation.episode import Episode, Limits
@@ -150,19 +148,7 @@ def _episodes(
     setup: Setup, episodes: int, jobs: int, sources: Sequence[Source]
 ) -> tuple[tuple[Episode, ...], ...]:
     """The episodes of each planner, in their order."""
-    try:
+    with planning_refused(sources):
         found = list(counted("simulating", spread(setup, episodes, jobs), episodes))
-    except NoDurationError as error:
-        raise Refused(_without_duration(error.actions, sources)) from None
     found.sort(key=lambda each: each[0].number)
     return tuple(zip(*found, strict=True))
-
-
-def _without_duration(actions: Sequence[str], sources: Sequence[Source]) -> Iterator[Diagnostic]:
-    """A mistake (E902) for each of the actions, wherever it is declared without a duration."""
-    for place in (name for source in dict.fromkeys(sources) for name in names_in(source) if name.declares):
-        node, name = place.node, place.meaning.name
-        marks = [mark.name.text for mark in node.attributes] if isinstance(node, ActionNode) else ["duration"]
-        if name in actions and "duration" not in marks:
-            message = f"time is to discount, but `{name}` has no duration"
-            yield Diagnostic("E902", message, place.span, help="declare one: `[duration = 8 s]`")

@@ -50,3 +50,11 @@ class Plan:
     horizon: int
     coverage: float | None
     seconds: Mapping[str, float]
+
+
+class PlanningRefused(ValueError):
+    """A planner cannot plan this task with these options; the message says why, and `help` what may help."""
+
+    def __init__(self, message: str, help: str = "") -> None:
+        super().__init__(message)
+        self.help = help

@@ -74,6 +74,16 @@ def plan_value(
     return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0])
 
 
+def plan_beliefs(prepared: Prepared, actions: Sequence[int], options: Options) -> Floats:
+    """PRADA's factored belief before the first action and after each: the probability of each value of each
+    variable (actions + 1, S)."""
+    tables = lower(prepared.task, independent=True) if options.compat else prepared.tables
+    found: Floats = _inference().beliefs(
+        tables, prepared.task.initial, actions, threshold=options.rule_threshold
+    )
+    return found
+
+
 def _inference() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
     from cleancli.planning import inference

@@ -1,0 +1,97 @@
+"""What planners are asked for: by the command line, or else by the problem, or else the usual."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any, NoReturn
+
+import click
+
+from cleancli.language.findings import meant
+from cleancli.language.model import Problem
+from cleancli.planning.plan import Options
+from cleancli.planning.table import PLANNERS
+
+OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
+"""Fields of `Options` that have an option of their own, or none."""
+
+RANGES: Mapping[str, tuple[float, float]] = {
+    "rule_threshold": (0, 1),
+    "margin": (0, math.inf),
+    "solve": (0, 10_000_000),
+}
+"""The least and the most of every other field that is a number (docs/commands.md)."""
+
+
+def planner_options(
+    problem: Problem,
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    named: Sequence[str] = (),
+) -> Options:
+    """The options; `named` are texts like `rule_threshold=0.05`. Raises BadParameter."""
+    usual = Options(seed=1)
+    asked = Options(
+        samples=next(n for n in (samples, problem.samples, usual.samples) if n is not None),
+        seed=next(n for n in (seed, problem.seed, usual.seed) if n is not None),
+        time_limit=time_limit,
+        threads=usual.threads if threads is None else threads,
+    )
+    for text in named:
+        asked = _with(asked, text)
+    return asked
+
+
+def planner_named(asked: str | None, problem: Problem) -> str:
+    """The planner that the command line names, or else the problem; raises UsageError for an unknown one."""
+    name = asked or problem.planner or "prada"
+    if name not in PLANNERS:
+        known = ", ".join(PLANNERS)
+        raise click.UsageError(f"the problem asks for the planner `{name}`; there is {known}")
+    return name
+
+
+def planners_named(text: str) -> tuple[str, ...]:
+    """The planners of a list like `prada,uct`, each once; raises BadParameter."""
+    names = tuple(dict.fromkeys(name for name in text.replace(",", " ").split()))
+    for name in names:
+        if name not in PLANNERS:
+            raise click.BadParameter(
+                f"unknown planner `{name}`; there is {', '.join(PLANNERS)}", param_hint="'--compare'"
+            )
+    if not names:
+        raise click.BadParameter(f"name planners: {', '.join(PLANNERS)}", param_hint="'--compare'")
+    return names
+
+
+def _with(options: Options, text: str) -> Options:
+    name, _, value = (part.strip() for part in text.partition("="))
+    known = {field.name: field.default for field in fields(Options) if field.name not in OWN}
+    if name not in known:
+        own = name.replace("-", "_")
+        if own in OWN and own != "previous":
+            _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
+        _bad(f"unknown option `{name}`; {meant(name, known, 'option')}")
+    changed: dict[str, Any] = {name: _value(name, int if isinstance(known[name], int) else float, value)}
+    return replace(options, **changed)
+
+
+def _value(name: str, kind: type[int] | type[float], text: str) -> int | float:
+    low, high = RANGES[name]
+    try:
+        value = kind(text)
+    except ValueError:
+        _bad(f"`{name}` wants {'a whole number' if kind is int else 'a number'}, not `{text}`")
+    if not (math.isfinite(value) and low <= value <= high):
+        bounds = f"is at least {low:g}" if math.isinf(high) else f"lies between {low:g} and {high:g}"
+        _bad(f"`{name}` {bounds}")
+    return value
+
+
+def _bad(message: str) -> NoReturn:
+    raise click.BadParameter(message, param_hint="'--option'")
