@@ -14,6 +14,7 @@ optimal values as control variate, only the losses are noisy, and an optimal pla
 from __future__ import annotations
 
 import argparse
+import ast
 import itertools
 import math
 import multiprocessing
@@ -41,8 +42,8 @@ ANYTIME = {"uct": 10_000_000, "prada+": 10_000_000}
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """`pairs` of state and step at most for an exact return, else so many `episodes`; `time_limit` in seconds
-    for a plan of an anytime planner."""
+    """`planners` by name, perhaps with options: `prada+:solve=0`. `pairs` of state and step at most for an
+    exact return, else so many `episodes`; `time_limit` in seconds for a plan of an anytime planner."""
 
     planners: tuple[str, ...]
     pairs: int
@@ -177,6 +178,17 @@ def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> tuple[fl
     return float(np.mean(losses)), float(np.std(losses, ddof=1) / math.sqrt(episodes))
 
 
+def planner_of(text: str, asked: Asked, seed: int) -> tuple[Planner, Options]:
+    """The planner of a text like `uct:exploration=1,depth=3`, and its options; KeyError or TypeError where
+    there is no such planner or option."""
+    name, _, settings = text.partition(":")
+    options = Options(samples=asked.samples, seed=seed, threads=1, margin=0.0)
+    if name in ANYTIME:
+        options = replace(options, samples=ANYTIME[name], time_limit=asked.time_limit)
+    pairs = [setting.partition("=") for setting in settings.split(",") if setting]
+    return PLANNERS[name], replace(options, **{key: ast.literal_eval(value) for key, _, value in pairs})
+
+
 def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
     """Of each planner on the problem of a seed, or why there are none."""
     found = instance(seed)
@@ -188,10 +200,7 @@ def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
         return f"the optimum gains less than {WORTH}"
     result = []
     for name in asked.planners:
-        options = Options(samples=asked.samples, seed=seed, threads=1, margin=0.0)
-        if name in ANYTIME:
-            options = replace(options, samples=ANYTIME[name], time_limit=asked.time_limit)
-        policy = Policy(game, PLANNERS[name], options)
+        policy = Policy(game, *planner_of(name, asked, seed))
         loss, error = exact_loss(game, policy, asked.pairs), 0.0
         if loss is None:
             loss, error = drawn_loss(game, policy, asked.episodes, seed)
@@ -201,7 +210,8 @@ def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
 
 
 def print_table(found: Sequence[Score]) -> None:
-    print("planner         problems   mean  worst     5%  >=0.95  >=0.99  s/step  95%     error")
+    width = max(len(score.planner) for score in found)
+    print(f"{'planner':{width}} problems   mean  worst     5%  >=0.95  >=0.99  s/step  95%     error")
     for name in dict.fromkeys(score.planner for score in found):
         mine = [score for score in found if score.planner == name]
         shares = np.array([score.share for score in mine])
@@ -209,18 +219,20 @@ def print_table(found: Sequence[Score]) -> None:
         seconds = [spent for score in mine for spent in score.seconds]
         error = math.sqrt(sum(score.error**2 for score in mine)) / len(mine)
         print(
-            f"{name:15} {len(mine):8} {shares.mean():6.3f} {shares.min():6.3f} {low:6.3f}"
+            f"{name:{width}} {len(mine):8} {shares.mean():6.3f} {shares.min():6.3f} {low:6.3f}"
             f" {np.mean(shares >= 0.95):7.2f} {np.mean(shares >= 0.99):7.2f}"
             f" {np.median(seconds):7.4f} {np.quantile(seconds, 0.95):7.4f} {error:6.4f}"
         )
-    print("\nmean share by family")
+    print("\nmean share by family, and the worst problems")
     for name in dict.fromkeys(score.planner for score in found):
         means = {
             family: [score.share for score in found if (score.planner, score.family) == (name, family)]
             for family in FAMILIES
         }
         shown = (f"{family} {np.mean(shares):.3f}" for family, shares in means.items() if shares)
-        print(f"{name:15} " + "  ".join(shown))
+        mine = sorted((score for score in found if score.planner == name), key=lambda score: score.share)
+        worst = ", ".join(f"{score.family} {score.seed}: {score.share:.3f}" for score in mine[:3])
+        print(f"{name:{width}} {'  '.join(shown)}\n{'':{width}} worst: {worst}")
 
 
 def played(seeds: Iterable[int], asked: Asked, jobs: int) -> list[tuple[Score, ...] | str]:
@@ -251,7 +263,9 @@ def wanted_scores(wanted: int, asked: Asked, jobs: int) -> tuple[list[tuple[Scor
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--problems", type=int, default=200, help="that count, of so many seeds as they need")
-    parser.add_argument("--planner", action="append", choices=list(PLANNERS), help="default: all")
+    parser.add_argument(
+        "--planner", action="append", help="perhaps with options, like prada+:solve=0; default: all"
+    )
     parser.add_argument("--pairs", type=int, default=60)
     parser.add_argument("--episodes", type=int, default=20)
     parser.add_argument("--time-limit", type=float, default=0.1)

@@ -1,4 +1,4 @@
-"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, regret.py."""
+"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, regret.py, beliefs.py."""
 
 from __future__ import annotations
 
@@ -36,3 +36,16 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert problems == "8"
     assert 0.9 < float(mean) <= 1.0
     assert "8 problems; skipped: " in result.stdout
+
+
+def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
+    result = _run("beliefs.py", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    examples = result.stdout.strip().split("\n\n")
+    assert len(examples) == 3
+    for example in examples:
+        lines = [line.strip() for line in example.splitlines()]
+        rows = [line.rsplit(maxsplit=3) for line in lines[2:4]]
+        best = max(rows, key=lambda row: float(row[3]))[0].strip()
+        assert f"prada+ chooses {best}" in lines
+        assert f"libPRADA's way chooses {best}" not in lines

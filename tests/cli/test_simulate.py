@@ -45,7 +45,7 @@ def without_clock(data: dict[str, list[dict[str, object]]]) -> object:
 
 def test_the_table_has_a_row_and_says_why_episodes_ended(capsys: pytest.CaptureFixture[str]) -> None:
     lines = said(capsys, *QUICK, "--episodes", "5").splitlines()
-    assert lines[0].split()[:3] == ["planner", "return", "undiscounted"]
+    assert lines[0].split()[:3] == ["planner", "return", "plain"]
     assert lines[1].startswith("prada ")
     assert "means of 5 episodes" in lines[2]
     assert lines[3] == "prada ended: nothing is left of the count 5"

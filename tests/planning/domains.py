@@ -111,6 +111,14 @@ def weighted_task(seed: int) -> Task:
     )
 
 
+def costly_task(seed: int) -> Task:
+    """A random task with costs and nothing that is paid while it holds: waiting before an action gains
+    nothing."""
+    task = random_task(seed)
+    rng = np.random.default_rng([seed, 2])
+    return replace(task, actions=tuple(replace(a, cost=Fraction(rng.uniform(0, 0.1))) for a in task.actions))
+
+
 def _outcomes(rng: np.random.Generator, sizes: list[int]) -> tuple[GroundOutcome, ...]:
     tenths = rng.multinomial(10, [0.3, 0.3, 0.2, 0.2])
     outcomes = []

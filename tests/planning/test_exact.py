@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
+from typing import Any
 
 import domains
 import numpy as np
 import pytest
 
 from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Assignment, Task
-from cleancli.compiler.transition import payment, reward, standing, successors
+from cleancli.compiler.task import Assignment, Task, by_time
+from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
+from cleancli.planning import rational
+from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.prepared import prepare
 from cleancli.planning.reachable import Graph, backward, reachable
+from cleancli.planning.table import PLANNERS
 
 
 def optimum(task: Task) -> Callable[[Assignment, int], float]:
@@ -89,3 +96,59 @@ def test_too_many_states_are_none_and_room_grows() -> None:
     assert len(graph(task, 5, number).states) == number
     assert reachable(lower_process(task), task.initial, number - 1, 5) is None
     assert np.array_equal(graph(task, 0).states, [task.initial])
+
+
+def exact(task: Task, **options: Any) -> Plan:
+    return PLANNERS["exact"](prepare(task), Options(**options))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_floats_fractions_and_the_recursion_agree(seed: int) -> None:
+    task = replace(domains.weighted_task(seed), horizon=3)
+    if seed % 2:
+        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
+        task = by_time(replace(task, actions=actions))
+    plan = exact(task)
+    assert plan.value == pytest.approx(optimum(task)(task.initial, 3), abs=1e-12)
+    slow = exact(task, arithmetic="rational")
+    assert slow.value == pytest.approx(plan.value, abs=1e-12)
+    assert slow.actions == plan.actions
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_sequence_is_worth_more(seed: int) -> None:
+    task = replace(domains.weighted_task(seed), horizon=3)
+    plan = exact(task, margin=0.0)
+    rng = np.random.default_rng(seed)
+    sequences = [rng.integers(6, size=3).tolist() for _ in range(50)]
+    sequences.append([task.actions.index(action) for action in plan.actions])
+    assert plan.value >= max(exact_value(task, sequence) for sequence in sequences) - 1e-12
+
+
+def test_fractions_have_no_rounding() -> None:
+    task = replace(domains.task(domains.SECTION_4, domains.TWO_SCATTERED), discount=0.1, discounts=(0.1,) * 4)
+    value, _ = rational.optimum(replace(task, horizon=2), 100)
+    clean = Fraction(1, 2) + Fraction(1, 10) * Fraction(1, 2)
+    join = Fraction(1, 2) + Fraction(1, 10) * (
+        Fraction(3, 10) * Fraction(1, 2)
+        + Fraction(2, 10) * Fraction(8, 10)
+        + Fraction(5, 10) * Fraction(1, 2)
+    )
+    assert value == max(clean, join)
+
+
+def test_the_example_of_section_4_seen_through() -> None:
+    task = domains.task(domains.SECTION_4, domains.TWO_SCATTERED)
+    plan = exact(task)
+    assert plan.measure == "policy"
+    assert [str(a) for a in plan.actions] == ["join(a, b)", "join(a, b)", "clean(a)"]
+    assert plan.value == pytest.approx(optimum(task)(task.initial, task.horizon))
+
+
+@pytest.mark.parametrize("arithmetic", ["float", "rational"])
+def test_too_many_states_are_refused(arithmetic: str) -> None:
+    task = domains.random_task(3)
+    with pytest.raises(TooManyStatesError) as refused:
+        exact(task, states=10, arithmetic=arithmetic)
+    assert refused.value.limit == 10
+    assert refused.value.reached > 10

@@ -102,6 +102,21 @@ def test_the_best_policy_loses_nothing(regret: ModuleType, seed: int) -> None:
     assert (drawn, error) == pytest.approx((0, 0), abs=1e-8)
 
 
+def test_planners_may_have_options(regret: ModuleType) -> None:
+    asked = regret.Asked((), 1, 2, 0.5, 300)
+    planner, options = regret.planner_of("prada:rule_threshold=0.1,samples=20", asked, 3)
+    assert (planner, options.samples, options.rule_threshold, options.seed) == (
+        regret.PLANNERS["prada"],
+        20,
+        0.1,
+        3,
+    )
+    assert regret.planner_of("prada", asked, 3)[1].samples == 300
+    for wrong in ("prado", "prada:sample=3"):
+        with pytest.raises((KeyError, TypeError)):
+            regret.planner_of(wrong, asked, 3)
+
+
 def test_instances_are_of_all_families_and_vary(regret: ModuleType) -> None:
     found = [regret.instance(seed) for seed in range(12)]
     assert {each.family for each in found} == set(regret.FAMILIES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from cleancli.language.model import Fact
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
 from cleancli.simulation import agent as agents
+from cleancli.simulation import runs
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, Limits, Reason, episode
 from cleancli.simulation.world import assignment_of, do, succeeded, world_of
@@ -24,6 +26,8 @@ from cleancli.simulation.world import assignment_of, do, succeeded, world_of
 DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
 PROBLEM = rooms.problem(DOORS)
 STEPS = "horizon = 5"
+UNLUCKY = 1
+"""A seed whose first episode opens no door by the first action, while others do."""
 
 
 def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
@@ -236,3 +240,22 @@ def test_success_without_goal_is_an_empty_count() -> None:
     world = world_of(DOORS, PROBLEM)
     assert succeeded(world, world.task.initial) is False
     assert succeeded(world_of(PAID, PROBLEM), ()) is None
+
+
+def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Threads in place of processes, which would not know this planner; the first episode is run before."""
+
+    def late(prepared: Prepared, options: Options) -> Plan:
+        if prepared.task.horizon < 3:
+            raise NoDurationError(["push"])
+        return rooms.plan(prepared, prepared.task.actions[:1])
+
+    monkeypatch.setattr(runs, "PLANNERS", {"late": late})
+    monkeypatch.setattr(runs, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
+    setup = runs.Setup(DOORS, DOORS, PROBLEM, ("late",), Options(), Limits(max_actions=1))
+    assert len(list(runs.spread(setup, 9, 2))) == 9
+    found = runs.spread(replace(setup, limits=Limits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2)
+    assert next(found)[0].number == 0
+    with pytest.raises(NoDurationError) as error:
+        list(found)
+    assert error.value.actions == ("push",)

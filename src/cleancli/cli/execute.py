@@ -30,7 +30,7 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 @click.argument("domain", shell_complete=domains)
 @click.argument("scene", shell_complete=problems)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's]")
-@click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada", show_default=True)
+@click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada+", show_default=True)
 @click.option(
     "--samples",
     type=click.IntRange(min=1),
@@ -44,6 +44,12 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
     default=2,
     show_default=True,
     help="Actions of a plan to carry out before planning again (§4.2.4).",
+)
+@click.option(
+    "--objective",
+    type=click.Choice(["reward", "time"]),
+    help="What discounts later rewards: the number of actions before, or their duration."
+    "  [default: time, if the domain says how long each action takes]",
 )
 @click.option(
     "--max-actions",
@@ -68,6 +74,7 @@ def command(
     planner: str,
     samples: int,
     commit: int,
+    objective: str | None,
     max_actions: int,
     runs: Path,
     video: bool,
@@ -81,7 +88,8 @@ def command(
     _, domain_sources, model = open_domain(domain)
     scene_source, setting = open_scene(scene)
     seed = setting.seed if seed is None else seed
-    options = EpisodeOptions(planner, samples, commit, max_actions, seed)
+    timed = objective == "time" or (objective is None and all(a.duration for a in model.actions))
+    options = EpisodeOptions(planner, samples, commit, max_actions, seed, by_time=timed)
     with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
         folder = free_folder(runs, f"{setting.name}-seed{seed}")
         header = _header(options, *domain_sources, scene_source)
@@ -116,6 +124,7 @@ def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
             "planner": options.planner,
             "samples": options.samples,
             "commit": options.commit,
+            "objective": "time" if options.by_time else "reward",
             "max_actions": options.max_actions,
         },
         "files": {s.path: hashlib.sha256(s.text.encode()).hexdigest() for s in sources},

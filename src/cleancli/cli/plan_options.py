@@ -17,12 +17,19 @@ from cleancli.planning.table import PLANNERS
 OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
 """Fields of `Options` that have an option of their own, or none."""
 
-RANGES: Mapping[str, tuple[float, float]] = {
+ALLOWED: Mapping[str, tuple[float, float] | frozenset[str]] = {
     "rule_threshold": (0, 1),
     "margin": (0, math.inf),
     "solve": (0, 10_000_000),
+    "states": (1, 10_000_000),
+    "arithmetic": frozenset({"float", "rational"}),
+    "exploration": (0, math.inf),
+    "branching": (1, 1_000),
+    "depth": (1, 100),
+    "width": (1, 10_000_000),
 }
-"""The least and the most of every other field that is a number (docs/commands.md)."""
+"""The least and the most of every other field that is a number, or the words that it may be
+(docs/commands.md lists them)."""
 
 
 def planner_options(
@@ -77,12 +84,18 @@ def _with(options: Options, text: str) -> Options:
         if own in OWN and own != "previous":
             _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
         _bad(f"unknown option `{name}`; {meant(name, known, 'option')}")
-    changed: dict[str, Any] = {name: _value(name, int if isinstance(known[name], int) else float, value)}
-    return replace(options, **changed)
+    allowed, default = ALLOWED[name], known[name]
+    read: Any
+    if isinstance(allowed, frozenset):
+        if value not in allowed:
+            _bad(f"`{name}` is {' or '.join(sorted(allowed))}, not `{value}`")
+        read = value
+    else:
+        read = _number(name, int if isinstance(default, int) else float, value, *allowed)
+    return replace(options, **{name: read})
 
 
-def _value(name: str, kind: type[int] | type[float], text: str) -> int | float:
-    low, high = RANGES[name]
+def _number(name: str, kind: type[int] | type[float], text: str, low: float, high: float) -> int | float:
     try:
         value = kind(text)
     except ValueError:

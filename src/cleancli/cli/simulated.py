@@ -17,9 +17,7 @@ from cleancli.simulation.summary import Estimate, Summary
 def print_summaries(summaries: Sequence[Summary]) -> None:
     """The table, and why episodes ended."""
     print_table(_table(summaries))
-    click.echo(
-        f"means of {summaries[0].episodes} episodes, with 95 % intervals (success: Wilson's; others: t)"
-    )
+    click.echo(f"means of {summaries[0].episodes} episodes; ± and to: 95 % intervals (Student's t, Wilson's)")
     for summary in summaries:
         reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
         click.echo(f"{summary.planner} ended: {reasons}")
@@ -27,29 +25,34 @@ def print_summaries(summaries: Sequence[Summary]) -> None:
 
 def _table(summaries: Sequence[Summary]) -> Table:
     compared = len(summaries) > 1
-    columns = ["return", "undiscounted", "actions", "robot s", "success", "plan s median", "95th"]
+    columns = ["return", "plain", "actions", "robot s", "success %", "ms/plan", "95 %"]
     if compared:
-        columns.insert(1, "more than first")
+        columns.insert(1, "over first")
     table = plain_table("planner", *columns)
     for s in summaries:
-        gain = [_text(s.gain)] if compared else []
-        found = [_text(each) for each in (s.plain, s.actions, s.seconds, s.success)]
-        table.add_row(
-            s.planner, _text(s.discounted), *gain, *found, *map(_seconds, (s.planning_median, s.planning_95))
-        )
+        gain = [_mean(s.gain, 3)] if compared else []
+        found = [_mean(s.plain, 3), _mean(s.actions, 2), _mean(s.seconds, 1), _share(s.success)]
+        planning = [_milliseconds(spent) for spent in (s.planning_median, s.planning_95)]
+        table.add_row(s.planner, _mean(s.discounted, 3), *gain, *found, *planning)
     return table
 
 
-def _text(estimate: Estimate | None) -> str:
+def _mean(estimate: Estimate | None, digits: int) -> str:
     if estimate is None:
         return "-"
-    if estimate.low is None:
-        return f"{estimate.mean:.3f}"
-    return f"{estimate.mean:.3f} [{estimate.low:.3f}, {estimate.high:.3f}]"
+    half = "" if estimate.high is None else f" ± {estimate.high - estimate.mean:.{digits}f}"
+    return f"{estimate.mean:.{digits}f}{half}"
 
 
-def _seconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4f}"
+def _share(estimate: Estimate | None) -> str:
+    """Not symmetric, so with both ends."""
+    if estimate is None or estimate.low is None or estimate.high is None:
+        return "-"
+    return f"{100 * estimate.mean:.1f} ({100 * estimate.low:.1f} to {100 * estimate.high:.1f})"
+
+
+def _milliseconds(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{1000 * seconds:.1f}"
 
 
 def as_data(

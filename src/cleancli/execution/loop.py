@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import GroundAction
+from cleancli.compiler.task import GroundAction, by_time
 from cleancli.execution.events import (
     Acted,
     Ended,
@@ -48,13 +48,15 @@ FRAMES_PER_LOOK = 3
 
 @dataclass(frozen=True, slots=True)
 class EpisodeOptions:
-    """`commit`: actions of a plan carried out before the next one is made (§4.2.4)."""
+    """`commit`: actions of a plan carried out before the next one is made (§4.2.4). `by_time`: plans discount
+    by how long actions take, not by their number."""
 
-    planner: str = "prada"
+    planner: str = "prada+"
     samples: int = 10_000
     commit: int = 2
     max_actions: int = 60
     seed: int = 1
+    by_time: bool = False
 
 
 def within_reach(domain: Domain) -> Domain:
@@ -126,6 +128,7 @@ class Episode:
         kinds = ("acting", "withdrawing", "planning", "compiling", "perceiving")
         self._seconds = dict.fromkeys(kinds, 0.0)
         self._named = 0
+        self._rest: tuple[GroundAction, ...] = ()
         self.actions = 0
 
     def withdraw(self) -> Generator[Event]:
@@ -157,8 +160,13 @@ class Episode:
         started = time.perf_counter()
         problem = problem_of(self._scene, self._domain, situation)
         # Every plan draws its own sequences: the seed of a run and the number of actions done name them.
-        options = Options(self._options.samples, self._planning_seed + self.actions)
-        plan = PLANNERS[self._options.planner](prepare(ground(self._feasible, problem)), options)
+        seed = self._planning_seed + self.actions
+        options = Options(self._options.samples, seed, previous=self._rest)
+        task = ground(self._feasible, problem)
+        if self._options.by_time:
+            task = by_time(task)
+        plan = PLANNERS[self._options.planner](prepare(task), options)
+        self._rest = plan.actions[self._options.commit :]
         # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
         compiling = plan.seconds.get("compile", 0.0)
         seconds = time.perf_counter() - started - compiling

@@ -14,10 +14,14 @@ class Options:
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
-    depend on them. `previous`: what is left of the last plan, to start from. A plan must be worth `margin`
-    more than doing nothing. For beliefs: rules less likely than `rule_threshold` are taken not to apply;
-    `compat` computes literally as libPRADA does. `prada+` solves exactly where no more than `solve` states
-    can be reached.
+    depend on them. `previous`: what is left of the last plan, to start from.
+
+    prada, aprada: a plan must be worth `margin` more than doing nothing; rules less likely than
+    `rule_threshold` are taken not to apply; `compat` computes literally as libPRADA does. prada+: solved
+    exactly where at most `solve` states can be reached. exact: at most so many `states`, and "float" or
+    "rational" `arithmetic`. uct: `exploration` is how much an action that was tried seldom is favoured.
+    sst: so many results of each action are drawn (`branching`), so many steps deep (`depth`). likeliest,
+    all-outcomes: so many states a step are followed (`width`).
     """
 
     samples: int = 10_000
@@ -29,6 +33,12 @@ class Options:
     margin: float = 0.05
     compat: bool = False
     solve: int = 10_000
+    states: int = 100_000
+    arithmetic: str = "float"
+    exploration: float = 0.3
+    branching: int = 3
+    depth: int = 2
+    width: int = 2_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,3 +68,19 @@ class PlanningRefused(ValueError):
     def __init__(self, message: str, help: str = "") -> None:
         super().__init__(message)
         self.help = help
+
+
+class TooManyStatesError(PlanningRefused):
+    """A planner that must know all states has `reached` more than the `limit`."""
+
+    def __init__(self, reached: int, limit: int) -> None:
+        super().__init__(
+            f"{reached} states reached, and there are more; the limit is {limit}",
+            "raise it by `--option states=...`, or plan with `prada+` or `prada`",
+        )
+        self.reached = reached
+        self.limit = limit
+
+    def __reduce__(self) -> tuple[type[TooManyStatesError], tuple[int, int]]:
+        """Exceptions are pickled by their message, from which this one could not be made again."""
+        return TooManyStatesError, (self.reached, self.limit)

@@ -10,12 +10,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
-from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
-from cleancli.planning.compiled import compiled, inlined
 from cleancli.planning.states import covering, rewarded
 from cleancli.planning.stream import mixed, split
 
@@ -61,13 +61,13 @@ class _Room(NamedTuple):
     table: Ints  # (2^k,) states in the places of their hashes; -1 where free
 
 
-@inlined
+@njit(cache=True, nogil=True, forceinline=True)
 def digit(variable: int, value: int) -> np.uint64:
     """A variable's share of its state's hash, which is the exclusive or of all."""
     return mixed(split(np.uint64(variable + 1), np.uint64(value)))
 
 
-@inlined
+@njit(cache=True, nogil=True, forceinline=True)
 def same(states: Ints, one: int, other: int) -> bool:
     """Whether two rows are equal."""
     for variable in range(states.shape[1]):  # noqa: SIM110 (compiled)
@@ -76,10 +76,9 @@ def same(states: Ints, one: int, other: int) -> bool:
     return True
 
 
-@compiled
-def _enter(room: _Room, number: int) -> None:
+@njit(cache=True, nogil=True)
+def enter(table: Ints, hashes: NDArray[np.uint64], number: int) -> None:
     """Enters the first states into an empty table."""
-    hashes, table = room.hashes, room.table
     mask = np.uint64(len(table) - 1)
     for state in range(number):
         place = hashes[state] & mask
@@ -88,7 +87,7 @@ def _enter(room: _Room, number: int) -> None:
         table[place] = state
 
 
-@inlined
+@njit(cache=True, nogil=True, forceinline=True)
 def find(table: Ints, hashes: NDArray[np.uint64], states: Ints, h: np.uint64, row: int) -> np.uint64:
     """The place in the table of a state with the hash h that is equal to a row, or the free place for it."""
     mask = np.uint64(len(table) - 1)
@@ -98,22 +97,22 @@ def find(table: Ints, hashes: NDArray[np.uint64], states: Ints, h: np.uint64, ro
     return place
 
 
-@inlined
+@njit(cache=True, nogil=True, forceinline=True)
 def change(
     start: Ints, variable: Ints, value: Ints, states: Ints, s: int, to: int, outcome: int, h: np.uint64
 ) -> np.uint64:
     """Writes to a row what an outcome makes of state s; returns its hash, given that of s."""
-    for v in range(states.shape[1]):
+    for v in range(states.shape[1]):  # assigning the row would compile for seconds
         states[to, v] = states[s, v]
     for e in range(start[outcome], start[outcome + 1]):
-        v, old = variable[e], states[s, variable[e]]
-        if old != value[e]:
-            h ^= digit(v, old) ^ digit(v, value[e])
-            states[to, v] = value[e]
+        changed, old, new = int(variable[e]), int(states[s, variable[e]]), int(value[e])
+        if old != new:
+            h ^= digit(changed, old) ^ digit(changed, new)
+            states[to, changed] = new
     return h
 
 
-@compiled
+@njit(cache=True, nogil=True)
 def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
     """Adds the choices in a state and its successors."""
     states, hashes, decreasing, standing = room.states, room.hashes, room.decreasing, room.standing
@@ -132,7 +131,7 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
                 continue
             h = change(effect_start, effect_variable, effect_value, states, s, number, outcome, hashes[s])
             place = find(table, hashes, states, h, number)
-            after = table[place]
+            after = int(table[place])
             if after < 0:
                 after, number = number, number + 1
                 table[place], hashes[after] = after, h
@@ -154,34 +153,23 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
     used[0], used[1], used[2] = number, choices, edges
 
 
-@compiled
+@njit(cache=True, nogil=True)
 def _expand(
-    p: Process,
-    room: _Room,
-    used: NDArray[np.int64],
-    first: int,
-    last: int,
-    chosen: Bools,
-    most: int,
-    limit: int,
+    p: Process, room: _Room, used: NDArray[np.int64], first: int, last: int, most: int, limit: int
 ) -> int:
-    """Adds choices and successors of the chosen states from `first` on; returns where it stopped: before
-    `last` if the room may not do (a state has at most `most` transitions), or there are more states than
-    `limit`."""
+    """Adds choices and successors of the states from `first` on; returns where it stopped: before `last` if
+    the room may not do (a state has at most `most` transitions), or there are more states than `limit`."""
     states, choices, edges = len(room.states), len(room.choice_action), len(room.edge_successor)
-    s = first
-    while s < last:
+    for s in range(first, last):
         short = used[0] + most > states or used[1] + len(p.cost) > choices or used[2] + most > edges
         if short or used[0] > limit:
-            break
-        if chosen[s]:
-            _choices(p, room, used, s)
-        s += 1
-        room.choice_start[s] = used[1]
-    return s
+            return s
+        _choices(p, room, used, s)
+        room.choice_start[s + 1] = used[1]
+    return last
 
 
-@compiled
+@njit(cache=True, nogil=True)
 def _stage(
     g: Graph, payment: Floats, discount: Floats, idle: float, later: Floats, now: Floats, best: Ints
 ) -> None:
@@ -221,7 +209,7 @@ class Enumeration:
         assert ((state >= 0) & (state < process.sizes)).all()
         self._room.states[0] = state
         self._room.decreasing[0], self._room.standing[0] = rewarded(process, state)
-        _enter(self._room, 1)
+        enter(self._room.table, self._room.hashes, 1)
 
     @property
     def number(self) -> int:
@@ -233,23 +221,48 @@ class Enumeration:
         """The states of the last step, which have no choices yet."""
         return range(self._expanded, self.number)
 
-    def expand(self, chosen: Bools | None = None) -> bool:
-        """Adds the successors of the frontier, or of those of it that are chosen; whether all had room."""
+    def expand(self) -> bool:
+        """Adds the successors of the frontier; whether all had room."""
         first, last = self._expanded, self.number
-        mask = np.ones(last, dtype=np.bool_)
-        if chosen is not None:
-            assert chosen.shape == (last - first,)
-            mask[first:] = chosen
         while True:
-            first = _expand(self._process, self._room, self._used, first, last, mask, self._most, self._limit)
-            if self.number > self._limit or self._used[2] > EDGE_LIMIT:
-                return False
-            if first == last:
+            first = _expand(self._process, self._room, self._used, first, last, self._most, self._limit)
+            full = self.number > self._limit or self._used[2] > EDGE_LIMIT
+            if first == last or full:
                 break
             self._grow()
-        self._expanded = last
+        self._expanded = first
         self._within.append(self.number)
-        return True
+        return not full
+
+    def reach(self, steps: int) -> bool:
+        """Expands so many steps, or as far as states go; whether all had room."""
+        return all(self.expand() for _ in range(steps) if self.frontier)
+
+    def keep(self, layer: range, kept: Ints) -> None:
+        """Forgets the frontier but for some of its states (ascending), and choices that lead to the others.
+
+        `layer` are the states that were expanded last. Each choice has one transition.
+        """
+        room, (number, choices, edges) = self._room, self._used.tolist()
+        assert choices == edges
+        renumbered = np.full(number, -1, dtype=np.int32)
+        renumbered[: layer.stop] = np.arange(layer.stop)
+        renumbered[kept] = layer.stop + np.arange(len(kept))
+        last = slice(room.choice_start[layer.start], choices)
+        after = renumbered[room.edge_successor[last]]
+        stays = after >= 0
+        room.edge_successor[last.start : last.start + stays.sum()] = after[stays]
+        for array in (room.choice_action, room.choice_reward):
+            array[last.start : last.start + stays.sum()] = array[last][stays]
+        before = np.concatenate([[0], np.cumsum(stays)])
+        starts = room.choice_start[layer.start : layer.stop + 1]
+        starts[:] = last.start + before[starts - last.start]
+        for rows in (room.states, room.hashes, room.decreasing, room.standing):
+            rows[layer.stop : layer.stop + len(kept)] = rows[kept]
+        self._used[:] = layer.stop + len(kept), starts[-1], starts[-1]
+        self._within[-1] = self.number
+        room.table[:] = -1
+        enter(room.table, room.hashes, self.number)
 
     def graph(self) -> Graph:
         """What has been found, valid until the next expansion."""
@@ -284,22 +297,14 @@ class Enumeration:
         room: tuple[NDArray[Any], ...] = self._room[:-1]
         for before, after in zip(kept, room, strict=True):
             after[: len(before)] = before
-        if len(old.table) == len(self._room.table):
-            self._room.table[:] = old.table
-        else:
-            _enter(self._room, number)
+        enter(self._room.table, self._room.hashes, number)
 
 
 def reachable(process: Process, initial: Assignment, limit: int, steps: int) -> Graph | None:
     """The states within so many steps of one; None where they are more than `limit`, or their transitions
     more than `EDGE_LIMIT`."""
     enumeration = Enumeration(process, initial, limit)
-    for _ in range(steps):
-        if not enumeration.frontier:
-            break
-        if not enumeration.expand():
-            return None
-    return enumeration.graph()
+    return enumeration.graph() if enumeration.reach(steps) else None
 
 
 def backward(graph: Graph, process: Process, discount: float, horizon: int) -> tuple[Floats, Ints]:

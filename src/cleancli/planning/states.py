@@ -40,6 +40,20 @@ def covering(p: Process, state: Ints, action: int) -> int:
 
 
 @compiled
+def changing(p: Process, state: Ints, action: int) -> int:
+    """The rule of the action that covers the state, if it may change it; -1 otherwise."""
+    rule = covering(p, state, action)
+    if rule < 0:
+        return -1
+    for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+        if p.probability[outcome] > 0.0:
+            for i in range(p.effect_start[outcome], p.effect_start[outcome + 1]):
+                if state[p.effect_variable[i]] != p.effect_value[i]:
+                    return rule
+    return -1
+
+
+@compiled
 def draw(p: Process, rule: int, uniform: float) -> int:
     """The outcome (a row of `probability`) of a rule for a number in [0, 1)."""
     outcome, last, cumulated = int(p.outcome_start[rule]), p.outcome_start[rule + 1] - 1, p.cumulated
@@ -89,12 +103,7 @@ def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, f
     rule = covering(p, state, action)
     if rule < 0:
         return -p.cost[action], 0.0
-    return follow(p, state, action, draw(p, rule, uniform))
-
-
-@compiled
-def follow(p: Process, state: Ints, action: int, outcome: int) -> tuple[float, float]:
-    """Changes the state as an outcome of the action says; returns what `step` does."""
+    outcome = draw(p, rule, uniform)
     if p.effect_start[outcome] == p.effect_start[outcome + 1]:
         return -p.cost[action], 0.0
     decreasing, standing = _touched(p, state, action)

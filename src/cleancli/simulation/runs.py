@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 
+from cleancli.language.diagnostics import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
 from cleancli.planning.table import PLANNERS
@@ -56,15 +57,21 @@ def spread(setup: Setup, episodes: int, jobs: int) -> Iterator[Round]:
         return
     yield from rounds(setup, range(1))
     chunk = max(math.ceil((episodes - 1) / (jobs * CHUNKS)), 1)
-    starts = range(1, episodes, chunk)
-    executor = ProcessPoolExecutor(min(jobs, max(len(starts), 1)), multiprocessing.get_context("spawn"))
+    chunks = [range(start, min(start + chunk, episodes)) for start in range(1, episodes, chunk)]
+    executor = ProcessPoolExecutor(min(jobs, max(len(chunks), 1)), multiprocessing.get_context("spawn"))
     try:
-        futures = [executor.submit(_chunk, setup, range(s, min(s + chunk, episodes))) for s in starts]
+        futures = {executor.submit(_chunk, setup, numbers): numbers for numbers in chunks}
         for future in as_completed(futures):
-            yield from future.result()
+            found = future.result()
+            yield from rounds(setup, futures[future]) if found is None else found
     finally:
         executor.shutdown(cancel_futures=True)
 
 
-def _chunk(setup: Setup, numbers: range) -> list[Round]:
-    return list(rounds(setup, numbers))
+def _chunk(setup: Setup, numbers: range) -> list[Round] | None:
+    """None where something is refused: the errors' own data does not travel between processes, so the caller
+    has to meet them itself."""
+    try:
+        return list(rounds(setup, numbers))
+    except (Refused, ValueError):
+        return None

@@ -1,0 +1,54 @@
+"""Determinized tasks: what an action does is certain, or is chosen (Yoon, Fern and Givan 2007)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from cleancli.compiler.task import GroundOutcome, GroundRule, Task
+
+
+def likeliest_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
+    """The task where each rule has its likeliest outcome alone, and the action that each of its actions is.
+
+    Of equals it is the first that changes something. A rule whose likeliest outcome changes nothing is
+    dropped.
+    """
+    rules = [(rule, rule.action, _likeliest(rule)) for rule in task.rules]
+    return _determinized(task, range(len(task.actions)), rules)
+
+
+def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
+    """The task where each outcome that can happen is an action of its own, and the action that each is."""
+    origins: list[int] = []
+    rules: list[tuple[GroundRule, int, GroundOutcome]] = []
+    for action in range(len(task.actions)):
+        own = [rule for rule in task.rules if rule.action == action]
+        for place in range(max((len(rule.outcomes) for rule in own), default=0)):
+            chosen = [(rule, rule.outcomes[place]) for rule in own if place < len(rule.outcomes)]
+            rules += [(rule, len(origins), outcome) for rule, outcome in chosen if outcome.probability]
+            origins.append(action)
+    return _determinized(task, origins, rules)
+
+
+def _likeliest(rule: GroundRule) -> GroundOutcome:
+    return max(rule.outcomes, key=lambda outcome: (outcome.probability, bool(outcome.effects)))
+
+
+def _determinized(
+    task: Task, origins: Sequence[int], rules: Sequence[tuple[GroundRule, int, GroundOutcome]]
+) -> tuple[Task, tuple[int, ...]]:
+    """The task with an action for each origin, and of the rules those whose one outcome changes something."""
+    certain = tuple(
+        GroundRule(rule.rule, action, rule.condition, (replace(outcome, probability=Fraction(1)),))
+        for rule, action, outcome in rules
+        if outcome.effects
+    )
+    made = replace(
+        task,
+        actions=tuple(task.actions[origin] for origin in origins),
+        discounts=tuple(task.discounts[origin] for origin in origins),
+        rules=certain,
+    )
+    return made, tuple(origins)

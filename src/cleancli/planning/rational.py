@@ -1,0 +1,108 @@
+"""The optimal policy in exact arithmetic: fractions from the rule file to the value, in plain Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cleancli.compiler.task import Assignment, Task, holds
+from cleancli.compiler.transition import covering_rule
+from cleancli.planning.course import Choose
+from cleancli.planning.plan import TooManyStatesError
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """An action (an index) that may change its state, what its step pays, and what may follow."""
+
+    action: int
+    reward: Fraction
+    after: tuple[tuple[Assignment, Fraction], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """What a step that ends in the state is paid, and the choices in it."""
+
+    standing: Fraction
+    choices: tuple[_Choice, ...]
+
+
+def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
+    """The optimal value of the initial state, and the policy, as planning/reachable.py has them in floats.
+
+    A discount, which is a float, is taken for the decimal number that it is printed as. Raises
+    `TooManyStatesError` where more than `limit` states can be reached within the horizon.
+    """
+    layers = _layers(task, limit)
+    discount, discounts = Fraction(repr(task.discount)), [Fraction(repr(d)) for d in task.discounts]
+    payments = [d / discount if discount else Fraction(1) for d in discounts]
+    later: dict[Assignment, Fraction] = {}
+    policy: list[dict[Assignment, int | None]] = []
+    for layer in reversed(layers):
+        now: dict[Assignment, Fraction] = {}
+        best: dict[Assignment, int | None] = {}
+        for state, known in layer.items():
+            now[state], best[state] = known.standing + discount * later.get(state, Fraction(0)), None
+            for choice in known.choices:
+                value = payments[choice.action] * choice.reward
+                value += discounts[choice.action] * sum(
+                    p * later.get(s, Fraction(0)) for s, p in choice.after
+                )
+                if value > now[state]:
+                    now[state], best[state] = value, choice.action
+        policy.append(best)
+        later = now
+    policy.reverse()
+    return later.get(task.initial, Fraction(0)), lambda step, state: policy[step][state]
+
+
+def _layers(task: Task, limit: int) -> list[dict[Assignment, _State]]:
+    """For each step the states that can be reached by then."""
+    known: dict[Assignment, _State] = {}
+    layers: list[dict[Assignment, _State]] = []
+    frontier = {task.initial: None}
+    for _ in range(task.horizon):
+        reached = dict.fromkeys(frontier)
+        frontier = {}
+        for state in reached:
+            known[state] = _state(task, state)
+            frontier |= {s: None for choice in known[state].choices for s, _ in choice.after}
+            frontier = {s: None for s in frontier if s not in known}
+            if len(known) + len(frontier) > limit:
+                raise TooManyStatesError(len(known) + len(frontier), limit)
+        layers.append(dict(known))
+    return layers
+
+
+def _state(task: Task, state: Assignment) -> _State:
+    decreasing, standing = _paid(task, state)
+    choices = []
+    for action in range(len(task.actions)):
+        after = _after(task, state, action)
+        if list(after) != [state]:
+            reward = -task.actions[action].cost
+            for successor, probability in after.items():
+                left, paid = _paid(task, successor)
+                reward += probability * (decreasing - left + paid)
+            choices.append(_Choice(action, reward, tuple(after.items())))
+    return _State(standing, tuple(choices))
+
+
+def _after(task: Task, state: Assignment, action: int) -> dict[Assignment, Fraction]:
+    """The states that may follow, with their probabilities."""
+    rule = covering_rule(task, state, action)
+    after: dict[Assignment, Fraction] = {}
+    for outcome in () if rule is None else rule.outcomes:
+        if outcome.probability:
+            effects = dict(outcome.effects)
+            successor = tuple(effects.get(variable, value) for variable, value in enumerate(state))
+            after[successor] = after.get(successor, Fraction(0)) + outcome.probability
+    return after or {state: Fraction(1)}
+
+
+def _paid(task: Task, state: Assignment) -> tuple[Fraction, Fraction]:
+    """What is paid for its decrease, and what a step that ends in the state is paid."""
+    held = [reward for reward in task.rewards if holds(reward.condition, state)]
+    decreasing = sum((reward.decrease for reward in held), Fraction(0))
+    return decreasing, sum((reward.state for reward in held), task.constant_reward)

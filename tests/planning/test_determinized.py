@@ -1,0 +1,99 @@
+"""Determinized tasks and their best sequences, against trying every sequence; and where they mislead."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import domains
+import pytest
+
+from cleancli.compiler.process import lower_process
+from cleancli.compiler.task import Task, by_time
+from cleancli.compiler.transition import exact_value
+from cleancli.planning.beam import best_sequence
+from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import prepare
+from cleancli.planning.table import PLANNERS
+
+SWEEP = """
+domain d {
+  types      { area }
+  predicates { dirt(?a - area) }
+  derived    { dirty := count ?a - area: dirt(?a) }
+  actions    { sweep() wipe(?a - area) }
+  rule sweep: sweep() { when exists ?a - area: dirt(?a) then %s }
+  rule wipe: wipe(?a) { when dirt(?a) then 0.9: not dirt(?a) rest: nothing }
+  default { 1: nothing }
+  reward  { decrease(dirty) }
+}
+"""
+
+
+def plan(name: str, task: Task, **options: int) -> Plan:
+    return PLANNERS[name](prepare(task), Options(**options))
+
+
+def sweeping(outcomes: str) -> Task:
+    return domains.task(SWEEP % outcomes, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 1")
+
+
+def worth(task: Task, steps: int, width: int) -> float:
+    """The exact value of the sequence found for a task without chance."""
+    found = best_sequence(lower_process(task), task.initial, task.discount, steps=steps, width=width)
+    return exact_value(task, found)
+
+
+@pytest.mark.parametrize("determinize", [likeliest_outcomes, all_outcomes])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_best_of_all_sequences_is_found(
+    seed: int, determinize: Callable[[Task], tuple[Task, tuple[int, ...]]]
+) -> None:
+    task = replace(domains.costly_task(seed), horizon=2)
+    if seed % 2:
+        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
+        task = by_time(replace(task, actions=actions))
+    certain, origins = determinize(task)
+    assert all(o.probability == 1 for rule in certain.rules for o in rule.outcomes)
+    assert [certain.discounts[i] for i in range(len(origins))] == [task.discounts[o] for o in origins]
+    actions_of = range(len(certain.actions))
+    every = (s for n in range(3) for s in itertools.product(actions_of, repeat=n))
+    assert worth(certain, 2, 1000) == pytest.approx(max(exact_value(certain, s) for s in every))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_narrow_beam_finds_no_more_than_a_wide_one(seed: int) -> None:
+    task = replace(all_outcomes(domains.costly_task(seed))[0], horizon=4)
+    values = [worth(task, 4, width) for width in (1, 5, 10_000)]
+    assert max(values) == values[-1]
+    assert values[0] >= -1e-12
+
+
+def test_the_likeliest_outcome_misleads() -> None:
+    task = sweeping("0.4: forall ?m - area: dirt(?m) => not dirt(?m)  0.3: nothing  rest: noise")
+    misled = plan("likeliest", task)
+    assert [str(a) for a in misled.actions] == ["sweep()"]
+    assert misled.value == pytest.approx(0.8, abs=0.05)
+    assert misled.measure == "sampled"
+    assert [str(a) for a in plan("exact", task).actions] == ["wipe(a)"]
+    stuck = sweeping("0.4: forall ?m - area: dirt(?m) => not dirt(?m)  rest: nothing")
+    assert [str(a) for a in plan("likeliest", stuck).actions] == ["wipe(a)"]
+
+
+def test_outcomes_that_may_be_chosen_make_bold() -> None:
+    task = sweeping("0.1: forall ?m - area: dirt(?m) => not dirt(?m)  rest: nothing")
+    assert [str(a) for a in plan("likeliest", task).actions] == ["wipe(a)"]
+    bold = plan("all-outcomes", task)
+    assert [str(a) for a in bold.actions] == ["sweep()"]
+    assert bold.value == pytest.approx(0.2, abs=0.03)
+
+
+def test_of_equally_likely_outcomes_the_first_that_changes_something_counts() -> None:
+    task = sweeping("0.5: nothing  0.5: forall ?m - area: dirt(?m) => not dirt(?m)")
+    rule = task.rules[0]
+    assert [o.probability for o in rule.outcomes] == [Fraction(1, 2)] * 2
+    certain, _ = likeliest_outcomes(task)
+    assert certain.rules[0].outcomes[0].effects == rule.outcomes[1].effects

@@ -1,0 +1,54 @@
+"""UCT against the optimum that it tends to, and its promises."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import domains
+import pytest
+
+from cleancli.compiler.task import Task, by_time
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.prepared import prepare
+from cleancli.planning.table import PLANNERS
+
+
+def plan(name: str, task: Task, **options: Any) -> Plan:
+    return PLANNERS[name](prepare(task), Options(margin=0.0, **options))
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4, 5])
+def test_episodes_tend_to_the_optimum(seed: int) -> None:
+    task = replace(domains.costly_task(seed), horizon=3)
+    if seed == 4:
+        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
+        task = by_time(replace(task, actions=actions))
+    best = plan("exact", task)
+    assert best.value > 0.1
+    few, many = (plan("uct", task, samples=n) for n in (20, 100_000))
+    assert abs(many.value - best.value) < min(0.03, abs(few.value - best.value))
+    assert many.actions[0] == best.actions[0]
+    assert many.samples == 100_000
+
+
+def test_the_example_of_section_4_is_seen_through() -> None:
+    task = domains.task(domains.SECTION_4, domains.TWO_SCATTERED)
+    found = plan("uct", task, samples=20_000)
+    assert found.value == pytest.approx(plan("exact", task).value, abs=0.03)
+    assert str(found.actions[0]) == "join(a, b)"
+    assert found.measure == "policy"
+
+
+def test_same_seed_same_plan_however_the_tree_grows() -> None:
+    task = replace(domains.random_task(0), horizon=4)
+    one, other = (plan("uct", task, samples=3000, seed=5) for _ in range(2))
+    assert (one.actions, one.value) == (other.actions, other.value)
+    assert plan("uct", task, samples=3000, seed=6).value != one.value
+
+
+def test_the_time_limit_ends_the_search() -> None:
+    task = domains.random_task(0)
+    cut = plan("uct", task, samples=10**9, time_limit=0.05)
+    assert 0 < cut.samples < 10**9
+    assert cut.seconds["search"] < 1.0
