@@ -20,6 +20,7 @@ from cleancli.execution.loop import EpisodeOptions, clean
 from cleancli.execution.record import Recorder, free_folder
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Source
+from cleancli.language.model import Domain
 from cleancli.planning.table import PLANNERS
 from cleancli.world.table import PybulletTable, Truth
 
@@ -88,7 +89,7 @@ def command(
     _, domain_sources, model = open_domain(domain)
     scene_source, setting = open_scene(scene)
     seed = setting.seed if seed is None else seed
-    timed = objective == "time" or (objective is None and all(a.duration for a in model.actions))
+    timed = _by_time(objective, model)
     options = EpisodeOptions(planner, samples, commit, max_actions, seed, by_time=timed)
     with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
         folder = free_folder(runs, f"{setting.name}-seed{seed}")
@@ -109,6 +110,14 @@ def command(
     else:
         click.echo(_summary(event, truth, folder, video))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
+
+
+def _by_time(objective: str | None, domain: Domain) -> bool:
+    """Whether plans discount by time. Raises UsageError where they are to and a duration is not known."""
+    unknown = [action.name for action in domain.actions if action.duration is None]
+    if objective == "time" and unknown:
+        raise click.UsageError(f"--objective time needs a duration of {', '.join(unknown)}: [duration = 9 s]")
+    return objective == "time" or (objective is None and not unknown)
 
 
 def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
