@@ -567,7 +567,14 @@ class Word(Node):
     text: str
 
 
-SettingValue = Quantity | Pair | ImageSize | Call | Word
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Quoted(Node):
+    """A name in quotation marks, as one that has other signs than letters, digits and `_` must be."""
+
+    text: str
+
+
+SettingValue = Quantity | Pair | ImageSize | Call | Word | Quoted
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
