@@ -42,14 +42,13 @@ def draw_picture(job: Job, actions: Sequence[int], expected: Forecast, path: Pat
     rows = _rows(job, expected.marginals, factored)
     slots = [slot for slot, _ in rows]
     counts = _counts(job, expected, factored)
-    figure = _figure(
-        2.6 + 0.62 * len(expected.marginals) + 1.6, 2.2 + 0.3 * len(rows) + 1.5 * (counts is not None)
-    )
-    ratios = [max(len(rows), 1) * 0.3, 1.5] if counts is not None else [1]
-    axes = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    heights = [0.3 * max(len(rows), 2)] + [1.5] * (counts is not None)
+    figure = _figure(max(4.2 + 0.62 * len(expected.marginals), 6.5), 2.2 + sum(heights))
+    axes = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     _draw_rows(axes[0], [text for _, text in rows], expected.marginals[:, slots], factored[:, slots])
     if counts is not None:
         _draw_counts(axes[1], *counts)
+    axes[0].set_xlim(-0.5, len(actions) + 0.5)
     labels = [f"{number}. {job.task.actions[action]}" for number, action in enumerate(actions, start=1)]
     axes[-1].set_xticks(
         range(len(actions) + 1),
@@ -104,6 +103,10 @@ def _counts(job: Job, expected: Forecast, factored: Floats) -> tuple[Floats, Flo
 def _draw_rows(axes: Any, labels: Sequence[str], marginals: Floats, factored: Floats) -> None:
     """A band for each literal, from 0 at its lower edge to 1 at its upper."""
     steps = np.arange(len(marginals))
+    if not labels:
+        axes.text(0.5, 0.5, "nothing changes", transform=axes.transAxes, ha="center")
+        axes.set_yticks([])
+        return
     axes.imshow(
         marginals.T,
         cmap=_SHADE,
