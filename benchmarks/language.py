@@ -110,7 +110,7 @@ def main() -> None:
     print(f"{ACTIONS * RULES_EACH} rules in {lines} lines, medians of {rounds} rounds")
     print(f"lark's bare parse         {bare:6.2f} s")
     print(f"our parse and check       {ours:6.2f} s   {ours / bare:.2f} times (goal: at most 4)")
-    starts = cold_start(2 * rounds)
+    starts = cold_start(3 * rounds)
     base = starts["import click, lark"]
     for name, seconds in starts.items():
         print(f"{name:<25} {seconds:6.3f} s   {seconds / base:.2f} times")

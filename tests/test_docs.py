@@ -26,6 +26,7 @@ def commands(page: Path) -> list[list[str]]:
 def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "domains" / "cleaning.nid", tmp_path / "my_cleaning.nid")
+    shutil.copytree(ROOT / "tests" / "conversion" / "kitchen", tmp_path / "kitchen")
     for words in commands(page):
         assert run(words[1:]) == 0, shlex.join(words)
 

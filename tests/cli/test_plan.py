@@ -207,8 +207,21 @@ def test_what_does_not_go_together(capsys: pytest.CaptureFixture[str]) -> None:
         ("--compare", "prada", "--explain"),
         ("--compare", "prada", "--plot", "x.png"),
         ("--evaluate", "push(d1)", "--planner", "prada"),
+        ("--compat", "libprada", "--explain"),
     ):
         assert "do not go together" in said(capsys, *words, code=2)
+
+
+def test_plans_as_libprada_does(capsys: pytest.CaptureFixture[str]) -> None:
+    ours, theirs = data(capsys), data(capsys, "--compat", "libprada")
+    assert ours["plan"] == ["push(d1)", "push(d1)", "push(d2)"]
+    assert ours["value"] == pytest.approx(0.6 + 0.95 * 0.4 * 0.6 + 0.95**2 * 0.1)
+    again = 0.4 - (
+        0.6 * 0.4 + 0.4 * 0.4 * 0.4
+    )  # whether it is shut and the rule applies is independent there
+    assert theirs["plan"] == ["push(d1)", "push(d2)", "push(d1)"]
+    assert theirs["value"] == pytest.approx(0.6 + 0.95 * 0.1 + 0.95**2 * again)
+    assert "not with exact" in said(capsys, "--compat", "libprada", "--planner", "exact", code=2)
 
 
 def test_the_problem_may_ask_for_any_planner(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,7 +25,7 @@ def name_fields() -> list[tuple[type[syntax.Node], str]]:
     nodes = [n for _, n in inspect.getmembers(syntax, inspect.isclass) if issubclass(n, syntax.Node)]
     found = []
     for node in nodes:
-        for field, kind in typing.get_type_hints(node, vars(syntax)).items():
+        for field, kind in typing.get_type_hints(node).items():
             if syntax.Name in parts_of(kind) and (node, field) != (syntax.Group, "names"):
                 found.append((node, field))
     return found

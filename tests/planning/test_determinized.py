@@ -13,6 +13,7 @@ import pytest
 from cleancli.compiler.process import lower_process
 from cleancli.compiler.task import Task, by_time
 from cleancli.compiler.transition import exact_value
+from cleancli.planning import beam
 from cleancli.planning.beam import best_sequence
 from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
 from cleancli.planning.plan import Options, Plan
@@ -70,6 +71,13 @@ def test_a_narrow_beam_finds_no_more_than_a_wide_one(seed: int) -> None:
     values = [worth(task, 4, width) for width in (1, 5, 10_000)]
     assert max(values) == values[-1]
     assert values[0] >= -1e-12
+
+
+def test_a_search_without_room_ends_with_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = replace(all_outcomes(domains.costly_task(2))[0], horizon=4)
+    whole = worth(task, 4, 10_000)
+    monkeypatch.setattr(beam, "EDGE_LIMIT", 40)
+    assert 0.0 < worth(task, 4, 10_000) <= whole
 
 
 def test_the_likeliest_outcome_misleads() -> None:

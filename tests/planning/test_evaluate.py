@@ -121,7 +121,7 @@ def test_each_step_is_expected_to_do_what_the_distribution_says(seed: int) -> No
 def test_marginals_and_the_factored_belief_of_each_step(seed: int) -> None:
     task, actions = case(seed)
     marginals = forecast(prepare(task), actions, seed).marginals
-    factored = plan_beliefs(prepare(task), actions, Options())
+    factored = plan_beliefs(prepare(task), actions, reference.CUT)
     slots = [(v, x) for v, variable in enumerate(task.variables) for x in range(len(variable.values))]
     belief = reference.initial(task)
     for row, distribution in enumerate(course(task, actions)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -13,9 +14,10 @@ import numpy as np
 import pytest
 
 from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Assignment, Task, by_time
+from cleancli.compiler.task import Assignment, GroundCondition, Task, by_time
 from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
 from cleancli.planning import rational
+from cleancli.planning.forget import forgetful
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prepared import prepare
 from cleancli.planning.reachable import Graph, backward, reachable
@@ -152,3 +154,36 @@ def test_too_many_states_are_refused(arithmetic: str) -> None:
         exact(task, states=10, arithmetic=arithmetic)
     assert refused.value.limit == 10
     assert refused.value.reached > 10
+
+
+def guarded(seed: int) -> Task:
+    """A random task where nothing is asked or paid once variable 0 or 1 has taken its last value."""
+    task = domains.weighted_task(seed)
+    before_last = {v: frozenset(range(len(task.variables[v].values) - 1)) for v in (0, 1)}
+
+    def guard(condition: GroundCondition) -> GroundCondition:
+        literals = dict(condition)
+        literals |= {v: literals.get(v, values) & values for v, values in before_last.items()}
+        return tuple(sorted(literals.items()))
+
+    return replace(
+        task,
+        rules=tuple(replace(rule, condition=guard(rule.condition)) for rule in task.rules),
+        rewards=tuple(replace(reward, condition=guard(reward.condition)) for reward in task.rewards),
+    )
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_forgotten_changes_no_value(seed: int) -> None:
+    task = replace(guarded(seed), horizon=3)
+    for assignment in itertools.product(*(range(len(v.values)) for v in task.variables[:2])):
+        moved = replace(task, initial=(*assignment, *task.initial[2:]))
+        expected = optimum(moved)(moved.initial, 3)
+        assert optimum(forgetful(moved))(forgetful(moved).initial, 3) == pytest.approx(expected)
+        assert exact(moved).value == pytest.approx(expected)
+
+
+def test_a_clean_area_is_the_same_scattered_or_not() -> None:
+    task = domains.task(domains.SECTION_4, "objects { a b c - area } init { dirt(a), dirt(b), scattered(c) }")
+    assert len(graph(task, 3).states) > len(graph(forgetful(task), 3).states) == 6
+    assert exact(task).value == pytest.approx(optimum(task)(task.initial, task.horizon))

@@ -96,6 +96,7 @@ ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
     "simulate": (("domain", 1, domains), ("problem", 1, problems)),
     "execute": (("domain", 1, domains), ("scene", 1, problems)),
     "learn": (("domain", 1, domains), ("experience", -1, None)),
+    "convert": (("files", -1, None),),
 }
 """The arguments of the commands: name, how many values (-1: any), what completes them."""
 

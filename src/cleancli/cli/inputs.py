@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,9 +20,10 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain, Problem
-from cleancli.scene.check import load_scene
-from cleancli.scene.model import Scene
 from cleancli.shipped import find
+
+if TYPE_CHECKING:
+    from cleancli.scene.model import Scene
 
 
 @contextmanager
@@ -49,13 +51,20 @@ def may_include_outside() -> bool:
 def open_scene(name_or_path: str) -> tuple[Source, Scene]:
     """A scene with its text; raises Refused with every mistake found."""
     source = read_source(find(name_or_path, "problems"))
-    return source, load_scene(source)
+    return source, _load_scene(source)
 
 
 def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
     """A problem of the domain, or a scene; raises Refused with every mistake found."""
     source = read_source(find(name_or_path, "problems"))
-    return load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
+    return _load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
+
+
+def _load_scene(source: Source) -> Scene:
+    """Imported here because most files are no scenes, and what scenes are made of takes time to load."""
+    from cleancli.scene.check import load_scene
+
+    return load_scene(source)
 
 
 def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
@@ -72,7 +81,7 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
             checked = checked_domain(source, may_include_outside())
             return checked.diagnostics, checked.sources
         case "scene":
-            load_scene(source)
+            _load_scene(source)
             return (), (source,)
         case _:
             name = domain_named(source).text

@@ -16,7 +16,7 @@ from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart
 from cleancli.language.diagnostics import Refused
-from cleancli.world.physics import MissingPhysics
+from cleancli.world.missing import MissingPhysics
 
 SUMMARIES = {
     "init": "Write a small domain and a problem to start from.",
@@ -30,6 +30,7 @@ SUMMARIES = {
     "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "learn": "Improve a domain's probabilities from recorded experience.",
+    "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
     "lsp": "Serve editors: mistakes while typing, completion, rename.",
 }
 """Subcommands and their line in the help. Each lives in the module of the same name as `command`."""

@@ -36,6 +36,15 @@ from cleancli.shipped import find
 
 _PLANNING = "planning (the first run compiles the planner)"
 
+_APART = (
+    ("planner", "compare", "evaluate"),
+    ("compare", "explain"),
+    ("compare", "plot"),
+    *(("compat", name) for name in ("compare", "evaluate", "explain", "plot")),
+)
+"""Options of which one at most makes sense. What libPRADA grounds has rules that overlap, so its tasks have
+beliefs, but no exact meaning."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Wanted:
@@ -80,6 +89,11 @@ class _Wanted:
     show_default=True,
     help="What discounts later rewards: the number of actions before, or their duration.",
 )
+@click.option(
+    "--compat",
+    type=click.Choice(["libprada"]),
+    help="Ground and plan as libPRADA does, to compare; with prada or aprada.",
+)
 @click.option("--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated.")
 @click.option("--json", "as_data", is_flag=True, help="Print everything as JSON.")
 def command(
@@ -95,6 +109,7 @@ def command(
     time_limit: float | None,
     threads: int | None,
     objective: str,
+    compat: str | None,
     named: tuple[str, ...],
     as_data: bool,
 ) -> None:
@@ -102,9 +117,7 @@ def command(
 
     For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.
     """
-    _refuse_together(planner=planner, compare=compare, evaluate=evaluate)
-    _refuse_together(compare=compare, explain=explain)
-    _refuse_together(compare=compare, plot=plot)
+    _refuse_together()
     check_picture(plot)
     planners = () if compare is None else planners_named(compare)
     seconds: dict[str, float] = {}
@@ -112,9 +125,15 @@ def command(
     sources = (*sources, read_source(find(problem, "problems")))
     model, given, seed = _seen(model, problem, sources, seed, seconds)
     options = planner_options(
-        given, samples=samples, seed=seed, time_limit=time_limit, threads=threads, named=named
+        given,
+        samples=samples,
+        seed=seed,
+        time_limit=time_limit,
+        threads=threads,
+        compat=compat is not None,
+        named=named,
     )
-    planners = planners or (planner_named(planner, given),)
+    planners = planners or (planner_named(planner, given, compat is not None),)
     calls = () if evaluate is None else read_actions(evaluate, model, given)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
@@ -129,11 +148,13 @@ def command(
             _plan(job, planners[0], wanted, seconds)
 
 
-def _refuse_together(**options: object) -> None:
-    """Raises UsageError where more than one of these options is given."""
-    given = [f"--{name}" for name, value in options.items() if value not in (None, False)]
-    if len(given) > 1:
-        raise click.UsageError(f"{given[0]} and {given[1]} do not go together")
+def _refuse_together() -> None:
+    """Raises UsageError where two options are given that do not go together."""
+    given = {name for name, value in click.get_current_context().params.items() if value not in (None, False)}
+    for group in _APART:
+        together = [f"--{name}" for name in group if name in given]
+        if len(together) > 1:
+            raise click.UsageError(f"{together[0]} and {together[1]} do not go together")
 
 
 def _seen(
@@ -159,7 +180,7 @@ def _job(
 ) -> Job:
     """The task for planners, with all the actions that are called by name."""
     with _timed(seconds, "ground"):
-        task = with_calls(ground(model, problem), model, calls)
+        task = with_calls(ground(model, problem, compat=options.compat), model, calls)
         prepared = prepare(by_time(task) if time_discounts else task)
     return Job(model, problem, prepared, options)
 

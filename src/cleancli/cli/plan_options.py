@@ -17,6 +17,9 @@ from cleancli.planning.table import PLANNERS
 OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
 """Fields of `Options` that have an option of their own, or none."""
 
+LIKE_LIBPRADA = ("prada", "aprada")
+"""Planners that know beliefs alone, and so can plan with rules that overlap."""
+
 ALLOWED: Mapping[str, tuple[float, float] | frozenset[str]] = {
     "rule_threshold": (0, 1),
     "margin": (0, math.inf),
@@ -39,6 +42,7 @@ def planner_options(
     seed: int | None = None,
     time_limit: float | None = None,
     threads: int | None = None,
+    compat: bool = False,
     named: Sequence[str] = (),
 ) -> Options:
     """The options; `named` are texts like `rule_threshold=0.05`. Raises BadParameter."""
@@ -48,15 +52,19 @@ def planner_options(
         seed=next(n for n in (seed, problem.seed, usual.seed) if n is not None),
         time_limit=time_limit,
         threads=usual.threads if threads is None else threads,
+        compat=compat,
     )
     for text in named:
         asked = _with(asked, text)
     return asked
 
 
-def planner_named(asked: str | None, problem: Problem) -> str:
-    """The planner that the command line names, or else the problem; raises UsageError for an unknown one."""
+def planner_named(asked: str | None, problem: Problem, compat: bool = False) -> str:
+    """The planner that the command line names, or else the problem; raises UsageError for an unknown one, and
+    for one that cannot do as libPRADA does where that is asked for."""
     name = asked or problem.planner or "prada"
+    if compat and name not in LIKE_LIBPRADA:
+        raise click.UsageError(f"--compat goes with {' or '.join(LIKE_LIBPRADA)}, not with {name}")
     if name not in PLANNERS:
         known = ", ".join(PLANNERS)
         raise click.UsageError(f"the problem asks for the planner `{name}`; there is {known}")

@@ -38,7 +38,7 @@ def check_picture(path: Path | None) -> None:
 
 def draw_picture(job: Job, actions: Sequence[int], expected: Forecast, path: Path) -> None:
     """Write the picture: a row for each literal that changes, and the expected count below."""
-    factored = plan_beliefs(job.prepared, actions, job.options)
+    factored = plan_beliefs(job.prepared, actions, job.options.rule_threshold)
     rows = _rows(job, expected.marginals, factored)
     slots = [slot for slot, _ in rows]
     counts = _counts(job, expected, factored)

@@ -1,7 +1,8 @@
 """Cases: an instance divided by the state until its condition is one conjunction and its effects are known.
 
 Guaranteed by `instances`: conditions hold literals over changeable keys alone. The cases of an instance
-exclude each other, and so do those of its references, so the rules of an action still do (§3.3.2).
+exclude each other, and so do those of its references (but for libPRADA's), so the rules of an action still do
+(§3.3.2).
 """
 
 from __future__ import annotations

@@ -31,17 +31,22 @@ from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.model import Domain, Outcome, OutcomeKind, Problem, Rule
 
 
-def ground(domain: Domain, problem: Problem) -> Task:
-    """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md."""
+def ground(domain: Domain, problem: Problem, *, compat: bool = False) -> Task:
+    """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md.
+
+    `compat` grounds as libPRADA does: each binding of the references is a rule of its own, whether or not
+    others fit too, and rules may overlap (no E603). Such a task is for planners that are asked for the same.
+    """
     universe = Universe(domain, problem)
     _refuse(refuse_too_many(domain, problem, universe))
     conditions = Conditions(universe)
-    reach = Reach(instances(domain, conditions), universe)
+    reach = Reach(instances(domain, conditions, compat=compat), universe)
     cases = _cases(domain, reach, conditions)
     _refuse(_conflicting_effects(domain, cases))
     useful = _without_idle_actions([_simplified(case, reach) for case in cases], domain)
     numbering = Numbering(reach.changing, universe)
-    _refuse(_overlaps(domain, useful, numbering))
+    if not compat:
+        _refuse(_overlaps(domain, useful, numbering))
     rewards = rewards_of(domain, problem, conditions, numbering, reach.known)
     actions = _ground_actions(domain, useful)
     return Task(

@@ -47,15 +47,16 @@ class Instance:
 _NONE: frozenset[Value] = frozenset()
 
 
-def instances(domain: Domain, conditions: Conditions) -> tuple[Instance, ...]:
+def instances(domain: Domain, conditions: Conditions, *, compat: bool = False) -> tuple[Instance, ...]:
     """Every instance whose condition the unchangeable facts do not rule out, by rule and objects.
 
-    Raises `Refused` (E606) where a closure has too many paths.
+    With `compat`, a binding of the references need not be the only one that fits. Raises `Refused` (E606)
+    where a closure has too many paths.
     """
     found: list[Instance] = []
     for index, rule in enumerate(domain.rules):
         try:
-            found += _instances_of(index, rule, conditions)
+            found += _instances_of(index, rule, conditions, compat)
         except ClosureTooLargeError as error:
             raise Refused([closure_refused(error, rule.span, f"in rule `{rule.name}`")]) from None
     return tuple(sorted(found, key=lambda instance: (instance.rule, instance.objects)))
@@ -72,10 +73,10 @@ def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) 
     )
 
 
-def _instances_of(index: int, rule: Rule, conditions: Conditions) -> Iterator[Instance]:
+def _instances_of(index: int, rule: Rule, conditions: Conditions, compat: bool) -> Iterator[Instance]:
     for binding, formula in conditions.extensions(rule.variables, rule.condition, {}):
         objects = tuple([binding[variable] for variable in rule.variables])
-        for bound, whole in _references(rule.references, binding, formula, conditions):
+        for bound, whole in _references(rule.references, binding, formula, conditions, compat):
             changes: list[Changes] = []
             effects: list[StateEffect] = []
             for position, outcome in enumerate(rule.outcomes):
@@ -90,20 +91,20 @@ def _instances_of(index: int, rule: Rule, conditions: Conditions) -> Iterator[In
 
 
 def _references(
-    references: Sequence[Reference], binding: Binding, formula: Formula, conditions: Conditions
+    references: Sequence[Reference], binding: Binding, formula: Formula, conditions: Conditions, compat: bool
 ) -> Iterator[tuple[Binding, Formula]]:
-    """Every binding of the references, with the condition that each alone fits where it is the answer."""
+    """Every binding of the references, with the condition that it fits, and alone unless `compat`."""
     if not references:
         yield binding, formula
         return
     first, *others = references
     fitting = list(conditions.extensions(first.variables, first.condition, binding))
     for index, (extended, fits) in enumerate(fitting):
-        rivals = (rival for place, (_, rival) in enumerate(fitting) if place != index)
+        rivals = (rival for place, (_, rival) in enumerate(fitting) if place != index and not compat)
         alone = (negation(rival, conditions.all_values) for rival in rivals)
         whole = conjunction((formula, fits, *alone))
         if whole is not None:
-            yield from _references(others, extended, whole, conditions)
+            yield from _references(others, extended, whole, conditions, compat)
 
 
 def _effects(

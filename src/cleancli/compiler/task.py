@@ -2,7 +2,8 @@
 
 Guaranteed by `ground`: everything is sorted; a variable is a symbol's value for some objects that at least
 one outcome can change (all others were decided when grounding); rules of one action exclude each other, so at
-most one covers a state (§3.3.2); an action is listed only if some rule of it can change something.
+most one covers a state (§3.3.2), unless they were grounded as libPRADA does; an action is listed only if some
+rule of it can change something.
 """
 
 from __future__ import annotations

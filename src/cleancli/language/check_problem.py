@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from itertools import product
 
 from cleancli.language import syntax
@@ -34,7 +34,7 @@ from cleancli.language.model import (
 from cleancli.language.planner_options import PlannerOptions, check_planner
 from cleancli.language.reachable import warn_impossible
 
-_SECTIONS = {
+_SECTIONS: Mapping[type[syntax.Node], str] = {
     syntax.DomainName: "domain",
     syntax.Objects: "objects",
     syntax.Init: "init",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 from cleancli.language import syntax
 from cleancli.language.declarations import Declarations, read_variables
@@ -22,10 +21,10 @@ from cleancli.language.model import (
     Variable,
 )
 from cleancli.language.overlap import negated
+from cleancli.language.record import Record
 
 
-@dataclass(frozen=True, slots=True)
-class Scope:
+class Scope(Record):
     """What a name may mean at one place: everything declared, the objects, and the variables bound there."""
 
     declared: Declarations

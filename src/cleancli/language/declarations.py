@@ -16,7 +16,7 @@ from cleancli.language.model import Action, DerivedPredicate, Object, Parameter,
 
 _T = TypeVar("_T")
 
-SECTIONS = {
+SECTIONS: Mapping[type[syntax.Node], str] = {
     syntax.Include: "include",
     syntax.Types: "types",
     syntax.Constants: "constants",

@@ -6,9 +6,10 @@ import enum
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from cleancli.language.record import Record
 
-@dataclass(frozen=True, slots=True)
-class Source:
+
+class Source(Record):
     """A text and the name its messages go by (a path, or `<stdin>`)."""
 
     path: str
@@ -31,8 +32,7 @@ class Level(enum.Enum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
+class Diagnostic(Record):
     """One mistake: a stable code (docs/diagnostics.md), a message, its place and a way out."""
 
     code: str

@@ -21,6 +21,7 @@ from pathlib import Path
 import lark
 from lark import Lark
 
+from cleancli.language.lexer import ContextLexer
 from cleancli.shipped import shipped
 
 _DIGEST = hashlib.sha256
@@ -33,7 +34,9 @@ def grammar() -> Lark:
     path = _path(text)
     parser = None if path is None else read_cached(path)
     if parser is None:
-        parser = Lark(text, parser="lalr", propagate_positions=True, maybe_placeholders=True)
+        parser = Lark(
+            text, parser="lalr", lexer=ContextLexer, propagate_positions=True, maybe_placeholders=True
+        )
         if path is not None:
             write_cached(path, parser)
     return parser
@@ -41,7 +44,7 @@ def grammar() -> Lark:
 
 def _path(text: str) -> Path | None:
     """Where the parser of this grammar is kept; None without a folder for it."""
-    made_from = "\0".join([text, lark.__version__, sys.version, "1"])
+    made_from = "\0".join([text, lark.__version__, sys.version, "2"])
     name = f"nid-{_DIGEST(made_from.encode()).hexdigest()[:16]}.parser"
     named = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
     try:

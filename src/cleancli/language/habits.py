@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from cleancli.language.record import Record
 
 _CHARACTERS = {
     "!": "write `not` before a predicate, `!=` between two terms",
@@ -55,8 +56,7 @@ _LISTS = {
 """What the lists of PDDL are here, by their first word."""
 
 
-@dataclass(frozen=True, slots=True)
-class Misplaced:
+class Misplaced(Record):
     """A token that cannot stand where it does.
 
     `kind` is its terminal and `accepted` are the terminals that could stand there; `before` is the text in

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from cleancli.language.diagnostics import Span
+from cleancli.language.record import Record
 
 Value = bool | int | str
 """A value of a symbol: a truth value of a predicate, a named value or an integer of a function."""
@@ -37,16 +38,14 @@ class Object:
 Term = Variable | Object
 
 
-@dataclass(frozen=True, slots=True)
-class Type:
+class Type(Record):
     """A declared type; `parent` is None at a root."""
 
     name: str
     parent: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(Record):
     """A declared predicate (`values` is (False, True)) or function (its values in rising order).
 
     Values are all names, or consecutive integers. `static`: no rule may change it.
@@ -88,8 +87,7 @@ class Equality:
     equal: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Quantified:
+class Quantified(Record):
     """Holds where some binding of `variables` satisfies the conjunction (`exists`), or none does.
 
     `forall ?x - t: guard => literal` is read as: no binding satisfies the guard and the literal's opposite.
@@ -104,8 +102,7 @@ Condition = tuple[Literal | Equality | Quantified, ...]
 """A conjunction; empty means true."""
 
 
-@dataclass(frozen=True, slots=True)
-class DerivedPredicate:
+class DerivedPredicate(Record):
     """A predicate that follows from others: it holds where `condition` does, or is the transitive closure of
     the predicate of two parameters that `closure` names. Definitions are not cyclic."""
 
@@ -115,16 +112,14 @@ class DerivedPredicate:
     closure: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(Record):
     """A deictic reference: the rule applies only where exactly one binding of the variables fits."""
 
     variables: tuple[Variable, ...]
     condition: tuple[Literal | Equality, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Assign:
+class Assign(Record):
     """An effect: the symbol takes `value` for these terms."""
 
     symbol: str
@@ -132,8 +127,7 @@ class Assign:
     value: Value
 
 
-@dataclass(frozen=True, slots=True)
-class Shift:
+class Shift(Record):
     """An effect: an integer function rises by `amount` (falls, if negative), but not beyond its bounds."""
 
     symbol: str
@@ -141,8 +135,7 @@ class Shift:
     amount: int
 
 
-@dataclass(frozen=True, slots=True)
-class ForAll:
+class ForAll(Record):
     """An effect on every binding of `variables` that satisfies `condition` before the action."""
 
     variables: tuple[Variable, ...]
@@ -158,8 +151,7 @@ class OutcomeKind(enum.Enum):
     NOISE = "noise"
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Record):
     """One possible result of a rule.
 
     `probability_span` covers the probability's own token, `weight_span` that token with its
@@ -180,8 +172,7 @@ class Outcome:
     weight_span: Span | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(Record):
     """A probabilistic rule for one action (§3.3.2); `variables` are the action's, as the rule names them."""
 
     name: str
@@ -193,8 +184,7 @@ class Rule:
     span: Span | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(Record):
     """A probability that outcomes share by its name; the other fields are as in `Outcome`."""
 
     name: str
@@ -206,8 +196,7 @@ class Parameter:
     weight_span: Span | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Action:
+class Action(Record):
     """A declared action; `duration` in seconds of robot time, None where the file does not say; `cost` is in
     units of reward."""
 
@@ -217,8 +206,7 @@ class Action:
     cost: Fraction = Fraction(0)
 
 
-@dataclass(frozen=True, slots=True)
-class Count:
+class Count(Record):
     """A derived number: how many bindings of `variables` satisfy `condition`."""
 
     name: str
@@ -236,8 +224,7 @@ class RewardKind(enum.Enum):
     COST = "cost"
 
 
-@dataclass(frozen=True, slots=True)
-class RewardTerm:
+class RewardTerm(Record):
     """A share of the reward: `weight` times what `kind` says; `count` is named for the first two kinds."""
 
     weight: Fraction
@@ -245,8 +232,7 @@ class RewardTerm:
     count: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Domain:
+class Domain(Record):
     """A whole domain, in the order of the file, what it includes first; `reward` is the sum of its terms."""
 
     name: str
@@ -285,16 +271,14 @@ State = frozenset[Fact]
 """Closed world: a predicate that is not listed is false; a function lists its value for every binding."""
 
 
-@dataclass(frozen=True, slots=True)
-class Horizon:
+class Horizon(Record):
     """Plan length: `constant`, plus the value of `count` in the initial state where one is named (§4.2.2)."""
 
     constant: int
     count: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Problem:
+class Problem(Record):
     """What to plan for; `objects` are the problem's own, without the constants of the domain it names.
 
     An empty `goal` is none. `planner`, `samples` and `seed` are what the file asks for, None where it does

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from cleancli.language.diagnostics import Diagnostic, Source, Span
 from cleancli.language.lines import Lines
+from cleancli.language.record import Record
 
 _TOKEN = re.compile(r'#[^\r\n]*|"[^"\r\n]*"|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]')
 _DEEPEST = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(Record):
     """A section of the file: `name` is the first word of its header, [start, end) reaches from there past the
     closing brace; an unclosed one ends where the next begins."""
 
@@ -22,8 +22,7 @@ class Block:
     end: int
 
 
-@dataclass(frozen=True, slots=True)
-class Outline:
+class Outline(Record):
     """The sections inside the file's one block; `body` is the text up to where that block ends, with the
     sections blanked that are not closed, and with a closing brace added where it is missing."""
 

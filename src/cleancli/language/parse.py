@@ -11,7 +11,6 @@ import gc
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import cast
 
 from lark import UnexpectedInput
@@ -21,6 +20,7 @@ from cleancli.language.build import Builder
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.grammar import grammar
 from cleancli.language.outline import Block, blank, outline
+from cleancli.language.record import Record
 from cleancli.language.syntax import Root
 from cleancli.language.syntax_errors import Reader
 
@@ -30,8 +30,7 @@ _SETTING = re.compile(r"\binclude\b|\w+(?=\s*[=:])")
 """What can stand between the sections of a file."""
 
 
-@dataclass(frozen=True, slots=True)
-class Parsed:
+class Parsed(Record):
     """What could be read of a text. `broken` names the sections that were left out because of mistakes (by
     the first word of their headers); `root` is None where not even the outermost block could be read."""
 

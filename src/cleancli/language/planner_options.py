@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from cleancli.language import syntax
 from cleancli.language.findings import Findings
+from cleancli.language.record import Record
 
 _KEYS = ("name", "samples", "seed")
 _MOST = {"samples": 10_000_000, "seed": 2**32 - 1}
 
 
-@dataclass(frozen=True, slots=True)
-class PlannerOptions:
+class PlannerOptions(Record):
     """What a problem asks of the planner, None where it does not; names of planners are not known here."""
 
     name: str | None = None

@@ -44,7 +44,7 @@ class Evaluation:
 def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, runs: int = RUNS) -> Evaluation:
     """The value of doing all the actions, given by index, and then nothing up to the horizon."""
     return Evaluation(
-        plan_value(prepared.task, actions, rule_threshold=options.rule_threshold, compat=options.compat),
+        plan_value(prepared.task, actions, rule_threshold=options.rule_threshold),
         exact(prepared, actions),
         sampled(prepared, actions, options.seed, runs),
     )

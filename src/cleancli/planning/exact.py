@@ -7,8 +7,10 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.process import Process, lower_process
+from cleancli.compiler.task import Assignment, Task
 from cleancli.planning.course import Choose, course_plan, likeliest_course
+from cleancli.planning.forget import forgetful
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.rational import optimum
@@ -19,28 +21,27 @@ def exact(prepared: Prepared, options: Options) -> Plan:
 
     Raises `TooManyStatesError` where more than `options.states` states can be reached within the horizon.
     """
-    task = prepared.task
     times = [time.perf_counter()]
+    task = forgetful(prepared.task)
     if options.arithmetic == "rational":
-        times *= 3
+        times += [time.perf_counter()] * 2
         fraction, choose = optimum(task, options.states)
         value = float(fraction)
     else:
-        process = prepared.process
+        process = lower_process(task)
         times.append(time.perf_counter())
         module = _reachable()
         # Makes numba load or compile what it will run.
         module.backward(module.reachable(process, task.initial, module.EDGE_LIMIT, 1), process, 1.0, 1)
         times.append(time.perf_counter())
-        value, choose = _optimum(prepared, options.states)
+        value, choose = _optimum(task, process, options.states)
     course = likeliest_course(task, choose)
     return course_plan("exact", task, course, value, times=[*times, time.perf_counter()])
 
 
-def _optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
+def _optimum(task: Task, process: Process, limit: int) -> tuple[float, Choose]:
     """The optimal value of the initial state, and the policy."""
-    module, task, process = _reachable(), prepared.task, prepared.process
-    horizon = max(task.horizon, 0)
+    module, horizon = _reachable(), max(task.horizon, 0)
     enumeration = module.Enumeration(process, task.initial, limit)
     if not enumeration.reach(horizon):
         raise TooManyStatesError(enumeration.number, limit)

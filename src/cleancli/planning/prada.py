@@ -74,12 +74,11 @@ def plan_value(
     return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0])
 
 
-def plan_beliefs(prepared: Prepared, actions: Sequence[int], options: Options) -> Floats:
+def plan_beliefs(prepared: Prepared, actions: Sequence[int], rule_threshold: float) -> Floats:
     """PRADA's factored belief before the first action and after each: the probability of each value of each
     variable (actions + 1, S)."""
-    tables = lower(prepared.task, independent=True) if options.compat else prepared.tables
     found: Floats = _inference().beliefs(
-        tables, prepared.task.initial, actions, threshold=options.rule_threshold
+        prepared.tables, prepared.task.initial, actions, threshold=rule_threshold
     )
     return found
 

@@ -20,7 +20,7 @@ def uct(prepared: Prepared, options: Options) -> Plan:
     """
     times = [time.perf_counter()]
     task = prepared.task
-    prepared.process  # noqa: B018 (is made when first asked for)
+    _ = prepared.process  # is made when first asked for
     times.append(time.perf_counter())
     search = _tree().Search(prepared, options.exploration, options.seed)
     search.run(1)  # makes numba load or compile what it will run

@@ -8,13 +8,7 @@ from functools import partial
 from typing import Any
 
 from cleancli.world import parameters as par
-
-
-class MissingPhysics(Exception):
-    """pybullet isn't installed, so there is no table to simulate."""
-
-    def __init__(self) -> None:
-        super().__init__("the simulated table needs pybullet: pip install cleancli[physics]")
+from cleancli.world.missing import MissingPhysics
 
 
 class Engine:

@@ -1,0 +1,62 @@
+"""The texts of a converted domain and problem, with comments that say where each part is from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from cleancli.conversion.rules import Translated
+from cleancli.language.diagnostics import Source
+from cleancli.language.format import print_domain, print_problem
+from cleancli.language.layout import layout
+from cleancli.language.model import Domain, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Remarks:
+    """What comments tell: the files, the predicates that functions stand for, the rules, and notes."""
+
+    rules: Source
+    state: Source
+    symbols: Source
+    functions: Mapping[str, tuple[str, ...]]
+    translated: tuple[Translated, ...]
+    notes: tuple[str, ...]
+
+
+def domain_text(domain: Domain, remarks: Remarks) -> str:
+    """The domain, laid out."""
+    rules, symbols = Path(remarks.rules.path).name, Path(remarks.symbols.path).name
+    head = [f"Converted from libPRADA's {rules} and {symbols} by `cleancli convert`.", *remarks.notes]
+    above: dict[str, tuple[str, ...]] = {
+        f"    {name}(": (f"at most one held for each object: {', '.join(members)}",)
+        for name, members in remarks.functions.items()
+    }
+    for each in remarks.translated:
+        if each.rule is not None:
+            above[f"  rule {each.rule.name}:"] = (f"{rules}, line {each.line}", *each.remarks)
+    return layout(_commented(print_domain(domain), head, above))
+
+
+def problem_text(problem: Problem, remarks: Remarks) -> str:
+    """The problem, laid out."""
+    head = [f"Converted from libPRADA's {Path(remarks.state.path).name} by `cleancli convert`."]
+    return layout(_commented(print_problem(problem), head, {}))
+
+
+def _commented(text: str, head: Iterable[str], above: Mapping[str, tuple[str, ...]]) -> str:
+    """The text with comments at its head, and above the first line that begins with each key."""
+    waiting = dict(above)
+    lines = [f"# {_plain(line)}" for line in head] + [""]
+    for line in text.splitlines():
+        for key in [key for key in waiting if line.startswith(key)]:
+            indent = key[: len(key) - len(key.lstrip())]
+            lines += [f"{indent}# {_plain(remark)}" for remark in waiting.pop(key)]
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def _plain(remark: str) -> str:
+    """Names of files may hold anything."""
+    return " ".join(remark.split())

@@ -1,0 +1,63 @@
+"""Settings, and the sections of a scene, which are made of them."""
+
+from __future__ import annotations
+
+from cleancli.language.syntax.node import Node
+from cleancli.language.syntax.words import Name, Number, Quantity
+
+
+class Pair(Node):
+    """`(x, y)`."""
+
+    x: Quantity
+    y: Quantity
+
+
+class ImageSize(Node):
+    """`width x height`."""
+
+    width: Number
+    height: Number
+
+
+class Call(Node):
+    """`name(numbers)`."""
+
+    name: Name
+    arguments: tuple[Number, ...]
+
+
+class Word(Node):
+    """A name as a value."""
+
+    text: str
+
+
+class Quoted(Node):
+    """A name in quotation marks, as one that has other signs than letters, digits and `_` must be."""
+
+    text: str
+
+
+SettingValue = Quantity | Pair | ImageSize | Call | Word | Quoted
+
+
+class Setting(Node):
+    """`key = value`."""
+
+    key: Name
+    value: SettingValue
+
+
+class Section(Node):
+    """`name { entries }`."""
+
+    name: Name
+    entries: tuple[Setting | Section, ...]
+
+
+class SceneNode(Node):
+    """A whole scene."""
+
+    name: Name
+    entries: tuple[Setting | Section, ...]

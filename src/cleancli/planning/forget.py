@@ -1,0 +1,82 @@
+"""A task that forgets what no longer matters, so that fewer states tell the same.
+
+A cleaned area still has a size, which no rule and no reward asks for as long as it is clean. If it stays so,
+states that differ in that size alone are worth the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from cleancli.compiler.task import GroundCondition, Task
+
+
+def forgetful(task: Task) -> Task:
+    """The same task, with the same actions and values, where what has lost its meaning for good takes its
+    first value.
+
+    A variable has lost it where all conditions that ask for it also ask another one for values that it can
+    never take again.
+    """
+    forgotten = _forgotten(task)
+
+    def forget(effects: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
+        kept: set[int] = set()
+        lost: set[int] = set()
+        for guard, value in effects:
+            if guard not in lost:  # two that guard each other can't both be forgotten
+                found = set(forgotten.get((guard, value), ())) - kept
+                kept |= {guard} if found else set()
+                lost |= found
+        return tuple(sorted((dict(effects) | dict.fromkeys(lost, 0)).items()))
+
+    rules = tuple(
+        replace(rule, outcomes=tuple(replace(o, effects=forget(o.effects)) for o in rule.outcomes))
+        for rule in task.rules
+    )
+    initial = dict(forget(tuple(enumerate(task.initial))))
+    return replace(task, rules=rules, initial=tuple(initial[v] for v in range(len(task.variables))))
+
+
+def _forgotten(task: Task) -> dict[tuple[int, int], list[int]]:
+    """For a variable and its value the variables that lose their meaning when it takes the value."""
+    conditions = [*(rule.condition for rule in task.rules), *(reward.condition for reward in task.rewards)]
+    asking: list[list[GroundCondition]] = [[] for _ in task.variables]
+    for condition in conditions:
+        for variable, _ in condition:
+            asking[variable].append(condition)
+    later = [_later(task, variable) for variable in range(len(task.variables))]
+    forgotten: dict[tuple[int, int], list[int]] = {}
+    for lost, own in enumerate(asking):
+        for guard, wanted in _common(own).items():
+            for value, values in enumerate(later[guard]):
+                if guard != lost and not values & wanted:
+                    forgotten.setdefault((guard, value), []).append(lost)
+    return forgotten
+
+
+def _common(conditions: Sequence[GroundCondition]) -> dict[int, frozenset[int]]:
+    """The variables that all conditions ask for, with all values that one of them allows."""
+    if not conditions:
+        return {}
+    literals = [dict(condition) for condition in conditions]
+    shared = set(literals[0]).intersection(*literals)
+    return {variable: frozenset().union(*(own[variable] for own in literals)) for variable in sorted(shared)}
+
+
+def _later(task: Task, variable: int) -> list[frozenset[int]]:
+    """For each value of a variable those that it may have from then on."""
+    steps: list[set[int]] = [{value} for value in range(len(task.variables[variable].values))]
+    for rule in task.rules:
+        given = dict(rule.condition).get(variable, range(len(steps)))
+        for outcome in rule.outcomes:
+            for changed, value in outcome.effects:
+                if changed == variable and outcome.probability:
+                    for before in given:
+                        steps[before].add(value)
+    for middle in range(len(steps)):
+        for before in range(len(steps)):
+            if middle in steps[before]:
+                steps[before] |= steps[middle]
+    return [frozenset(values) for values in steps]

@@ -1,0 +1,10 @@
+"""What is raised without a physics engine, in a module that loads nothing: every command catches it."""
+
+from __future__ import annotations
+
+
+class MissingPhysics(Exception):
+    """pybullet isn't installed, so there is no table to simulate."""
+
+    def __init__(self) -> None:
+        super().__init__("the simulated table needs pybullet: pip install cleancli[physics]")
