@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from dataclasses import FrozenInstanceError, dataclass, field, fields, replace
 
 import pytest
@@ -77,3 +79,10 @@ def test_nothing_can_be_changed() -> None:
 
 def test_what_is_shown() -> None:
     assert repr(Made("a", (1,), place=1)) == "Made(name='a', parts=(1,))"
+
+
+def test_copies_and_pickles_are_equal_in_all_fields() -> None:
+    made = Made("a", (1,), "seen", place=1)
+    for other in (copy.deepcopy(made), pickle.loads(pickle.dumps(made))):
+        assert other == made
+        assert (other.note, other.place) == ("seen", 1)

@@ -17,7 +17,6 @@ from cleancli.compiler.process import lower_process
 from cleancli.compiler.task import Assignment, GroundCondition, Task, by_time
 from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
 from cleancli.planning import rational
-from cleancli.planning.forget import forgetful
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prepared import prepare
 from cleancli.planning.reachable import Graph, backward, reachable
@@ -179,11 +178,13 @@ def test_what_is_forgotten_changes_no_value(seed: int) -> None:
     for assignment in itertools.product(*(range(len(v.values)) for v in task.variables[:2])):
         moved = replace(task, initial=(*assignment, *task.initial[2:]))
         expected = optimum(moved)(moved.initial, 3)
-        assert optimum(forgetful(moved))(forgetful(moved).initial, 3) == pytest.approx(expected)
+        assert optimum(prepare(moved).forgetful.task)(
+            prepare(moved).forgetful.task.initial, 3
+        ) == pytest.approx(expected)
         assert exact(moved).value == pytest.approx(expected)
 
 
 def test_a_clean_area_is_the_same_scattered_or_not() -> None:
     task = domains.task(domains.SECTION_4, "objects { a b c - area } init { dirt(a), dirt(b), scattered(c) }")
-    assert len(graph(task, 3).states) > len(graph(forgetful(task), 3).states) == 6
+    assert len(graph(task, 3).states) > len(graph(prepare(task).forgetful.task, 3).states) == 6
     assert exact(task).value == pytest.approx(optimum(task)(task.initial, task.horizon))

@@ -58,6 +58,10 @@ class Record(metaclass=_RecordType):
     def __hash__(self) -> int:
         return hash((type(self), self._values()))
 
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """For other processes and copies, which could not set what is frozen."""
+        return type(self), tuple([getattr(self, name) for name in type(self)._fields])
+
     def __repr__(self) -> str:
         shown = (f"{name}={getattr(self, name)!r}" for name in type(self)._compared)
         return f"{type(self).__name__}({', '.join(shown)})"

@@ -7,13 +7,11 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.process import Process, lower_process
-from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.task import Assignment
+from cleancli.planning import rational
 from cleancli.planning.course import Choose, course_plan, likeliest_course
-from cleancli.planning.forget import forgetful
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prepared import Prepared
-from cleancli.planning.rational import optimum
 
 
 def exact(prepared: Prepared, options: Options) -> Plan:
@@ -22,25 +20,27 @@ def exact(prepared: Prepared, options: Options) -> Plan:
     Raises `TooManyStatesError` where more than `options.states` states can be reached within the horizon.
     """
     times = [time.perf_counter()]
-    task = forgetful(prepared.task)
+    known = prepared.forgetful
     if options.arithmetic == "rational":
         times += [time.perf_counter()] * 2
-        fraction, choose = optimum(task, options.states)
+        fraction, choose = rational.optimum(known.task, options.states)
         value = float(fraction)
     else:
-        process = lower_process(task)
+        _ = known.process
         times.append(time.perf_counter())
-        module = _reachable()
-        # Makes numba load or compile what it will run.
-        module.backward(module.reachable(process, task.initial, module.EDGE_LIMIT, 1), process, 1.0, 1)
+        load(known)
         times.append(time.perf_counter())
-        value, choose = _optimum(task, process, options.states)
-    course = likeliest_course(task, choose)
-    return course_plan("exact", task, course, value, times=[*times, time.perf_counter()])
+        value, choose = optimum(known, options.states)
+    course = likeliest_course(known.task, choose)
+    return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
 
 
-def _optimum(task: Task, process: Process, limit: int) -> tuple[float, Choose]:
-    """The optimal value of the initial state, and the policy."""
+def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
+    """The optimal value of the present state, and the policy.
+
+    Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
+    """
+    task, process = prepared.task, prepared.process
     module, horizon = _reachable(), max(task.horizon, 0)
     enumeration = module.Enumeration(process, task.initial, limit)
     if not enumeration.reach(horizon):
@@ -53,6 +53,12 @@ def _optimum(task: Task, process: Process, limit: int) -> tuple[float, Choose]:
         return int(action) if action >= 0 else None
 
     return float(values[0, 0]), choose
+
+
+def load(prepared: Prepared) -> None:
+    """Makes numba load or compile what `optimum` runs."""
+    module, process = _reachable(), prepared.process
+    module.backward(module.reachable(process, prepared.task.initial, module.EDGE_LIMIT, 1), process, 1.0, 1)
 
 
 def _reachable() -> ModuleType:

@@ -6,15 +6,18 @@ states that differ in that size alone are worth the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from cleancli.compiler.task import GroundCondition, Task
+from cleancli.compiler.task import Assignment, GroundCondition, Task
+
+Forget = Callable[[Assignment], Assignment]
+"""A state with what has lost its meaning in it forgotten."""
 
 
-def forgetful(task: Task) -> Task:
+def forgetting(task: Task) -> tuple[Task, Forget]:
     """The same task, with the same actions and values, where what has lost its meaning for good takes its
-    first value.
+    first value; and how to say so of a state from which it starts (that of the task is as it was).
 
     A variable has lost it where all conditions that ask for it also ask another one for values that it can
     never take again.
@@ -35,8 +38,11 @@ def forgetful(task: Task) -> Task:
         replace(rule, outcomes=tuple(replace(o, effects=forget(o.effects)) for o in rule.outcomes))
         for rule in task.rules
     )
-    initial = dict(forget(tuple(enumerate(task.initial))))
-    return replace(task, rules=rules, initial=tuple(initial[v] for v in range(len(task.variables))))
+
+    def forget_state(assignment: Assignment) -> Assignment:
+        return tuple(value for _, value in forget(tuple(enumerate(assignment))))
+
+    return replace(task, rules=rules), forget_state
 
 
 def _forgotten(task: Task) -> dict[tuple[int, int], list[int]]:

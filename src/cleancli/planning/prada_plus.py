@@ -13,9 +13,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import ModuleType
 
-from cleancli.compiler.task import Assignment
+from cleancli.planning import exact
 from cleancli.planning.course import course_plan, likeliest_course
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prada import prada
 from cleancli.planning.prepared import Prepared
 
@@ -41,11 +41,11 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
     A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
     """
     task, times = prepared.task, [time.perf_counter()]
-    _ = prepared.tables, prepared.process
+    _ = prepared.tables, prepared.process, prepared.forgetful.process
     times.append(time.perf_counter())
     _load(prepared)
     times.append(time.perf_counter())
-    solved = _solved(prepared, options.solve)
+    solved = _solved(prepared, options.solve) if options.solve else None
     if solved is not None:
         course, value = solved
         times.append(time.perf_counter())
@@ -60,18 +60,12 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
 
 def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
     """The likeliest course and the value of the best policy; None where more states can be reached."""
-    task, reachable = prepared.task, _reachable()
-    graph = reachable.reachable(prepared.process, task.initial, limit, max(task.horizon, 0))
-    if graph is None:
+    known = prepared.forgetful
+    try:
+        value, choose = exact.optimum(known, limit)
+    except TooManyStatesError:
         return None
-    values, best = reachable.backward(graph, prepared.process, task.discount, max(task.horizon, 0))
-    number = {tuple(state): index for index, state in enumerate(graph.states.tolist())}
-
-    def choose(step: int, state: Assignment) -> int | None:
-        action = int(best[step, number[state]])
-        return None if action < 0 else action
-
-    return likeliest_course(task, choose), float(values[0, 0])
+    return likeliest_course(known.task, choose), value
 
 
 def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[list[Actions], int]:
@@ -122,7 +116,7 @@ def _load(prepared: Prepared) -> None:
     """Makes numba load or compile what will run."""
     _annealing().chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1))
-    _solved(prepared.at(prepared.task.initial, 0), 1)
+    exact.load(prepared.forgetful)
 
 
 def _annealing() -> ModuleType:
@@ -130,10 +124,3 @@ def _annealing() -> ModuleType:
     from cleancli.planning import annealing
 
     return annealing
-
-
-def _reachable() -> ModuleType:
-    """The one place that loads numba for exact solutions."""
-    from cleancli.planning import reachable
-
-    return reachable

@@ -8,6 +8,7 @@ from functools import cached_property
 from cleancli.compiler.process import Process, lower_process
 from cleancli.compiler.tables import Tables, lower
 from cleancli.compiler.task import Assignment, Task, in_state
+from cleancli.planning.forget import Forget, forgetting
 
 
 class _Arrays:
@@ -23,6 +24,11 @@ class _Arrays:
     @cached_property
     def process(self) -> Process:
         return lower_process(self._task)
+
+    @cached_property
+    def forgetful(self) -> tuple[_Arrays, Task, Forget]:
+        task, forget = forgetting(self._task)
+        return _Arrays(task), task, forget
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +47,13 @@ class Prepared:
     def process(self) -> Process:
         """For exact states."""
         return self._arrays.process
+
+    @property
+    def forgetful(self) -> Prepared:
+        """The same, with what has lost its meaning forgotten, so that fewer states can be reached."""
+        arrays, task, forget = self._arrays.forgetful
+        initial = forget(self.task.initial)
+        return Prepared(replace(task, initial=initial, horizon=self.task.horizon), arrays)
 
     def at(self, assignment: Assignment, horizon: int | None = None) -> Prepared:
         """The task in another state, with the horizon that it has there unless one is given."""
