@@ -95,7 +95,7 @@ def echo_evaluation(
     error = f"± {found.sampled.error:.4f} (standard error), {found.sampled.runs} runs"
     table.add_row("sampled", f"{found.sampled.value:.4f}", error)
     print_table(table)
-    click.echo(f"{len(actions)} actions, horizon {job.task.horizon}")
+    click.echo(f"{len(actions)} action{'s' * (len(actions) != 1)}, horizon {job.task.horizon}")
 
 
 def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
@@ -107,6 +107,7 @@ def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
     table = plain_table(
         "planner", "first action", "actions", "own value", "which is", "true value", "seconds", left=2
     )
+    table.columns[1].overflow = "fold"
     table.columns[4].justify = table.columns[5].justify = "left"
     for row in rows:
         if row.plan is None:

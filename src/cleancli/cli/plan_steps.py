@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from rich.table import Table
 
 from cleancli.cli.plan_job import Job
@@ -15,30 +17,35 @@ SHOWN = 3
 
 
 def steps_table(job: Job, expected: Forecast) -> Table:
-    """A row a step, its likeliest results below each other."""
-    table = plain_table("step", "covered", "by", "reward", "left", "what is likely to happen", left=0)
-    for column in (2, 5):
+    """A row for each likely result of each step; the first also says what is expected of the step."""
+    table = plain_table("step", "covered", "by", "reward", "left", "chance", "what may happen")
+    for column in (2, 6):
         table.columns[column].justify = "left"
-    table.columns[0].justify = "left"
     if expected.remaining is not None:
-        table.add_row("start", "", "", "", f"{expected.remaining:.3f}", "")
+        table.add_row("start", "", "", "", f"{expected.remaining:.3f}", "", "")
     for number, step in enumerate(expected.steps, start=1):
-        results = step.results[:SHOWN]
-        lines = [f"{_chance(result.probability)} {_text(job, result)}" for result in results]
-        other = sum(result.probability for result in step.results[SHOWN:])
-        if other > 0:
-            lines.append(f"{_chance(other)} other")
-        if step.covered < 1 - 1e-9:
-            lines.append(f"{_chance(1 - step.covered)} no rule covers it")
-        rules = [name if step.covered == p else f"{_chance(p)} {name}" for name, p in _rules(job, step)] or [
-            "none"
-        ]
-        left = "" if step.remaining is None else f"{step.remaining:.3f}"
         action = f"{number}. {job.task.actions[step.action]}"
-        table.add_row(
-            action, _chance(step.covered), "\n".join(rules), f"{step.reward:.3f}", left, "\n".join(lines)
-        )
+        left = "" if step.remaining is None else f"{step.remaining:.3f}"
+        rows = itertools.zip_longest(_covering(job, step), _likely(job, step), fillvalue=None)
+        for index, (rule, result) in enumerate(rows):
+            head = (action, _chance(step.covered)) if index == 0 else ("", "")
+            numbers = (f"{step.reward:.3f}", left) if index == 0 else ("", "")
+            table.add_row(*head, rule or "", *numbers, *(result or ("", "")))
     return table
+
+
+def _covering(job: Job, step: Step) -> list[str]:
+    """The rules that may cover the step, each with its probability unless it does wherever one does."""
+    rules = _rules(job, step)
+    return [name if len(rules) == 1 else f"{_chance(p)} {name}" for name, p in rules] or ["no rule"]
+
+
+def _likely(job: Job, step: Step) -> list[tuple[str, str]]:
+    """The likeliest results with their probability, the others together, and that no rule covers it."""
+    found = [(result.probability, _text(job, result)) for result in step.results[:SHOWN]]
+    found.append((sum(result.probability for result in step.results[SHOWN:]), "other"))
+    found.append((1 - step.covered, "no rule covers it"))
+    return [(_chance(probability), text) for probability, text in found if probability > 1e-9]
 
 
 def steps_data(job: Job, expected: Forecast) -> dict[str, object]:
