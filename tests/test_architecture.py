@@ -12,7 +12,19 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "cleancli"
-HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich", "pygls", "lsprotocol"}
+HEAVY = {
+    "av",
+    "lark",
+    "numba",
+    "cv2",
+    "scipy",
+    "pybullet",
+    "click",
+    "rich",
+    "pygls",
+    "lsprotocol",
+    "matplotlib",
+}
 
 
 def table() -> dict[str, tuple[set[str], set[str]]]:
@@ -82,6 +94,7 @@ def test_no_import_cycle_between_modules() -> None:
         ("import cleancli.cli.main", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.cli.check", HEAVY - {"click", "lark"} | {"numpy"}),
         ("import cleancli.cli.learn", {"numba", "cv2", "pybullet", "numpy"}),
+        ("import cleancli.cli.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
         ("import cleancli.cli.lsp", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
         ("import cleancli.planning.table", {"numba", "cv2", "pybullet"}),

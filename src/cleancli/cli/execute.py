@@ -15,6 +15,7 @@ from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.cli.live import show
+from cleancli.cli.refusal import planning_refused
 from cleancli.execution.events import Ended
 from cleancli.execution.loop import EpisodeOptions, clean
 from cleancli.execution.record import Recorder, free_folder
@@ -96,6 +97,7 @@ def command(
         header = _header(options, *domain_sources, scene_source)
         with (
             located_in(*domain_sources),
+            planning_refused((*domain_sources, scene_source)),
             Recorder(folder, header, table.picture, video) as recorder,
             show(as_data) as view,
         ):

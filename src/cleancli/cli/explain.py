@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NoReturn
 
 import click
 
+from cleancli.cli.calls import read_action
 from cleancli.cli.completion import actions, domains, problems
 from cleancli.cli.seen import open_both
 from cleancli.compiler.explain import (
@@ -20,24 +19,17 @@ from cleancli.compiler.explain import (
     UnclearReference,
     explain,
 )
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
-from cleancli.language.findings import meant
-from cleancli.language.format import print_condition, print_fraction, print_signature, symbols_of
+from cleancli.language.format import print_condition, print_fraction, symbols_of
 from cleancli.language.model import (
-    Action,
     Domain,
     Equality,
     Literal,
-    Object,
     OutcomeKind,
     Problem,
     Quantified,
     Symbol,
     Value,
 )
-
-_CALL = re.compile(r"\s*(?P<action>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
-_ARGUMENT = re.compile(r"[^\s,]+")
 
 
 @click.command("explain", short_help="Which rule covers an action, and if none does, why.")
@@ -58,55 +50,6 @@ def command(domain: str, problem: str, action: str, as_data: bool) -> None:
         click.echo(json.dumps(_as_data(model, found), indent=2))
     else:
         click.echo("\n".join(_lines(model, given, found)))
-
-
-# ---- reading the action
-
-
-def read_action(text: str, domain: Domain, problem: Problem) -> tuple[str, tuple[str, ...]]:
-    """An action as a user writes it, like `join2(a1, a3)`; raises Refused (E104, E205, E206, E208, E209)."""
-    source = Source("ACTION", text)
-    match = _CALL.fullmatch(text)
-    if match is None:
-        help = "write for example `join2(a1, a3)`, in quotation marks for the shell"
-        _refuse(source, "E104", "this is no action with its objects", 0, len(text), help)
-    name = match["action"]
-    declared = {action.name: action for action in domain.actions}
-    if name not in declared:
-        help = meant(name, declared, "action")
-        _refuse(source, "E206", f"unknown action `{name}`", match.start("action"), match.end("action"), help)
-    start = max(match.start("arguments"), 0)
-    places = [
-        (m.group(), start + m.start(), start + m.end()) for m in _ARGUMENT.finditer(match["arguments"] or "")
-    ]
-    wanted = declared[name].parameters
-    if len(places) != len(wanted):
-        message = f"`{name}` takes {len(wanted)} object{'s' * (len(wanted) != 1)}, not {len(places)}"
-        help = f"it is declared as `{print_signature(name, wanted)}`"
-        _refuse(source, "E208", message, match.start("action"), len(text.rstrip()), help)
-    _check_objects(source, places, declared[name], domain, problem)
-    return name, tuple(place[0] for place in places)
-
-
-def _check_objects(
-    source: Source, places: Sequence[tuple[str, int, int]], action: Action, domain: Domain, problem: Problem
-) -> None:
-    objects: dict[str, Object] = {o.name: o for o in (*domain.constants, *problem.objects)}
-    for (name, start, end), parameter in zip(places, action.parameters, strict=True):
-        fitting = [o.name for o in objects.values() if domain.is_a(o.type, parameter.type)]
-        help = meant(name, fitting, "object")
-        if name not in objects:
-            _refuse(source, "E205", f"unknown object `{name}`", start, end, help)
-        if name not in fitting:
-            message = f"`{name}` is of type `{objects[name].type}`, `{action.name}` wants `{parameter.type}`"
-            _refuse(source, "E209", message, start, end, help)
-
-
-def _refuse(source: Source, code: str, message: str, start: int, end: int, help: str) -> NoReturn:
-    raise Refused([Diagnostic(code, message, Span(source.path, start, end), help=help)], [source])
-
-
-# ---- saying it
 
 
 def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import click
@@ -11,15 +11,14 @@ import click
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain
 from cleancli.cli.live import counted
+from cleancli.cli.plan_options import planner_named, planner_options
+from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import open_both
 from cleancli.cli.simulated import as_data, print_summaries
-from cleancli.compiler.task import NoDurationError
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.model import Problem
-from cleancli.language.names import names_in
-from cleancli.language.syntax import ActionNode
-from cleancli.planning.plan import Options
+from cleancli.language.diagnostics import Source
+from cleancli.language.load import read_source
 from cleancli.planning.table import PLANNERS
+from cleancli.shipped import find
 from cleancli.simulation.episode import Episode, Limits
 from cleancli.simulation.likeness import refuse_unlike
 from cleancli.simulation.runs import Setup, spread
@@ -106,13 +105,16 @@ def command(
         model,
         world_model,
         given,
-        _planners(planners, given),
-        _options(samples, seed, time_limit, jobs, given),
+        tuple(dict.fromkeys(planners)) or (planner_named(None, given),),
+        planner_options(
+            given, samples=samples, seed=seed, time_limit=time_limit, threads=None if jobs == 1 else 1
+        ),
         Limits(max_actions, commit),
         objective == "time",
     )
-    with located_in(*sources, *world_sources):
-        found = _episodes(setup, episodes, jobs, (*sources, *world_sources))
+    texts = (*sources, *world_sources, read_source(find(problem, "problems")))
+    with located_in(*texts):
+        found = _episodes(setup, episodes, jobs, texts)
     summaries = [
         summarized(name, each, found[0] if each is not found[0] else None)
         for name, each in zip(setup.planners, found, strict=True)
@@ -123,46 +125,11 @@ def command(
         print_summaries(summaries)
 
 
-def _planners(asked: tuple[str, ...], problem: Problem) -> tuple[str, ...]:
-    """Those of the command line, each once, or else the problem's; raises UsageError for an unknown one."""
-    names = tuple(dict.fromkeys(asked)) or (problem.planner or "prada",)
-    unknown = [name for name in names if name not in PLANNERS]
-    if unknown:
-        known = ", ".join(PLANNERS)
-        raise click.UsageError(f"the problem asks for the planner `{unknown[0]}`; there is {known}")
-    return names
-
-
-def _options(
-    samples: int | None, seed: int | None, time_limit: float | None, jobs: int, problem: Problem
-) -> Options:
-    """What the command line says, or else the problem, or else the usual; processes get one thread each."""
-    usual = Options(seed=1)
-    return Options(
-        samples=next(n for n in (samples, problem.samples, usual.samples) if n is not None),
-        seed=next(n for n in (seed, problem.seed, usual.seed) if n is not None),
-        time_limit=time_limit,
-        threads=usual.threads if jobs == 1 else 1,
-    )
-
-
 def _episodes(
     setup: Setup, episodes: int, jobs: int, sources: Sequence[Source]
 ) -> tuple[tuple[Episode, ...], ...]:
     """The episodes of each planner, in their order."""
-    try:
+    with planning_refused(sources):
         found = list(counted("simulating", spread(setup, episodes, jobs), episodes))
-    except NoDurationError as error:
-        raise Refused(_without_duration(error.actions, sources)) from None
     found.sort(key=lambda each: each[0].number)
     return tuple(zip(*found, strict=True))
-
-
-def _without_duration(actions: Sequence[str], sources: Sequence[Source]) -> Iterator[Diagnostic]:
-    """A mistake (E902) for each of the actions, wherever it is declared without a duration."""
-    for place in (name for source in dict.fromkeys(sources) for name in names_in(source) if name.declares):
-        node, name = place.node, place.meaning.name
-        marks = [mark.name.text for mark in node.attributes] if isinstance(node, ActionNode) else ["duration"]
-        if name in actions and "duration" not in marks:
-            message = f"time is to discount, but `{name}` has no duration"
-            yield Diagnostic("E902", message, place.span, help="declare one: `[duration = 8 s]`")

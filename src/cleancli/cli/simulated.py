@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 import click
-from rich.console import Console
 from rich.table import Table
 
-from cleancli.cli.report import wants_colour
+from cleancli.cli.tables import plain_table, print_table
 from cleancli.simulation.episode import Episode
 from cleancli.simulation.runs import Setup
 from cleancli.simulation.summary import Estimate, Summary
 
-_NO_EDGE = 10_000
-
 
 def print_summaries(summaries: Sequence[Summary]) -> None:
-    """A table as wide as the terminal, and why episodes ended; a file or a pipe has no edge to wrap at."""
-    terminal = sys.stdout.isatty()
-    console = Console(
-        highlight=False,
-        no_color=not wants_colour(sys.stdout),
-        width=None if terminal else _NO_EDGE,
-    )
-    with console.capture() as text:
-        console.print(_table(summaries))
-    click.echo("\n".join(line.rstrip() for line in text.get().splitlines()))
+    """The table, and why episodes ended."""
+    print_table(_table(summaries))
     click.echo(f"means of {summaries[0].episodes} episodes; ± and to: 95 % intervals (Student's t, Wilson's)")
     for summary in summaries:
         reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
@@ -36,14 +24,11 @@ def print_summaries(summaries: Sequence[Summary]) -> None:
 
 
 def _table(summaries: Sequence[Summary]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     compared = len(summaries) > 1
     columns = ["return", "plain", "actions", "robot s", "success %", "ms/plan", "95 %"]
     if compared:
         columns.insert(1, "over first")
-    table.add_column("planner")
-    for column in columns:
-        table.add_column(column, justify="right")
+    table = plain_table("planner", *columns)
     for s in summaries:
         gain = [_mean(s.gain, 3)] if compared else []
         found = [_mean(s.plain, 3), _mean(s.actions, 2), _mean(s.seconds, 1), _share(s.success)]

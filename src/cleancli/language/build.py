@@ -330,3 +330,6 @@ class Builder:
 
     def build_word(self, c: list[_Child], span: Span) -> syntax.Word:
         return syntax.Word(str(c[0]), span=span)
+
+    def build_quoted(self, c: list[_Child], span: Span) -> syntax.Quoted:
+        return syntax.Quoted(str(c[0])[1:-1], span=span)

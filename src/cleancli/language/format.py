@@ -299,7 +299,10 @@ def print_reference(reference: Reference, symbols: Symbols) -> str:
 
 
 def _planner(problem: Problem) -> list[str]:
-    settings = {"name": problem.planner, "samples": problem.samples, "seed": problem.seed}
+    name = problem.planner
+    if name is not None and not (name.isascii() and name.isidentifier()):
+        name = f'"{name}"'
+    settings = {"name": name, "samples": problem.samples, "seed": problem.seed}
     return [f"{key} = {value}" for key, value in settings.items() if value is not None]
 
 

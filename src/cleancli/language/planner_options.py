@@ -38,8 +38,10 @@ def check_planner(node: syntax.Planner, findings: Findings) -> PlannerOptions:
 
 
 def _word(setting: syntax.Setting | None, findings: Findings) -> str | None:
-    if setting is None or isinstance(setting.value, syntax.Word):
-        return setting.value.text if setting is not None and isinstance(setting.value, syntax.Word) else None
+    if setting is None:
+        return None
+    if isinstance(setting.value, syntax.Word | syntax.Quoted):
+        return setting.value.text
     findings.error("E504", "`name` wants the name of a planner", setting.value.span)
     return None
 

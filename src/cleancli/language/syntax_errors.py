@@ -23,6 +23,7 @@ _BLANKS = frozenset({"COMMENT", "BLANK"})
 _IMPLIED = {
     "RATIONAL": "NUMBER",
     "MINUS": "NUMBER",
+    "STRING": "NAME",
     "UNIT": "RBRACE",
     "OPERATOR": "EQUAL",
     "LESS": "EQUAL",

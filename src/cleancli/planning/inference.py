@@ -110,6 +110,20 @@ def step_rewards(
     return result
 
 
+def beliefs(tables: Tables, state: Assignment, actions: Sequence[int], *, threshold: float) -> Floats:
+    """The probability of each value of each variable (actions + 1, S): in a state, and after each action."""
+    check(tables)
+    assert all(0 <= action < len(tables.cost) for action in actions)
+    belief = new_belief(tables, threshold)
+    kernel.initialise(tables, _state(tables, state), belief)
+    slots = len(belief.change)
+    result = [belief.number[:slots].copy()]
+    for action in actions:
+        kernel.advance(tables, belief, action)
+        result.append(belief.number[:slots].copy())
+    return np.array(result)
+
+
 def new_belief(t: Tables, threshold: float) -> kernel.Belief:
     """Memory for a belief of a task, for `initialise` to fill in."""
     slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.changes), len(t.cost)

@@ -62,10 +62,25 @@ class Plan:
     seconds: Mapping[str, float]
 
 
-class TooManyStatesError(ValueError):
+class PlanningRefused(ValueError):
+    """A planner cannot plan this task with these options; the message says why, and `help` what may help."""
+
+    def __init__(self, message: str, help: str = "") -> None:
+        super().__init__(message)
+        self.help = help
+
+
+class TooManyStatesError(PlanningRefused):
     """A planner that must know all states has `reached` more than the `limit`."""
 
     def __init__(self, reached: int, limit: int) -> None:
-        super().__init__(f"{reached} states reached, and there are more; the limit is {limit}")
+        super().__init__(
+            f"{reached} states reached, and there are more; the limit is {limit}",
+            "raise it by `--option states=...`, or plan with `prada+` or `prada`",
+        )
         self.reached = reached
         self.limit = limit
+
+    def __reduce__(self) -> tuple[type[TooManyStatesError], tuple[int, int]]:
+        """Exceptions are pickled by their message, from which this one could not be made again."""
+        return TooManyStatesError, (self.reached, self.limit)

@@ -74,6 +74,15 @@ def plan_value(
     return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0])
 
 
+def plan_beliefs(prepared: Prepared, actions: Sequence[int], rule_threshold: float) -> Floats:
+    """PRADA's factored belief before the first action and after each: the probability of each value of each
+    variable (actions + 1, S)."""
+    found: Floats = _inference().beliefs(
+        prepared.tables, prepared.task.initial, actions, threshold=rule_threshold
+    )
+    return found
+
+
 def _inference() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
     from cleancli.planning import inference

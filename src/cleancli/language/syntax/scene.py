@@ -33,7 +33,13 @@ class Word(Node):
     text: str
 
 
-SettingValue = Quantity | Pair | ImageSize | Call | Word
+class Quoted(Node):
+    """A name in quotation marks, as one that has other signs than letters, digits and `_` must be."""
+
+    text: str
+
+
+SettingValue = Quantity | Pair | ImageSize | Call | Word | Quoted
 
 
 class Setting(Node):

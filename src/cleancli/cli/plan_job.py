@@ -1,0 +1,62 @@
+"""What `cleancli plan` works on, and what there is to say about its initial state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from cleancli.cli.calls import Call
+from cleancli.compiler.rewards import costs_of
+from cleancli.compiler.task import GroundAction, Task
+from cleancli.compiler.transition import covering_rule, reaches_goal
+from cleancli.language.model import Domain, Problem
+from cleancli.planning.plan import Options
+from cleancli.planning.prepared import Prepared
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A problem, ready for planners that are asked with these options."""
+
+    domain: Domain
+    problem: Problem
+    prepared: Prepared
+    options: Options
+
+    @property
+    def task(self) -> Task:
+        """The grounded problem."""
+        return self.prepared.task
+
+
+def with_calls(task: Task, domain: Domain, calls: Sequence[Call]) -> Task:
+    """The task with those actions too that grounding has dropped because they can change nothing.
+
+    They come last; doing them costs what they cost.
+    """
+    known = {(action.name, action.objects) for action in task.actions}
+    costs, durations = costs_of(domain), {action.name: action.duration for action in domain.actions}
+    dropped = tuple(
+        GroundAction(name, objects, durations[name], costs[name])
+        for name, objects in dict.fromkeys(calls)
+        if (name, objects) not in known
+    )
+    discounts = task.discounts + (task.discount,) * len(dropped)
+    return replace(task, actions=task.actions + dropped, discounts=discounts)
+
+
+def numbered(task: Task, calls: Sequence[Call]) -> list[int]:
+    """The indices of actions in the task, which has them all."""
+    number = {(action.name, action.objects): index for index, action in enumerate(task.actions)}
+    return [number[call] for call in calls]
+
+
+def why_nothing(task: Task) -> str:
+    """Why an empty plan is: a word for programs ("goal", "horizon", "no rule" or "margin")."""
+    if reaches_goal(task, task.initial):
+        return "goal"
+    if task.horizon <= 0:
+        return "horizon"
+    if all(covering_rule(task, task.initial, action) is None for action in range(len(task.actions))):
+        return "no rule"
+    return "margin"

@@ -1,0 +1,37 @@
+"""Planners side by side on one task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from cleancli.compiler.transition import SupportTooLargeError
+from cleancli.planning.evaluate import Sampled, exact, sampled
+from cleancli.planning.plan import Options, Plan, PlanningRefused
+from cleancli.planning.prepared import Prepared
+from cleancli.planning.table import PLANNERS
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A planner's plan, or why it refused; `true` is what its actions are worth as a sequence: exactly, or
+    by drawn runs where too many states may occur."""
+
+    planner: str
+    plan: Plan | None
+    true: float | Sampled | None
+    refusal: str = ""
+
+
+def compared(names: Iterable[str], prepared: Prepared, options: Options) -> Iterator[Row]:
+    """A row for each planner as it is done, all with the same options."""
+    number = {action: index for index, action in enumerate(prepared.task.actions)}
+    for name in names:
+        try:
+            plan = PLANNERS[name](prepared, options)
+        except (PlanningRefused, SupportTooLargeError) as error:
+            yield Row(name, None, None, str(error))
+            continue
+        actions = [number[action] for action in plan.actions]
+        value = exact(prepared, actions)
+        yield Row(name, plan, sampled(prepared, actions, options.seed) if value is None else value)

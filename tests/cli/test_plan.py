@@ -1,0 +1,254 @@
+"""`cleancli plan` as a user meets it, beyond the plan itself."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cleancli.cli.main import run
+from cleancli.cli.plan_options import ALLOWED, OWN
+from cleancli.planning.plan import Options
+from cleancli.planning.table import PLANNERS
+
+DOORS = """
+domain doors {
+  types      { door }
+  predicates { open(?d - door)  locked(?d - door) }
+  derived    { shut := count ?d - door: not open(?d) }
+  actions    { push(?d - door)  knock(?d - door) [duration = 8 s, cost = 0.25] }
+  rule pushed: push(?d)  { when not open(?d), not locked(?d) then 0.6: open(?d) 0.4: nothing }
+  rule hinge:  push(?d)  { when not open(?d), locked(?d) then 0.1: open(?d) rest: noise }
+  default { 1: nothing }
+  reward  { decrease(shut) - cost }
+}
+"""
+PROBLEM = """
+problem two {
+  domain  = doors
+  objects { d1 d2 - door }
+  init    { locked(d2) %s }
+  goal    { open(d1) }
+  horizon = %s
+}
+"""
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "doors.nid").write_text(DOORS, encoding="utf-8")
+    (tmp_path / "two.nid").write_text(PROBLEM % ("", 3), encoding="utf-8")
+    return tmp_path
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str, problem: str = "two.nid", code: int = 0) -> str:
+    assert run(["plan", "doors.nid", problem, *words]) == code
+    captured = capsys.readouterr()
+    return captured.out if code == 0 else captured.err
+
+
+def data(capsys: pytest.CaptureFixture[str], *words: str, problem: str = "two.nid") -> dict[str, Any]:
+    found = json.loads(said(capsys, *words, "--json", problem=problem))
+    assert isinstance(found, dict)
+    return found
+
+
+def test_a_given_sequence_is_valued_in_three_ways(capsys: pytest.CaptureFixture[str]) -> None:
+    found = data(capsys, "--evaluate", " push(d1),push( d1 ) knock(d2);", "--samples", "1")
+    assert found["plan"] == ["push(d1)", "push(d1)", "knock(d2)"]
+    worth = 0.6 + 0.95 * 0.4 * 0.6 - 0.95**2 * 0.25  # knocking changes nothing, and costs
+    assert found["exact"] == pytest.approx(worth)
+    assert found["factored"] == pytest.approx(worth)
+    assert abs(found["sampled"]["value"] - worth) < 5 * found["sampled"]["error"]
+    text = said(capsys, "--evaluate", "push(d1) push(d1) knock(d2)", "--explain").splitlines()
+    assert text[0].split("  ")[0] == "step"
+    assert any(line.split()[:2] == ["exact", f"{worth:.4f}"] for line in text)
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"),
+    [
+        ("push(d1) pusch(d2)", "ACTIONS:1:10: error[E206]: unknown action `pusch`"),
+        ("push(d1)\npush(d3)", "ACTIONS:2:6: error[E205]: unknown object `d3`"),
+        ("push(d1) knock", "ACTIONS:1:10: error[E208]: `knock` takes 1 object, not 0"),
+        ("push(d1) ?", "ACTIONS:1:10: error[E104]"),
+    ],
+)
+def test_mistakes_in_a_sequence_are_located(
+    capsys: pytest.CaptureFixture[str], actions: str, message: str
+) -> None:
+    text = said(capsys, "--evaluate", actions, code=1)
+    assert text.startswith(message)
+    assert ("did you mean" in text) == ("usch" in actions) or "d3" in actions
+
+
+def test_steps_say_by_which_rule_they_do_what(capsys: pytest.CaptureFixture[str]) -> None:
+    found = data(capsys, "--evaluate", "push(d1) push(d1) push(d2)", "--explain")["explained"]
+    assert (found["measure"], found["runs"], found["remaining"]) == ("exact", None, 2.0)
+    first, second, third = found["steps"]
+    assert first["rules"] == [{"rule": "pushed", "probability": 1.0}]
+    assert first["outcomes"][0] == {"probability": 0.6, "kind": "change", "effects": ["open(d1)"]}
+    assert second["covered"] == pytest.approx(0.4)
+    assert (second["reward"], second["remaining"]) == pytest.approx((0.24, 1.16))
+    assert [rule["rule"] for rule in third["rules"]] == ["hinge"]
+    text = said(capsys, "--evaluate", "push(d1) push(d1) push(d2)", "--explain")
+    rows = [line.split() for line in text.splitlines()]
+    assert ["2.", "push(d1)", "0.400", "pushed", "0.240", "1.160", "0.240", "open(d1)"] in rows
+    assert ["0.600", "no", "rule", "covers", "it"] in rows
+    assert ["3.", "push(d2)", "1.000", "hinge", "0.100", "1.060", "0.900", "noise"] in rows
+
+
+def test_planners_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    found = data(capsys, "--compare", "prada, exact", "--option", "states=2", "--samples", "50")["planners"]
+    assert [row["planner"] for row in found] == ["prada", "exact"]
+    assert found[0]["true"]["error"] == 0.0
+    assert "the limit is 2" in found[1]["refused"]
+    table = said(capsys, "--compare", "prada,exact", "--samples", "50").splitlines()
+    assert [line.split()[0] for line in table[:3]] == ["planner", "prada", "exact"]
+    assert "push(d1)" in table[1]
+    wrong = said(capsys, "--compare", "prada,parda", code=2)
+    assert "`parda`" in wrong
+    assert all(name in wrong for name in PLANNERS)
+
+
+def test_a_planner_that_refuses_does_so_at_the_problem(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "--planner", "exact", "--option", "states=2", code=1)
+    assert text.startswith("two.nid:2:9: error[E903]: this cannot be planned: ")
+    assert "--option states" in text
+
+
+def test_time_discounts_only_with_durations(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "--objective", "time", code=1)
+    assert text.startswith("doors.nid:6:16: error[E902]: time is to discount, but `push` has no duration")
+    Path("doors.nid").write_text(
+        DOORS.replace("push(?d - door)  knock", "push(?d - door) [duration = 4 s] knock")
+    )
+    found = data(capsys, "--evaluate", "push(d1) push(d2)", "--objective", "time")
+    assert found["exact"] == pytest.approx(0.6 + 0.95 * 0.1)
+    knocked = data(capsys, "--evaluate", "knock(d1) push(d1)", "--objective", "time")
+    mean = 6  # seconds, of both actions
+    worth = -0.25 * 0.95 ** (8 / mean - 1) + 0.95 ** (8 / mean) * 0.95 ** (4 / mean - 1) * 0.6
+    assert knocked["exact"] == pytest.approx(worth)
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("rule_treshold=0.1", "did you mean `rule_threshold`?"),
+        ("rule_threshold=1.5", "`rule_threshold` lies between 0 and 1"),
+        ("rule_threshold=nan", "`rule_threshold` lies between 0 and 1"),
+        ("margin=-1", "`margin` is at least 0"),
+        ("margin=", "`margin` wants a number, not ``"),
+        ("solve=2.5", "`solve` wants a whole number, not `2.5`"),
+        ("arithmetic=binary", "`arithmetic` is float or rational, not `binary`"),
+        ("time-limit=3", "--time-limit"),
+        ("previous=x", "unknown option `previous`"),
+    ],
+)
+def test_options_of_planners_are_checked(
+    capsys: pytest.CaptureFixture[str], option: str, message: str
+) -> None:
+    assert message in said(capsys, "--option", option, code=2)
+
+
+def test_options_reach_the_planner(capsys: pytest.CaptureFixture[str]) -> None:
+    assert data(capsys)["plan"]
+    assert data(capsys, "--option", "margin=0.1", "--option", "margin=1.5")["empty_because"] == "margin"
+    assert "worth 1.5 more" in said(capsys, "--option", "margin=1.5")
+    limited = data(capsys, "--time-limit", "0.5", "--threads", "1", "--samples", "100")
+    assert limited["samples"] == 100
+
+
+def test_every_field_of_the_options_can_be_said_or_has_its_own() -> None:
+    assert {field.name for field in fields(Options)} == {*ALLOWED, *OWN}
+    assert not ALLOWED.keys() & set(OWN)
+
+
+@pytest.mark.parametrize(
+    ("facts", "horizon", "why", "words"),
+    [
+        (", open(d1), open(d2)", "3", "goal", "the goal holds already"),
+        (", open(d1), open(d2)", "shut", "horizon", "the horizon is 0"),
+        (", open(d1)", "3", "margin", "no sequence found is worth 0.5 more"),
+    ],
+)
+def test_an_empty_plan_says_why(
+    capsys: pytest.CaptureFixture[str], facts: str, horizon: str, why: str, words: str
+) -> None:
+    Path("other.nid").write_text(
+        PROBLEM.replace("goal    { open(d1) }", "goal { open(d1) }" if why == "goal" else "")
+        % (facts, horizon)
+    )
+    found = data(capsys, "--option", "margin=0.5", problem="other.nid")
+    assert (found["plan"], found["empty_because"]) == ([], why)
+    assert found["goal_reached"] == (why == "goal")
+    assert words in said(capsys, "--option", "margin=0.5", "--explain", problem="other.nid")
+
+
+def test_a_state_that_no_rule_covers_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    text = PROBLEM.replace("goal    { open(d1) }", "") % (", open(d1), open(d2)", 3)
+    Path("other.nid").write_text(text)
+    assert data(capsys, problem="other.nid")["empty_because"] == "no rule"
+    assert "no rule of any action covers this state; `cleancli explain`" in said(capsys, problem="other.nid")
+
+
+def test_a_goal_that_holds_is_said_before_what_pays_all_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("other.nid").write_text(PROBLEM % (", open(d1)", 3))
+    lines = said(capsys, problem="other.nid").splitlines()
+    assert lines[:2] == ["the goal holds already; this is worth doing all the same:", "  1. push(d2)"]
+
+
+def test_what_does_not_go_together(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (
+        ("--compare", "prada", "--explain"),
+        ("--compare", "prada", "--plot", "x.png"),
+        ("--evaluate", "push(d1)", "--planner", "prada"),
+        ("--compat", "libprada", "--explain"),
+    ):
+        assert "do not go together" in said(capsys, *words, code=2)
+
+
+def test_plans_as_libprada_does(capsys: pytest.CaptureFixture[str]) -> None:
+    ours, theirs = data(capsys), data(capsys, "--compat", "libprada")
+    assert ours["plan"] == ["push(d1)", "push(d1)", "push(d2)"]
+    assert ours["value"] == pytest.approx(0.6 + 0.95 * 0.4 * 0.6 + 0.95**2 * 0.1)
+    again = 0.4 - (
+        0.6 * 0.4 + 0.4 * 0.4 * 0.4
+    )  # whether it is shut and the rule applies is independent there
+    assert theirs["plan"] == ["push(d1)", "push(d2)", "push(d1)"]
+    assert theirs["value"] == pytest.approx(0.6 + 0.95 * 0.1 + 0.95**2 * again)
+    assert "not with exact" in said(capsys, "--compat", "libprada", "--planner", "exact", code=2)
+
+
+def test_the_problem_may_ask_for_any_planner(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (PROBLEM % ("", 3)).replace("horizon", 'planner { name = "all-outcomes" } horizon')
+    Path("other.nid").write_text(text)
+    assert data(capsys, problem="other.nid")["planner"] == "all-outcomes"
+
+
+def test_without_matplotlib_only_the_picture_is_missing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert "pip install cleancli[plot]" in said(capsys, "--plot", "belief.png", code=4)
+    assert not Path("belief.png").exists()
+
+
+def test_the_picture_names_steps_and_what_they_change(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    monkeypatch.setitem(matplotlib.rcParams, "svg.fonttype", "none")  # text stays text
+    said(capsys, "--evaluate", "push(d1) push(d1)", "--plot", "belief.svg")
+    picture = Path("belief.svg").read_text(encoding="utf-8")
+    assert all(f">{text}</text>" in picture for text in ("open(d1)", "2. push(d1)", "0.84", "1.16"))
+    assert ">open(d2)</text>" not in picture
+    said(capsys, "--evaluate", "", "--plot", "nothing.png")
+    assert Path("nothing.png").read_bytes().startswith(b"\x89PNG")
+    assert ".png or .svg" in said(capsys, "--plot", "belief.pdf", code=2)
