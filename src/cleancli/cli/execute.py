@@ -22,7 +22,7 @@ from cleancli.execution.record import Recorder, free_folder
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.table import DEFAULT, PLANNERS
 from cleancli.world.table import PybulletTable, Truth
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
@@ -32,7 +32,7 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 @click.argument("domain", shell_complete=domains)
 @click.argument("scene", shell_complete=problems)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's]")
-@click.option("--planner", type=click.Choice(list(PLANNERS)), default="prada+", show_default=True)
+@click.option("--planner", type=click.Choice(list(PLANNERS)), default=DEFAULT, show_default=True)
 @click.option(
     "--samples",
     type=click.IntRange(min=1),

@@ -58,7 +58,7 @@ class _Wanted:
 @click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
 @click.argument("domain", shell_complete=domains)
 @click.argument("problem", shell_complete=problems)
-@click.option("--planner", type=click.Choice(list(PLANNERS)), help="[default: the problem's, or prada]")
+@click.option("--planner", type=click.Choice(list(PLANNERS)), help="[default: the problem's, or prada+]")
 @click.option("--compare", metavar="PLANNERS", help="Plan with each of these, like prada,prada+.")
 @click.option("--evaluate", metavar="ACTIONS", help='Plan nothing; value a sequence like "a(x) b(y, z)".')
 @click.option("--explain", is_flag=True, help="Say what is expected of each step, and by which rule.")

@@ -12,7 +12,7 @@ import click
 from cleancli.language.findings import meant
 from cleancli.language.model import Problem
 from cleancli.planning.plan import Options
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.table import DEFAULT, PLANNERS
 
 OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
 """Fields of `Options` that have an option of their own, or none."""
@@ -62,7 +62,7 @@ def planner_options(
 def planner_named(asked: str | None, problem: Problem, compat: bool = False) -> str:
     """The planner that the command line names, or else the problem; raises UsageError for an unknown one, and
     for one that cannot do as libPRADA does where that is asked for."""
-    name = asked or problem.planner or "prada"
+    name = asked or problem.planner or ("prada" if compat else DEFAULT)
     if compat and name not in LIKE_LIBPRADA:
         raise click.UsageError(f"--compat goes with {' or '.join(LIKE_LIBPRADA)}, not with {name}")
     if name not in PLANNERS:

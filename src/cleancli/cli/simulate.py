@@ -33,7 +33,7 @@ from cleancli.simulation.summary import summarized
     "planners",
     type=click.Choice(list(PLANNERS)),
     multiple=True,
-    help="May be repeated: all meet the same draws. [default: the problem's, or prada]",
+    help="May be repeated: all meet the same draws. [default: the problem's, or prada+]",
 )
 @click.option("--episodes", type=click.IntRange(min=1), default=100, show_default=True)
 @click.option(

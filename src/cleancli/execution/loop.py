@@ -36,7 +36,7 @@ from cleancli.perception.symbols import remembered, symbolize
 from cleancli.perception.tracking import Stroke, track
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.table import DEFAULT, PLANNERS
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Robot, Status
 
@@ -51,7 +51,7 @@ class EpisodeOptions:
     """`commit`: actions of a plan carried out before the next one is made (§4.2.4). `by_time`: plans discount
     by how long actions take, not by their number."""
 
-    planner: str = "prada+"
+    planner: str = DEFAULT
     samples: int = 10_000
     commit: int = 2
     max_actions: int = 60

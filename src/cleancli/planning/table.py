@@ -29,3 +29,6 @@ PLANNERS: Mapping[str, Planner] = MappingProxyType(
         "all-outcomes": optimistic,
     }
 )
+
+DEFAULT = "prada+"
+"""The planner where none is asked for: the best of them in benchmarks/regret.py that refuses no problem."""
