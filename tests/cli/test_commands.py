@@ -129,17 +129,16 @@ def test_check_reports_all_files(tmp_path: Path) -> None:
 
 
 def test_plan_says_how_it_came_about(tmp_path: Path) -> None:
-    result = cleancli("plan", "cleaning", "three_areas", "--seed", "3", "--json", cwd=tmp_path)
+    asked = ("plan", "cleaning", "three_areas", "--seed", "3", "--planner", "prada", "--json")
+    result = cleancli(*asked, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     data = json.loads(result.stdout)
-    assert data["samples"] == 10_000
+    assert (data["planner"], data["samples"]) == ("prada", 10_000)
     assert data["horizon"] == 4
     assert data["value"] > 1.5
     assert 0 < data["coverage"] <= 1
     assert {"ground", "lower", "search"} <= data["seconds"].keys()
-    again = json.loads(
-        cleancli("plan", "cleaning", "three_areas", "--seed", "3", "--json", cwd=tmp_path).stdout
-    )
+    again = json.loads(cleancli(*asked, cwd=tmp_path).stdout)
     assert again["plan"] == data["plan"]
     assert again["value"] == data["value"]
 

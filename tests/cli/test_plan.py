@@ -158,7 +158,12 @@ def test_options_of_planners_are_checked(
 
 def test_options_reach_the_planner(capsys: pytest.CaptureFixture[str]) -> None:
     assert data(capsys)["plan"]
-    assert data(capsys, "--option", "margin=0.1", "--option", "margin=1.5")["empty_because"] == "margin"
+    assert (
+        data(capsys, "--planner", "prada", "--option", "margin=0.1", "--option", "margin=1.5")[
+            "empty_because"
+        ]
+        == "margin"
+    )
     assert "worth 1.5 more" in said(capsys, "--option", "margin=1.5")
     limited = data(capsys, "--time-limit", "0.5", "--threads", "1", "--samples", "100")
     assert limited["samples"] == 100
@@ -174,7 +179,7 @@ def test_every_field_of_the_options_can_be_said_or_has_its_own() -> None:
     [
         (", open(d1), open(d2)", "3", "goal", "the goal holds already"),
         (", open(d1), open(d2)", "shut", "horizon", "the horizon is 0"),
-        (", open(d1)", "3", "margin", "no sequence found is worth 0.5 more"),
+        (", open(d1)", "3", "margin", "for prada and aprada, 0.5 more"),
     ],
 )
 def test_an_empty_plan_says_why(
@@ -184,7 +189,7 @@ def test_an_empty_plan_says_why(
         PROBLEM.replace("goal    { open(d1) }", "goal { open(d1) }" if why == "goal" else "")
         % (facts, horizon)
     )
-    found = data(capsys, "--option", "margin=0.5", problem="other.nid")
+    found = data(capsys, "--planner", "prada", "--option", "margin=0.5", problem="other.nid")
     assert (found["plan"], found["empty_because"]) == ([], why)
     assert found["goal_reached"] == (why == "goal")
     assert words in said(capsys, "--option", "margin=0.5", "--explain", problem="other.nid")
@@ -214,7 +219,7 @@ def test_what_does_not_go_together(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_plans_as_libprada_does(capsys: pytest.CaptureFixture[str]) -> None:
-    ours, theirs = data(capsys), data(capsys, "--compat", "libprada")
+    ours, theirs = data(capsys, "--planner", "prada"), data(capsys, "--compat", "libprada")
     assert ours["plan"] == ["push(d1)", "push(d1)", "push(d2)"]
     assert ours["value"] == pytest.approx(0.6 + 0.95 * 0.4 * 0.6 + 0.95**2 * 0.1)
     again = 0.4 - (

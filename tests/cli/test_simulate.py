@@ -46,9 +46,9 @@ def without_clock(data: dict[str, list[dict[str, object]]]) -> object:
 def test_the_table_has_a_row_and_says_why_episodes_ended(capsys: pytest.CaptureFixture[str]) -> None:
     lines = said(capsys, *QUICK, "--episodes", "5").splitlines()
     assert lines[0].split()[:3] == ["planner", "return", "plain"]
-    assert lines[1].startswith("prada ")
+    assert lines[1].startswith("prada+ ")
     assert "means of 5 episodes" in lines[2]
-    assert lines[3] == "prada ended: nothing is left of the count 5"
+    assert lines[3] == "prada+ ended: nothing is left of the count 5"
 
 
 def test_any_number_of_processes_finds_the_same(capsys: pytest.CaptureFixture[str], changed: Path) -> None:
