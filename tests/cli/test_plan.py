@@ -192,7 +192,9 @@ def test_an_empty_plan_says_why(
     found = data(capsys, "--planner", "prada", "--option", "margin=0.5", problem="other.nid")
     assert (found["plan"], found["empty_because"]) == ([], why)
     assert found["goal_reached"] == (why == "goal")
-    assert words in said(capsys, "--option", "margin=0.5", "--explain", problem="other.nid")
+    assert words in said(
+        capsys, "--planner", "prada", "--option", "margin=0.5", "--explain", problem="other.nid"
+    )
 
 
 def test_a_state_that_no_rule_covers_is_said(capsys: pytest.CaptureFixture[str]) -> None:

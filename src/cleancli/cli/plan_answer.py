@@ -21,7 +21,8 @@ _NOTHING = {
     "horizon": "nothing to do: the horizon is 0, so a plan has no steps",
     "no rule": "nothing to do: no rule of any action covers this state;"
     " `cleancli explain` says of an action what its rules lack",
-    "margin": "nothing worth doing: no plan found is worth more than that (for prada and aprada, {margin:g} more)",
+    "margin": "nothing worth doing: no plan found is worth more than that"
+    " (for prada and aprada, {margin:g} more)",
 }
 
 
