@@ -158,14 +158,11 @@ def test_options_of_planners_are_checked(
 
 def test_options_reach_the_planner(capsys: pytest.CaptureFixture[str]) -> None:
     assert data(capsys)["plan"]
-    assert (
-        data(capsys, "--planner", "prada", "--option", "margin=0.1", "--option", "margin=1.5")[
-            "empty_because"
-        ]
-        == "margin"
-    )
-    assert "worth 1.5 more" in said(capsys, "--option", "margin=1.5")
-    limited = data(capsys, "--time-limit", "0.5", "--threads", "1", "--samples", "100")
+    prada = ("--planner", "prada")
+    found = data(capsys, *prada, "--option", "margin=0.1", "--option", "margin=1.5")
+    assert found["empty_because"] == "margin"
+    assert "1.5 more" in said(capsys, *prada, "--option", "margin=1.5")
+    limited = data(capsys, *prada, "--time-limit", "0.5", "--threads", "1", "--samples", "100")
     assert limited["samples"] == 100
 
 

@@ -43,6 +43,7 @@ class Tree(NamedTuple):
     total: Floats  # (M,) sum of what they returned, discounted from the choice's step on
     low: Floats  # (H,) least and greatest return seen from each step on
     high: Floats  # (H,)
+    unit: Floats  # (1,) most that one reward condition pays: returns are taken to differ by no less
 
 
 @njit(cache=True, nogil=True)
@@ -76,7 +77,7 @@ def _choose(t: Tree, node: int, exploration: float, uniform: float) -> int:
                     return choice
                 skip -= 1
     at = t.states[node, t.states.shape[1] - 1]
-    scale = exploration * (t.high[at] - t.low[at])
+    scale = exploration * max(t.high[at] - t.low[at], t.unit[0])
     logarithm = math.log(t.visits[node])
     best, best_bound = -1, -math.inf
     for choice in range(first, last):
@@ -202,6 +203,8 @@ class Search:
         self._idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(horizon))])
         choices = len(task.actions) + 1
         self._tree = _room(len(task.variables) + 1, 256, 256 + 2 * choices, horizon)
+        paying = (*self._process.decrease, *self._process.state)
+        self._tree.unit[0] = max(map(abs, paying), default=0.0)
         self._tree.states[0, :-1] = task.initial
         add(self._process, self._tree, 0, np.uint64(0))
 
@@ -279,4 +282,5 @@ def _room(variables: int, nodes: int, choices: int, horizon: int) -> Tree:
         total=np.zeros(choices),
         low=np.full(horizon, np.inf),
         high=np.full(horizon, -np.inf),
+        unit=np.zeros(1),
     )
