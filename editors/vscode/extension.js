@@ -6,13 +6,23 @@ const { LanguageClient } = require("vscode-languageclient/node");
 
 let client;
 
-exports.activate = () => {
-  const command = workspace.getConfiguration("cleancli").get("command");
+const setting = (name) => workspace.getConfiguration("cleancli").get(name);
+
+exports.activate = (context) => {
   client = new LanguageClient(
     "cleancli",
     "cleancli",
-    { command, args: ["lsp"] },
-    { documentSelector: [{ language: "nid" }] },
+    { command: setting("command"), args: ["lsp"] },
+    {
+      documentSelector: [{ language: "nid" }],
+      // A function, so that the setting is read again at every start.
+      initializationOptions: () => ({ includeOutside: setting("includeOutside") }),
+    },
+  );
+  context.subscriptions.push(
+    workspace.onDidChangeConfiguration((event) => {
+      if (event.affectsConfiguration("cleancli.includeOutside")) client.restart();
+    }),
   );
   return client.start();
 };

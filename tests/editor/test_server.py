@@ -25,10 +25,15 @@ class Client(LanguageClient):
     def __init__(self) -> None:
         super().__init__("test editor", "1")
         self.told: asyncio.Queue[lsp.PublishDiagnosticsParams] = asyncio.Queue()
+        self.left: int | None = None
 
         @self.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
         def told(params: lsp.PublishDiagnosticsParams) -> None:
             self.told.put_nowait(params)
+
+    async def server_exit(self, server: asyncio.subprocess.Process) -> None:
+        """Remember the exit code."""
+        self.left = server.returncode
 
     async def mistakes(self, uri: str) -> list[lsp.Diagnostic]:
         """The next list of mistakes of a text."""
@@ -58,10 +63,13 @@ def place(text: str, mark: str) -> lsp.Position:
     return lsp.Position(before.count("\n"), len(line.encode("utf-16-le")) // 2)
 
 
-def talk(folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str) -> None:
+def talk(
+    folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str, options: object = None
+) -> None:
     """Start a server for a folder, say something to it, and see it leave in good order.
 
-    `encodings` are those that the client offers to count in; without any it is UTF-16.
+    `encodings` are those that the client offers to count in; without any it is UTF-16. `options` are those of
+    the initialization.
     """
 
     async def session() -> None:
@@ -69,7 +77,9 @@ def talk(folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str
         await client.start_io(sys.executable, "-m", "cleancli.cli.main", "lsp")
         folders = [lsp.WorkspaceFolder(folder.as_uri(), "test")]
         general = lsp.GeneralClientCapabilities(position_encodings=list(encodings) or None)
-        params = lsp.InitializeParams(lsp.ClientCapabilities(general=general), workspace_folders=folders)
+        params = lsp.InitializeParams(
+            lsp.ClientCapabilities(general=general), workspace_folders=folders, initialization_options=options
+        )
         answer = await client.initialize_async(params)
         assert answer.server_info == lsp.ServerInfo("cleancli", __version__)
         client.initialized(lsp.InitializedParams())
@@ -77,6 +87,7 @@ def talk(folder: Path, say: Callable[[Client], Awaitable[None]], *encodings: str
         await client.shutdown_async(None)
         client.exit(None)
         await client.stop()
+        assert client.left == 0
 
     asyncio.run(asyncio.wait_for(session(), 60))
 
@@ -177,6 +188,88 @@ def test_every_question_is_answered(tmp_path: Path) -> None:
         assert list(colours.data[:10]) == [0, 0, 7, first[0], 0, 0, 8, 3, first[1], first[2]]
 
     talk(tmp_path, say)
+
+
+INCLUDING = """domain tables {
+  include "sub/base.nid"
+  include ""
+  include "../outside.nid"
+  reward { goal }
+}
+"""
+
+
+def _with_folders(folder: Path) -> Path:
+    """The path of a domain among files that it may include, and some that it may not."""
+    texts = {"outside": "domain outside { }", "top/two": PROBLEM, "top/sub/base": "domain base { }"}
+    for name in ("top/sub/deep/er", "top/.hidden/h", "top/also"):
+        texts[name] = "# Also here.\ndomain also { }"
+    for name, text in texts.items():
+        (folder / f"{name}.nid").parent.mkdir(parents=True, exist_ok=True)
+        (folder / f"{name}.nid").write_text(text, encoding="utf-8")
+    (folder / "top" / "link.nid").symlink_to(folder / "outside.nid")
+    return folder / "top" / "tables.nid"
+
+
+def test_an_include_leads_to_its_file(tmp_path: Path) -> None:
+    path = _with_folders(tmp_path)
+
+    async def say(client: Client) -> None:
+        domain = client.open(path, INCLUDING)
+        for mark in ('|"sub/', "/ba|se", "incl|ude"):
+            spot = place(INCLUDING, mark)
+            found = await client.text_document_definition_async(lsp.DefinitionParams(domain, spot))
+            start = lsp.Position(0, 0)
+            uri = (path.parent / "sub" / "base.nid").as_uri()
+            assert found == lsp.Location(uri, lsp.Range(start, start))
+        nowhere = lsp.DefinitionParams(domain, place(INCLUDING, '"|"'))
+        assert await client.text_document_definition_async(nowhere) is None
+        shown = await client.text_document_hover_async(lsp.HoverParams(domain, place(INCLUDING, "/ba|se")))
+        assert shown is not None
+        assert isinstance(shown.contents, lsp.MarkupContent)
+        assert "domain base" in shown.contents.value
+
+    talk(tmp_path, say)
+
+
+async def _offered(client: Client, uri: str, mark: str) -> dict[str, lsp.Range]:
+    """What is offered at a mark of the text, and what it replaces."""
+    text = lsp.TextDocumentIdentifier(uri)
+    spot = place(INCLUDING, mark)
+    found = await client.text_document_completion_async(lsp.CompletionParams(text, spot))
+    assert isinstance(found, list)
+    return {item.label: item.text_edit.range for item in found if isinstance(item.text_edit, lsp.TextEdit)}
+
+
+@pytest.mark.parametrize(
+    ("options", "above", "linked", "codes"),
+    [
+        ({"includeOutside": True}, ["outside.nid", "top/"], ["link.nid"], ["E002"]),
+        ({"includeOutside": False}, ["top/"], [], ["E002", "E109"]),
+        ({"includeOutside": "yes"}, ["top/"], [], ["E002", "E109"]),
+        (None, ["top/"], [], ["E002", "E109"]),
+        ([3], ["top/"], [], ["E002", "E109"]),
+    ],
+)
+def test_paths_of_includes_are_completed(
+    options: object, above: list[str], linked: list[str], codes: list[str], tmp_path: Path
+) -> None:
+    path = _with_folders(tmp_path)
+
+    async def say(client: Client) -> None:
+        domain = client.open(path, INCLUDING)
+        assert [found.code for found in await client.mistakes(domain.uri)] == codes
+        beside = await _offered(client, domain.uri, 'include "|"')
+        assert list(beside) == ["also.nid", *linked, "sub/"]
+        spot = place(INCLUDING, 'include "|"')
+        assert all(replaced == lsp.Range(spot, spot) for replaced in beside.values())
+        below = await _offered(client, domain.uri, "sub/ba|se")
+        assert list(below) == ["base.nid", "deep/"]
+        assert below["deep/"] == lsp.Range(place(INCLUDING, "sub/|base"), place(INCLUDING, "sub/ba|se"))
+        assert list(await _offered(client, domain.uri, '"../|outside')) == above
+        assert list(await _offered(client, domain.uri, 'include |"sub')) == []
+
+    talk(tmp_path, say, options=options)
 
 
 def test_formatting_of_an_untidy_text(tmp_path: Path) -> None:

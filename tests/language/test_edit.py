@@ -116,6 +116,22 @@ def test_several_files_change_together_or_not_at_all(tmp_path: Path) -> None:
     assert (one.read_text(), new.read_text()) == ("one", "three")
 
 
+@pytest.mark.parametrize("obstacle", ["read-only", "no folder"])
+def test_an_obstacle_to_one_file_spares_all(obstacle: str, tmp_path: Path) -> None:
+    one, other = tmp_path / "one.nid", tmp_path / "other.nid"
+    one.write_text("1")
+    other.write_text("2")
+    last = Change(other, "two", "2")
+    if obstacle == "read-only":
+        other.chmod(0o444)
+    else:
+        last = Change(tmp_path / "none" / "new.nid", "two", None)
+    with pytest.raises(OSError, match=r"read-only|No such file"):
+        write_all([Change(one, "one", "1"), last])
+    assert (one.read_text(), other.read_text()) == ("1", "2")
+    assert sorted(os.listdir(tmp_path)) == ["one.nid", "other.nid"]
+
+
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,17 +1,19 @@
-"""`cleancli rename`: a new name for a declared thing, in a domain and the problems that use it."""
+"""`cleancli rename`: a new name for a declared thing, in a domain, what it includes, and its problems."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
 from cleancli.cli.completion import domains, problems, renamable
 from cleancli.cli.files import echo_difference
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import Change, apply_edits, write_all
-from cleancli.language.load import kind_of, load_domain, load_problem, read_source
+from cleancli.cli.inputs import may_include_outside
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.edit import Change, Edit, apply_edits, write_all
+from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source
+from cleancli.language.model import Domain
 from cleancli.language.names import Kind
 from cleancli.language.rename import RENAMABLE, rename
 from cleancli.scene.check import load_scene
@@ -28,50 +30,62 @@ from cleancli.shipped import find
 def command(
     old: str, new: str, domain: str, problem_files: tuple[str, ...], kind: str | None, write: bool
 ) -> None:
-    """Rename OLD to NEW in a domain and in PROBLEMs of it: a type, object, symbol (predicate or function),
-    value, count, shared parameter, action or rule.
+    """Rename OLD to NEW in a domain, the files it includes and PROBLEMs of it: a type, object, symbol
+    (predicate or function), value, count, shared parameter, action or rule.
 
     Only names that mean this thing change. Prints the change as a diff; only --write changes files, and then
-    all of them, after each was found to be right with the new name and unchanged on disk.
+    all of them, after each was found to be right with the new name and unchanged on disk. Files that are
+    neither named nor included are left alone.
     """
-    files = [_File(domain, "domains"), *(_File(name, "problems") for name in problem_files)]
-    if write:
-        for file in files:
-            file.refuse_shipped()
-    sources = [file.source for file in files]
-    edits = rename(sources, old, new, None if kind is None else Kind(kind))
-    texts = [apply_edits(source.text, edits.get(source.path, ())) for source in sources]
-    _check([Source(source.path, text) for source, text in zip(sources, texts, strict=True)])
-    for source, text in zip(sources, texts, strict=True):
-        echo_difference(source, text, "renamed")
-    changes = [
-        Change(file.path, text, file.source.text)
-        for file, text in zip(files, texts, strict=True)
-        if text != file.source.text
-    ]
+    paths = [_found(domain, "domains", write), *(_found(name, "problems", write) for name in problem_files)]
+    checked = checked_domain(read_source(paths[0]), may_include_outside())
+    sources = (*checked.sources, *_others(paths[1:], checked.sources))
+    edits = _edits(sources, old, new, kind, checked)
+    texts = {s.path: Source(s.path, apply_edits(s.text, edits.get(s.path, ()))) for s in sources}
+    _check([texts[source.path] for source in sources], len(checked.sources))
+    for source in sources:
+        echo_difference(source, texts[source.path].text, "renamed")
     places = sum(map(len, edits.values()))
-    click.echo(f"{places} place{'s' * (places != 1)} in {len(changes)} of {len(files)} files", err=not write)
+    click.echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
     if write:
-        write_all(changes)
+        write_all(Change(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
 
 
-class _File:
-    """A file as the command line names it, found and read."""
-
-    def __init__(self, name: str, folder: str) -> None:
-        self.name = name
-        self.path: Path = find(name, folder)
-        self.source = read_source(self.path)
-
-    def refuse_shipped(self) -> None:
-        if not Path(self.name).is_file():
-            raise click.UsageError(f"`{self.name}` ships with cleancli: copy {self.path}, and rename there")
+def _found(name: str, folder: str, write: bool) -> Path:
+    """A file as the command line names it; none that ships with the program is written."""
+    path = find(name, folder)
+    if write and not Path(name).is_file():
+        raise click.UsageError(f"`{name}` ships with cleancli: copy {path}, and rename there")
+    return path
 
 
-def _check(sources: Sequence[Source]) -> None:
-    """Refuse a new name that would make a mistake; the domain comes first."""
-    domain = load_domain(sources[0])
-    for source in sources[1:]:
+def _others(paths: Sequence[Path], known: Sequence[Source]) -> tuple[Source, ...]:
+    """The texts of the files that are not among the known ones, under whatever path, each once."""
+    places = {Path(source.path).resolve() for source in known}
+    files = {path.resolve(): path for path in paths}
+    return tuple(read_source(path) for place, path in files.items() if place not in places)
+
+
+def _edits(
+    sources: Sequence[Source], old: str, new: str, kind: str | None, checked: Checked[Domain]
+) -> Mapping[str, tuple[Edit, ...]]:
+    """The edits by path; where there can be none, mistakes of the domain are told first: they may be why."""
+    try:
+        return rename(sources, old, new, None if kind is None else Kind(kind))
+    except Refused:
+        checked.get()
+        raise
+
+
+def _check(sources: Sequence[Source], of_domain: int) -> None:
+    """Refuse a new name that would make a mistake; the domain comes first, then what it includes."""
+    texts = {source.path: source for source in sources[:of_domain]}
+
+    def read(path: Path) -> Source:
+        return texts.get(str(path)) or read_source(path)
+
+    domain = checked_domain(sources[0], may_include_outside(), read).get()
+    for source in sources[of_domain:]:
         if kind_of(source) == "scene":
             load_scene(source)
         else:

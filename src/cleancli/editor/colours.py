@@ -23,6 +23,7 @@ TYPES = (
     "comment",
     "number",
     "modifier",
+    "string",
 )
 """The token types of the protocol that are used, in the order of their numbers."""
 MODIFIERS = ("declaration", "readonly")
@@ -45,7 +46,12 @@ _TYPE_OF: Mapping[Kind, str] = {
     Kind.KEY: "property",
     Kind.WORD: "enumMember",
 }
-_LOOKS = {LexemeKind.COMMENT: "comment", LexemeKind.NUMBER: "number", LexemeKind.VARIABLE: "parameter"}
+_LOOKS = {
+    LexemeKind.COMMENT: "comment",
+    LexemeKind.NUMBER: "number",
+    LexemeKind.VARIABLE: "parameter",
+    LexemeKind.STRING: "string",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from cleancli.editor.context import Context, context
+from cleancli.editor.context import Context, context, open_string
 from cleancli.editor.hover import comment, signature
 from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
 from cleancli.editor.library import Document, Library
@@ -35,14 +35,31 @@ class Completion:
 
 def completions(asked: Document, offset: int, library: Library) -> tuple[Completion, ...]:
     """What fits at a place, whether or not the text can be read, each once and the nearest first."""
+    before = asked.source.text[:offset]
+    typed = open_string(before)
+    if typed is not None:
+        return _paths(typed, asked, offset, library)
     place = context(asked.source.text, offset)
-    if place is None:
+    if place is None or before.endswith("/"):  # behind which a number goes on
         return ()
     names = _scene(place, library, asked) if place.kind == "scene" else _names(place, asked, library)
     found: dict[str, Completion] = {}
     for completion in (*names, *_keywords(place)):
         found.setdefault(completion.text, completion)
     return tuple(found.values())
+
+
+def _paths(typed: tuple[str, str], asked: Document, offset: int, library: Library) -> tuple[Completion, ...]:
+    """Files and folders for the path of an include, of which the last part is put in place."""
+    word, path = typed
+    if word != "include":
+        return ()
+    folder, slash, name = path.rpartition("/")
+    found = library.includable(asked, folder + slash)
+    return tuple(
+        Completion(text, Kind.FOLDER if text.endswith("/") else Kind.FILE, offset - len(name))
+        for text in found
+    )
 
 
 def _keywords(place: Context) -> Iterator[Completion]:

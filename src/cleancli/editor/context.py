@@ -57,6 +57,17 @@ def context(text: str, offset: int) -> Context | None:
     return Context(kind, path, section, start, _accepted(text[:start], words, section))
 
 
+def open_string(text: str) -> tuple[str, str] | None:
+    """The word before a string that a text ends in, and the string so far; None where it ends in none."""
+    words = [word for word in lexemes(text) if word.kind is not LexemeKind.COMMENT]
+    if not words or words[-1].kind is not LexemeKind.STRING or words[-1].end != len(text):
+        return None
+    string = words[-1].text
+    if len(string) > 1 and string.endswith('"'):
+        return None
+    return (words[-2].text if len(words) > 1 else ""), string[1:]
+
+
 def _blocks(words: tuple[Lexeme, ...]) -> tuple[tuple[str, ...], tuple[Lexeme, ...]]:
     """The open blocks inside the file's own, and the lexemes since the last of these was closed."""
     path: list[str] = []

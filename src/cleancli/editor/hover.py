@@ -29,6 +29,10 @@ class Hover:
 
 def hover(asked: Document, offset: int, library: Library) -> Hover | None:
     """What there is to say about a place; None for nothing."""
+    included = asked.include_at(offset)
+    if included is not None:
+        about = _about_domain(library.document(asked.path.parent / included.path))
+        return Hover("\n\n".join(about), included.span) if about else None
     found = asked.at(offset)
     if found is None:
         return _learned(asked, offset)
@@ -42,10 +46,7 @@ def _about(asked: Document, found: Occurrence, library: Library) -> Iterator[str
         yield from _about_key(asked, found)
         return
     if kind is Kind.DOMAIN:
-        domain = library.domain_of(asked)
-        if domain is not None and domain.root is not None:
-            yield _code(f"domain {domain.root.name.text}")
-            yield from _first_comment(domain.source.text)
+        yield from _about_domain(library.domain_of(asked))
         return
     declaration = library.declaration(asked, found.meaning)
     if declaration is None:
@@ -55,6 +56,12 @@ def _about(asked: Document, found: Occurrence, library: Library) -> Iterator[str
     yield from comment(text, _whole(declaration))
     if isinstance(declaration.node, syntax.RuleNode) and kind is Kind.RULE:
         yield from _about_rule(asked, declaration.node, library)
+
+
+def _about_domain(domain: Document | None) -> tuple[str, ...]:
+    if domain is None or domain.root is None:
+        return ()
+    return (_code(f"{domain.kind} {domain.root.name.text}"), *_first_comment(domain.source.text))
 
 
 def _text_of(declaration: Occurrence, library: Library) -> str:

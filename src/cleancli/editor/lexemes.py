@@ -19,6 +19,7 @@ class LexemeKind(enum.Enum):
     VARIABLE = "variable"
     NUMBER = "number"
     WORD = "word"
+    STRING = "string"
     SIGN = "sign"
 
 
@@ -34,12 +35,12 @@ class Lexeme:
 
 _LEXEME = re.compile(
     r"(?P<comment>#[^\r\n]*)|(?P<variable>\?[A-Za-z_0-9]*)|(?P<number>[0-9]+(?:[./][0-9]+)?)"
-    r"|(?P<word>[A-Za-z_]\w*)|(?P<sign>:=|=>|!=|<=|>=|\+=|-=|\.\.|[^\s\ufeff])"
+    r"|(?P<word>[A-Za-z_]\w*)|(?P<string>\"[^\"\r\n]*\"?)|(?P<sign>:=|=>|!=|<=|>=|\+=|-=|\.\.|[^\s\ufeff])"
 )
 
 
 def lexemes(text: str) -> tuple[Lexeme, ...]:
-    """Every lexeme of a text, comments too."""
+    """Every lexeme of a text, comments too; a string that is not closed ends with its line."""
     return tuple(
         Lexeme(LexemeKind(match.lastgroup), match.group(), match.start(), match.end())
         for match in _LEXEME.finditer(text)

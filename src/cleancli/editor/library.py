@@ -11,6 +11,7 @@ from pathlib import Path
 
 from cleancli.language.declarations import sections_of
 from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.include import is_outside
 from cleancli.language.load import kind_of, read_source
 from cleancli.language.names import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.outline import blank, outline
@@ -58,6 +59,10 @@ class Document:
         """The places where a domain includes others."""
         return tuple(sections_of(self.root.sections, Include)) if isinstance(self.root, DomainNode) else ()
 
+    def include_at(self, offset: int) -> Include | None:
+        """The place around an offset where another domain is included."""
+        return next((item for item in self.includes if item.span.start <= offset <= item.span.end), None)
+
 
 @functools.lru_cache(maxsize=256)
 def document(source: Source) -> Document:
@@ -103,10 +108,12 @@ def _blank_between(text: str, start: int, end: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """Texts that are `open` in the editor by their path, and the folders (`roots`) it works in."""
+    """Texts that are `open` in the editor by their path, and the folders (`roots`) it works in; with
+    `include_outside`, domains may include files from outside their folder."""
 
     open: Mapping[str, str] = field(default_factory=dict)
     roots: tuple[Path, ...] = ()
+    include_outside: bool = False
 
     def document(self, path: Path | str) -> Document | None:
         """A file as the editor sees it; None where it cannot be read."""
@@ -127,16 +134,43 @@ class Library:
         while waiting:
             place = waiting.pop()
             for item in place.includes:
-                inner = self.document(place.path.parent / item.path)
+                path = place.path.parent / item.path
+                inner = self.document(path) if self._may_include(path, (domain,)) else None
                 if inner is not None and inner.kind == "domain" and inner.source.path not in found:
                     found[inner.source.path] = inner
                     waiting.append(inner)
         return tuple(found.values())[1:]
 
+    def _may_include(self, path: Path, tops: Iterable[Document]) -> bool:
+        """Whether one of some domains may include a file, itself or through others."""
+        return self.include_outside or not all(is_outside(path, top.path) for top in tops)
+
+    def includable(self, asked: Document, start: str) -> tuple[str, ...]:
+        """How the path of an include may go on behind `start`, a folder that ends with `/` or nothing: with
+        domains, and with folders, which have a `/`. Nothing where the check would refuse it."""
+        folder = Path(os.path.normpath(asked.path.parent / start))
+        tops = (asked, *self.includers(asked, only_open=True))
+        opened = {path for path in map(Path, self.open) if path.parent == folder}
+        try:
+            files = sorted(path for path in {*folder.iterdir(), *opened} if self._may_include(path, tops))
+            folders = frozenset(path for path in files if path.is_dir())
+        except (OSError, ValueError):
+            return ()
+        shown = (path for path in files if not path.name.startswith("."))
+        return tuple(
+            f"{path.name}/" if path in folders else path.name
+            for path in shown
+            if path in folders or (path.suffix == ".nid" and self._is_other_domain(path, asked))
+        )
+
+    def _is_other_domain(self, path: Path, asked: Document) -> bool:
+        """Whether a file is a domain, or nothing yet, and not the one that was asked about."""
+        found = self.document(path)
+        return found is not None and found.kind in ("domain", "") and found.source.path != asked.source.path
+
     def includers(self, domain: Document, only_open: bool = False) -> tuple[Document, ...]:
-        """The domains that include a file, open or, unless `only_open`, beside it."""
-        beside = () if only_open else domain.path.parent.glob("*.nid")
-        files = {str(path) for path in beside} | self.open.keys()
+        """The domains that include a file, open or, unless `only_open`, beside it or below a root."""
+        files = self.open.keys() if only_open else self._files(domain.path.parent, *_folders(self.roots))
         found = (self.document(path) for path in sorted(files))
         return tuple(d for d in found if d is not None and d.includes and domain in self.included(d))
 
@@ -162,16 +196,15 @@ class Library:
 
     def users_of(self, domain: Document, near_only: bool = False) -> tuple[Document, ...]:
         """What is for a domain: problems and scenes open, beside it or, unless `near_only`, below a root."""
-        folders = [domain.path.parent, *(() if near_only else _folders(self.roots))]
-        files = {str(path) for folder in folders for path in folder.glob("*.nid")}
-        found = (self.document(path) for path in sorted(files | self.open.keys()))
+        files = self._files(domain.path.parent, *(() if near_only else _folders(self.roots)))
+        found = (self.document(path) for path in sorted(files))
         return tuple(
             user for user in found if user is not None and user.kind != "domain" and self._uses(user, domain)
         )
 
     def family(self, asked: Document) -> tuple[Document, ...]:
-        """All files in which a name of a file's domain may stand: the domain, those that include it, what any
-        of these includes, and their problems; the file itself where it has no domain."""
+        """All files in which a name that a file declares may stand: its domain, those that include it, what
+        any of these includes, and their problems; the file itself where it has no domain."""
         domain = self.domain_of(asked)
         if domain is None:
             return (asked,)
@@ -196,9 +229,16 @@ class Library:
 
     def domain_names(self, near: Path) -> tuple[str, ...]:
         """What a problem may name as its domain."""
-        files = {*self.open, *(str(path) for path in near.parent.glob("*.nid"))}
-        domains = (found for path in files if (found := self.document(path)) and found.kind == "domain")
+        domains = (
+            found
+            for path in self._files(near.parent)
+            if (found := self.document(path)) and found.kind == "domain"
+        )
         return tuple(sorted({d.path.stem for d in domains} | set(shipped_names("domains"))))
+
+    def _files(self, *folders: Path) -> set[str]:
+        """The files in some folders and those that are open."""
+        return {str(path) for folder in folders for path in folder.glob("*.nid")} | self.open.keys()
 
     def _uses(self, user: Document, domain: Document) -> bool:
         found = self.domain_of(user)

@@ -50,11 +50,12 @@ def model_of_problem(problem: Document, domain: Domain) -> Problem | None:
 
 
 def _checked(domain: Document, library: Library) -> Checked[Domain]:
-    return _checked_texts(domain.source, tuple(place.source for place in library.included(domain)))
+    included = tuple(place.source for place in library.included(domain))
+    return _checked_texts(domain.source, included, library.include_outside)
 
 
 @functools.lru_cache(maxsize=32)
-def _checked_texts(source: Source, included: tuple[Source, ...]) -> Checked[Domain]:
+def _checked_texts(source: Source, included: tuple[Source, ...], allow_outside: bool) -> Checked[Domain]:
     """What a check of a domain finds. Kept, because each of its problems and every look at a rule asks for
     it; it depends on the texts of the included files, too."""
     texts = {each.path: each for each in included}
@@ -62,7 +63,7 @@ def _checked_texts(source: Source, included: tuple[Source, ...]) -> Checked[Doma
     def read(path: Path) -> Source:
         return texts.get(os.path.normpath(path)) or read_source(path)
 
-    return checked_domain(source, read=read)
+    return checked_domain(source, allow_outside, read)
 
 
 def _shown_here(found: Diagnostic, asked: Document, library: Library) -> Diagnostic:

@@ -9,6 +9,7 @@ from cleancli.language.diagnostics import Span
 from cleancli.language.edit import Edit
 from cleancli.language.names import Kind, Meaning, Occurrence
 from cleancli.language.rename import RENAMABLE, edits_of, refusal_of
+from cleancli.shipped import shipped
 
 RENAMED = frozenset({*RENAMABLE, Kind.VARIABLE})
 """What can be renamed. A domain's name is also that of its file, and the rest are words of the language."""
@@ -19,7 +20,12 @@ class CannotRename(Exception):
 
 
 def definition(asked: Document, offset: int, library: Library) -> Span | None:
-    """Where the name at an offset is declared; for the name of a domain, where that file names itself."""
+    """Where the name at an offset is declared; for the name of a domain, where that file names itself; for an
+    `include`, the start of the file."""
+    included = asked.include_at(offset)
+    if included is not None:
+        file = library.document(asked.path.parent / included.path)
+        return None if file is None else Span(file.source.path, 0, 0)
     found = asked.at(offset)
     if found is None:
         return None
@@ -54,7 +60,11 @@ def _places(asked: Document, meaning: Meaning, library: Library) -> tuple[Docume
         return (asked,)
     declaration = library.declaration(asked, meaning)
     home = None if declaration is None else library.document(declaration.span.path)
-    return library.family(asked if home is None else home)
+    if home is None or home.source.path == asked.source.path:
+        return library.family(asked)
+    # What was asked about may include the file that declares the name from far away.
+    places = (*library.family(home), *library.family(asked))
+    return tuple({place.source.path: place for place in places}.values())
 
 
 def _is_local(asked: Document, meaning: Meaning) -> bool:
@@ -82,6 +92,8 @@ def renamable(asked: Document, offset: int, library: Library) -> Occurrence:
 def _is_own(domain: Document, asked: Document, library: Library) -> bool:
     """Whether a domain is one of the user's files, and not one that came with the program."""
     path = domain.path
+    if path.parent != shipped("domains").resolve():
+        return True
     near = path.parent == asked.path.parent or any(path.is_relative_to(root) for root in library.roots)
     return near or domain.source.path in library.open
 

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import asyncio
 import functools
-from collections.abc import Iterable, Sequence
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from lsprotocol import types as lsp
@@ -46,6 +48,8 @@ _COMPLETED = {
     Kind.SECTION: lsp.CompletionItemKind.Module,
     Kind.KEY: lsp.CompletionItemKind.Property,
     Kind.WORD: lsp.CompletionItemKind.Value,
+    Kind.FILE: lsp.CompletionItemKind.File,
+    Kind.FOLDER: lsp.CompletionItemKind.Folder,
 }
 _OUTLINED = {
     Kind.DOMAIN: lsp.SymbolKind.Module,
@@ -76,13 +80,16 @@ class Server(LanguageServer):
         super().__init__("cleancli", __version__)
         self.versions: dict[str, int] = {}
         """How often each text has changed, to tell when it has rested."""
+        self.include_outside = False
+        """Whether domains may include files from outside their folder."""
 
     @property
     def library(self) -> Library:
         """All open texts and the folders of the editor, now."""
         texts = {_path(uri): text.source for uri, text in self.workspace.text_documents.items()}
         folders = (to_fs_path(folder.uri) for folder in self.workspace.folders.values())
-        return Library(texts, tuple(Path(folder).resolve() for folder in folders if folder))
+        roots = tuple(Path(folder).resolve() for folder in folders if folder)
+        return Library(texts, roots, self.include_outside)
 
     def document(self, uri: str) -> Document:
         """An open text."""
@@ -138,7 +145,17 @@ server = Server()
 
 def serve() -> None:
     """Answer an editor over standard input and output until it closes them."""
-    server.start_io()
+    # pygls closes what it writes to; the command still flushes its own standard output when it ends.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
+        server.start_io(stdout=stream)
+
+
+@server.feature(lsp.INITIALIZE)
+def started(ls: Server, params: lsp.InitializeParams) -> None:
+    """Take the option that an editor may give, `includeOutside`."""
+    options = params.initialization_options
+    given = options.get("includeOutside") if isinstance(options, Mapping) else None
+    ls.include_outside = given is True
 
 
 # ---- mistakes
@@ -220,7 +237,9 @@ def hovered(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
     return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text), ls.range(found.span))
 
 
-@server.feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["?", "(", "=", "["]))
+@server.feature(
+    lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["?", "(", "=", "[", '"', "/"])
+)
 def completed(ls: Server, params: lsp.CompletionParams) -> list[lsp.CompletionItem]:
     """List what may be written at a place."""
     uri = params.text_document.uri

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,14 +62,16 @@ def write_all(changes: Iterable[Change]) -> None:
     """Replace several files, each in one step, after all of them were found to read as expected.
 
     Refuses (E006) before the first is replaced, naming all that do not. Raises OSError where one cannot be
-    read or written; those before it are replaced then.
+    read or written, or is read-only; none is replaced then.
     """
     changes = tuple(changes)
     refused = [diagnostic for change in changes if (diagnostic := _unexpected(change)) is not None]
     if refused:
         raise Refused(refused)
     for change in changes:
-        replace_file(change.path, change.text)
+        if change.expected is not None:
+            _refuse_read_only(change.path)
+    _replace((change.path, change.text) for change in changes)
 
 
 def _unexpected(change: Change) -> Diagnostic | None:
@@ -83,28 +85,43 @@ def _unexpected(change: Change) -> Diagnostic | None:
     return Diagnostic("E006", f"`{change.path}` {what}", None, help="nothing was written")
 
 
+def _refuse_read_only(path: Path) -> None:
+    """A file could be replaced wherever its folder can be written; one that is read-only is meant to stay."""
+    if not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
+        raise PermissionError(errno.EACCES, "read-only, and so nothing was written", str(path))
+
+
 def replace_file(path: Path | str, text: str) -> None:
     """Write a UTF-8 file so that it holds the old text or the new one, whatever happens.
 
     Line ends are written as they are and permissions kept; a symlink stays and its target is replaced.
     Raises OSError where the file cannot be written.
     """
-    target = Path(path).resolve()
-    mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    temporary = Path(name)
+    _replace([(Path(path), text)])
+
+
+def _replace(files: Iterable[tuple[Path, str]]) -> None:
+    """Write every text beside its file before the first file is replaced: a full disk or a folder that cannot
+    be written then changes none."""
+    written: list[tuple[Path, Path]] = []
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(text.encode("utf-8"))
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.chmod(mode)
-        temporary.replace(target)
-    except BaseException:
-        with suppress(FileNotFoundError):
-            temporary.unlink()
-        raise
-    _sync_folder(target.parent)
+        for path, text in files:
+            target = path.resolve()
+            mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
+            handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+            written.append((Path(name), target))
+            with os.fdopen(handle, "wb") as file:
+                file.write(text.encode("utf-8"))
+                file.flush()
+                os.fsync(file.fileno())
+            Path(name).chmod(mode)
+        for temporary, target in written:
+            temporary.replace(target)
+    finally:
+        for temporary, _ in written:
+            temporary.unlink(missing_ok=True)
+    for folder in sorted({target.parent for _, target in written}):
+        _sync_folder(folder)
 
 
 def _default_mode() -> int:

@@ -42,6 +42,14 @@ def with_includes(
     return replace(node, sections=includer.expand(node, findings.source.path, ()))
 
 
+def is_outside(path: Path, top: Path) -> bool:
+    """Whether a file lies neither in the folder of the domain `top` nor below, or is no place at all."""
+    try:
+        return not path.resolve().is_relative_to(top.absolute().parent.resolve())
+    except (OSError, RuntimeError, ValueError):
+        return True
+
+
 class _Includer:
     """Takes in the files below one domain."""
 
@@ -49,7 +57,7 @@ class _Includer:
         self._findings = findings
         self._allow_outside = allow_outside
         self._read = read
-        self._root = Path(findings.source.path).absolute().parent
+        self._top = Path(findings.source.path)
         self._taken: set[Path] = set()
         self._size = len(findings.source.text.encode("utf-8", "surrogatepass"))
 
@@ -86,7 +94,7 @@ class _Includer:
             resolved = path.resolve()
         except (OSError, RuntimeError, ValueError) as error:
             return self._refuse("E003", f"cannot read `{node.path}`: {error}", node)
-        if not self._allow_outside and not resolved.is_relative_to(self._root.resolve()):
+        if not self._allow_outside and is_outside(path, self._top):
             help = "copy it into this folder or one below"
             return self._refuse("E109", f"`{node.path}` lies outside the folder of the domain", node, help)
         places = [Path(name).resolve() for name in chain]

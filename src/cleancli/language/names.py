@@ -34,6 +34,8 @@ class Kind(enum.Enum):
     SECTION = "section"
     KEY = "key"
     WORD = "word"
+    FILE = "file"
+    FOLDER = "folder"
 
 
 @dataclass(frozen=True, slots=True)
