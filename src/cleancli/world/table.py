@@ -14,13 +14,13 @@ from cleancli.motion.path import ToolPath
 from cleancli.motion.timing import Limits, Trajectory, parametrise
 from cleancli.perception.frame import Frame
 from cleancli.scene.model import Scene
-from cleancli.world import camera, furniture, lentils
+from cleancli.world import camera, furniture, lentils, robots
 from cleancli.world import parameters as par
+from cleancli.world.gantry import Gantry
 from cleancli.world.physics import Engine
-from cleancli.world.rag import Gantry
 from cleancli.world.robot import Status
 
-_LIMITS = Limits(par.JOINT_SPEED, par.JOINT_ACCELERATION, par.STEPS_PER_PERIOD * par.STEP)
+_LIMITS = Limits(robots.JOINT_SPEED, robots.JOINT_ACCELERATION, par.STEPS_PER_PERIOD * par.STEP)
 _Pose = NDArray[np.float64]
 
 
@@ -106,7 +106,7 @@ class PybulletTable:
             return self._status
         now, self._ahead = self._ahead[: par.STEPS_PER_PERIOD], self._ahead[par.STEPS_PER_PERIOD :]
         self._follow(now)
-        if np.linalg.norm(self._gantry.pose()[:3] - self._pose[:3]) > par.TRACKING_LIMIT:
+        if np.linalg.norm(self._gantry.pose()[:3] - self._pose[:3]) > robots.TRACKING_LIMIT:
             self._status = Status.FAILED
         elif not len(self._ahead):
             self._status = Status.DONE
@@ -174,7 +174,7 @@ def _refuse_unknown(scene: Scene) -> None:
 def resting_pose(scene: Scene) -> _Pose:
     """Pose (4,) beside the table, outside the camera's view, on the nearest side without the container."""
     setup = scene.camera
-    tool = scene.rag.width / 2 + par.REST_CLEARANCE
+    tool = scene.rag.width / 2 + robots.REST_CLEARANCE
     views = setup.height / (2 * setup.focal) * np.array((setup.image_width, setup.image_height))
     x, y = np.maximum(views, (scene.surface.width / 2, scene.surface.depth / 2)) + tool
     places = {"north": (0.0, y), "south": (0.0, -y), "west": (-x, 0.0), "east": (x, 0.0)}
@@ -198,6 +198,6 @@ def _sampled(trajectory: Trajectory) -> NDArray[np.float64]:
 
 
 def _within_reach(poses: NDArray[np.float64], scene: Scene) -> bool:
-    half = np.array((scene.surface.width, scene.surface.depth)) / 2 + par.REACH_MARGIN
-    low, high = par.REACH_HEIGHT
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2 + robots.REACH_MARGIN
+    low, high = robots.REACH_HEIGHT
     return bool(np.all(np.abs(poses[:, :2]) <= half) and np.all((poses[:, 2] >= low) & (poses[:, 2] <= high)))
