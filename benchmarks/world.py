@@ -15,6 +15,7 @@ import numpy as np
 
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
     Container,
@@ -32,7 +33,7 @@ SCENE = Scene(
     surface=Surface(0.90, 0.70, 0.45, (205, 198, 184)),
     container=Container("east", 0.0, 0.32, 0.16),
     robot="gantry",
-    rag=Rag("wide", 0.12),
+    rag=Rag(WIDE, 0.12),
     camera=CameraSetup(0.9, 640, 480, 525),
     dirt=(Scattered(40, (-0.28, -0.22), (0.28, 0.22)),),
     symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),

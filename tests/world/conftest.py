@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
     Container,
@@ -29,7 +30,7 @@ def scene() -> Callable[..., Scene]:
             surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
             container=Container(edge, 0.0, 0.32, 0.16),
             robot="gantry",
-            rag=Rag("wide", 0.12),
+            rag=Rag(WIDE, 0.12),
             camera=CameraSetup(0.9, 640, 480, 525),
             dirt=dirt,
             symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),

@@ -37,7 +37,7 @@ def test_depth_is_quantised(scene: MakeScene) -> None:
 def test_lentils_are_seen_where_they_lie(scene: MakeScene) -> None:
     with closing(PybulletTable(scene(Scattered(12, (-0.3, -0.25), (0.3, 0.25))), 4)) as table:
         eye = camera.overhead(scene().camera)
-        colour, depth = camera.render(table._engine, eye)
+        colour, depth = camera.render(table._engine, eye, scene().light)
         truth = table.truth().positions
     dark = np.argwhere((colour.sum(axis=2) < 330) & (depth < 0.905))
     assert 7 <= len(dark) / 12 <= 13, "pixels per lentil"
@@ -83,7 +83,7 @@ def test_edges_are_jittered_and_partly_unknown() -> None:
 def test_the_tool_hides_what_it_stands_above(scene: MakeScene) -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         table._gantry.place(np.array((0.1, 0.05, 0.0, 0.3)))
-        colour, depth = camera.render(table._engine, camera.overhead(scene().camera))
+        colour, depth = camera.render(table._engine, camera.overhead(scene().camera), scene().light)
     hidden = depth < 0.88
     assert hidden.sum() > 1000
     assert colour[hidden].mean() < 140

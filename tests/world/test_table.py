@@ -152,12 +152,9 @@ def test_the_resting_tool_is_out_of_the_picture(scene: MakeScene) -> None:
         assert depth[depth > 0].min() > setting.camera.height - 0.02
 
 
-def test_an_unknown_drive_or_grasp_is_refused(scene: MakeScene) -> None:
+def test_an_unknown_drive_is_refused(scene: MakeScene) -> None:
     with pytest.raises(ValueError, match="no drive is called `arm`"):
         PybulletTable(replace(scene(), robot="arm"), 1)
-    setting = scene()
-    with pytest.raises(ValueError, match="no grasp is called `loose`"):
-        PybulletTable(replace(setting, rag=replace(setting.rag, grasp="loose")), 1)
 
 
 _TWICE = """
@@ -165,11 +162,12 @@ from dataclasses import replace
 import sys
 from cleancli.motion.actions import LIFT, tool_path
 from cleancli.perception.area import Ellipse
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import *
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 scene = Scene("twice", Surface(0.9, 0.7, 0.45, (205, 198, 184)), Container("east", 0.0, 0.32, 0.16), "gantry",
-              Rag("wide", 0.12), CameraSetup(0.9, 64, 48, 52.5), (Group(15, (0.25, 0.0), 0.03),),
+              Rag(WIDE, 0.12), CameraSetup(0.9, 64, 48, 52.5), (Group(15, (0.25, 0.0), 0.03),),
               SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06), 1)
 table = PybulletTable(scene, 9)
 table.start(tool_path("moveToContainerFast", (Ellipse((0.25, 0.0), (0.03, 0.03), 0.0),), scene))

@@ -545,6 +545,13 @@ class Pair(Node):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Points(Node):
+    """`((x, y), ...)`."""
+
+    points: tuple[Pair, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ImageSize(Node):
     """`width x height`."""
 
@@ -567,7 +574,7 @@ class Word(Node):
     text: str
 
 
-SettingValue = Quantity | Pair | ImageSize | Call | Word
+SettingValue = Quantity | Pair | Points | ImageSize | Call | Word
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -601,9 +608,10 @@ class ProblemNode(Node):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Section(Node):
-    """`name { entries }`."""
+    """`name { entries }`, or `name title { entries }` for one of several that are told apart by a title."""
 
     name: Name
+    title: Name | None
     entries: tuple[Setting | Section, ...]
 
 

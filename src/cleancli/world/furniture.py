@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import sin, sqrt
+
 from cleancli.scene.model import Container, Scene, Surface
 from cleancli.world import parameters as par
 from cleancli.world.physics import Engine
@@ -11,8 +13,9 @@ _Box = tuple[_Triple, _Triple]  # lowest and highest corner
 
 
 def build(engine: Engine, scene: Scene) -> None:
-    """Put floor, table and container in place; the table's top is z = 0."""
+    """Put floor, table and container in place; the table's top is z = 0, and gravity slants if it tilts."""
     surface = scene.surface
+    engine.setGravity(*gravity(surface))
     far, ground = par.FLOOR_HALF, -par.TABLE_HEIGHT
     floor = (-far, -far, ground - par.FLOOR_THICKNESS), (far, far, ground)
     _block(engine, floor, par.FLOOR_COLOUR, surface.friction)
@@ -22,6 +25,13 @@ def build(engine: Engine, scene: Scene) -> None:
         _block(engine, leg, par.LEG_COLOUR, surface.friction)
     for wall in container_walls(scene.container, surface):
         _block(engine, wall, par.CONTAINER_COLOUR, par.CONTAINER_FRICTION)
+
+
+def gravity(surface: Surface) -> _Triple:
+    """Gravity as seen from the surface: the whole room is tilted with it."""
+    east, north = (sin(angle) for angle in surface.tilt)
+    down = sqrt(1 - east**2 - north**2)
+    return par.GRAVITY * east, par.GRAVITY * north, par.GRAVITY * down
 
 
 def container_space(container: Container, surface: Surface) -> _Box:

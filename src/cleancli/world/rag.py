@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.scene.model import Rag
+from cleancli.scene.model import Grasp, Rag
 from cleancli.world import parameters as par
 from cleancli.world.links import Link
 from cleancli.world.physics import Engine
@@ -19,14 +19,14 @@ class Cloth:
 
     links: tuple[Link, ...]
     rests: NDArray[np.float64]
-    grasp: par.Grasp
+    grasp: Grasp
 
 
 def hang(engine: Engine, rag: Rag, mount: int, rng: np.random.Generator) -> Cloth:
     """Flaps below link `mount`, whose frame is that of the tool: origin at the rag's lower middle, x where it
     pushes to, z up."""
-    grasp = par.GRASPS[rag.grasp]
-    offsets = flap_offsets(rag, grasp)
+    grasp = rag.grasp
+    offsets = flap_offsets(rag)
     gaps = grasp.gap_spread * rng.standard_normal(len(offsets))
     rests = par.FLAP_LEAN + grasp.angle_spread * rng.standard_normal(len(offsets))
     half = [par.FLAP_THICKNESS / 2, rag.width / len(offsets) / 2 * 0.96, par.FLAP_HEIGHT / 2]
@@ -55,7 +55,7 @@ def hang(engine: Engine, rag: Rag, mount: int, rng: np.random.Generator) -> Clot
 
 
 def spring(engine: Engine, body: int, first: int, cloth: Cloth) -> None:
-    """Give the flaps their friction and springs, once `body` is assembled; `first` is the link of the first."""
+    """Give the flaps their friction and springs, once `body` is assembled; `first` is the first's link."""
     for link, rest in enumerate(cloth.rests, first):
         engine.changeDynamics(
             body, link, lateralFriction=par.FLAP_FRICTION, rollingFriction=0, spinningFriction=0
@@ -76,14 +76,20 @@ def flap_middles(engine: Engine, body: int, first: int) -> NDArray[np.float64]:
     return np.array([engine.getLinkState(body, link)[0] for link in links])
 
 
-def flap_offsets(rag: Rag, grasp: par.Grasp) -> NDArray[np.float64]:
-    """(n, 3) where each flap stands in the bow: forward and sideways of the tool's middle, and its turn."""
-    count = max(1, round(rag.width / grasp.flap_width))
+def flap_offsets(rag: Rag) -> NDArray[np.float64]:
+    """(n, 3) where each flap stands in its row: forward and sideways of the tool's middle, and its turn.
+
+    The row is bowed, then both its halves are swept back, then all of it is turned by the skew.
+    """
+    grasp = rag.grasp
+    count = max(1, round(rag.width / grasp.flap))
     half = rag.width / 2
     aside = (np.arange(count) + 0.5) * rag.width / count - half
-    forward = grasp.bow * (aside / half) ** 2
-    turn = -np.arctan(2 * grasp.bow * aside / half**2)
-    return np.stack((forward, aside, turn), axis=1)
+    back = np.tan(grasp.sweep)
+    forward = grasp.bow * (aside / half) ** 2 - back * np.abs(aside)
+    turn = -np.arctan(2 * grasp.bow * aside / half**2 - back * np.sign(aside)) + grasp.skew
+    cos, sin = np.cos(grasp.skew), np.sin(grasp.skew)
+    return np.stack((cos * forward - sin * aside, sin * forward + cos * aside, turn), axis=1)
 
 
 def holder(engine: Engine, rag: Rag) -> int:

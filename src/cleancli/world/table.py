@@ -14,7 +14,7 @@ from cleancli.motion.path import ToolPath
 from cleancli.motion.timing import Limits, Trajectory, parametrise
 from cleancli.perception.frame import Frame
 from cleancli.scene.model import Scene
-from cleancli.world import camera, furniture, lentils, robots
+from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
 from cleancli.world.gantry import Gantry
 from cleancli.world.physics import Engine
@@ -43,7 +43,7 @@ class PybulletTable:
     """A simulated table, gantry and camera (`Robot`); `close` it, or use it in a `with` statement.
 
     Everything random, from where lentils drop to the noise of each stroke and image, comes from `seed`.
-    Raises `MissingPhysics` without pybullet, ValueError for a drive or a grasp that it doesn't have.
+    Raises `MissingPhysics` without pybullet, ValueError for a drive that it doesn't have.
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
@@ -56,8 +56,8 @@ class PybulletTable:
         self._gantry = Gantry(self._engine, scene.rag, tool)
         self._pose = resting_pose(scene)
         self._gantry.place(self._pose)
-        self._lentils = lentils.drop(self._engine, lentils.places(scene.dirt, layout), layout)
-        lentils.settle(self._engine, self._lentils)
+        self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
+        particles.settle(self._engine, self._particles)
         self._camera = camera.overhead(scene.camera)
         self._steps = 0
         self._ahead: NDArray[np.float64] = np.empty((0, 4))
@@ -82,7 +82,7 @@ class PybulletTable:
 
     def observe(self) -> Frame:
         """One noisy RGB-D image of the table, and of the tool if it is in the way. Takes no robot time."""
-        return camera.photograph(self._engine, self._camera, self.clock, self._image_noise)
+        return camera.photograph(self._engine, self._camera, self._scene.light, self.clock, self._image_noise)
 
     def start(self, path: ToolPath) -> None:
         """Begin a transit above the surface to the path's first waypoint, then the path, with tool noise.
@@ -123,7 +123,7 @@ class PybulletTable:
 
     def truth(self) -> Truth:
         """Where every lentil is. For reports: whoever plans or learns from this cheats."""
-        places = lentils.positions(self._engine, self._lentils)
+        places = particles.positions(self._engine, self._particles)
         low, high = furniture.container_space(self._scene.container, self._scene.surface)
         inside = np.all((places >= low) & (places <= high), axis=1)
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
@@ -135,7 +135,7 @@ class PybulletTable:
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
-        return camera.onlook(self._engine, self._scene.surface, width, height)
+        return camera.onlook(self._engine, self._scene.surface, self._scene.light, width, height)
 
     def _draw_noise(self, poses: NDArray[np.float64]) -> _Pose:
         """This stroke's offset (4,): height, sideways to the first push, and yaw."""
@@ -167,8 +167,6 @@ class PybulletTable:
 def _refuse_unknown(scene: Scene) -> None:
     if scene.robot != "gantry":
         raise ValueError(f"no drive is called `{scene.robot}`; this table has `gantry`")
-    if scene.rag.grasp not in par.GRASPS:
-        raise ValueError(f"no grasp is called `{scene.rag.grasp}`; this table has {', '.join(par.GRASPS)}")
 
 
 def resting_pose(scene: Scene) -> _Pose:
