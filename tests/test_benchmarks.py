@@ -1,4 +1,4 @@
-"""The benchmarks that are tests when they are made small: benchmarks/fuzz.py and benchmarks/roundtrip.py."""
+"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, physics.py."""
 
 from __future__ import annotations
 
@@ -26,3 +26,13 @@ def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     result = _run("roundtrip.py", "90", cwd=tmp_path)
     assert result.returncode == 0, result.stdout
     assert "30 domain, 30 problem, 30 scene" in result.stdout
+
+
+def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
+    result = _run("physics.py", "--quick", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    rows = [line.split("|")[1:-1] for line in result.stdout.splitlines()[2:]]
+    assert [row[2].strip() for row in rows] == ["wide", "corner"]
+    for row in rows:
+        assert sum(float(share) for share in row[3:6]) == 1
+        assert row[6].strip() == "2"

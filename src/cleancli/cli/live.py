@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
@@ -94,3 +94,21 @@ def working(what: str) -> Iterator[None]:
         return
     with console.status(what):
         yield
+
+
+@contextmanager
+def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
+    """Something to call after each step of a long work; a terminal shows `what` with the number of steps."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda: None
+        return
+    done = 0
+    with console.status(what.format(done)) as status:
+
+        def count() -> None:
+            nonlocal done
+            done += 1
+            status.update(what.format(done))
+
+        yield count
