@@ -124,7 +124,7 @@ def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
 
 def _truth(truth: Truth) -> dict[str, object]:
     return {
-        "lentils": truth.total,
+        "particles": truth.total,
         "in_container": truth.in_container,
         "on_table": truth.on_table,
         "on_floor": truth.on_floor,
@@ -138,7 +138,7 @@ def _summary(ended: Ended, truth: dict[str, object], folder: Path, video: bool) 
     lines = [
         f"{'clean' if ended.clean else 'not clean'}: {ended.reason}, after {ended.actions} actions",
         f"seconds: {total:.1f} ({spent})",
-        f"truly: {truth['in_container']} of {truth['lentils']} lentils in the container,"
+        f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
         f" {truth['on_table']} on the table, {truth['on_floor']} on the floor",
         f"record: {folder}/  pictures: step-*.png" + ("  video: video.mp4" if video else ""),
     ]
