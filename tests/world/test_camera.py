@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,3 +97,16 @@ def test_the_onlooker_sees_without_noise(scene: MakeScene) -> None:
     assert first.shape == (480, 640, 3)
     assert small.shape == (120, 160, 3)
     np.testing.assert_array_equal(first, second)
+
+
+def test_light_falls_from_where_the_scene_says(scene: MakeScene) -> None:
+    setting = scene()
+    brightness = []
+    with closing(PybulletTable(setting, 1)) as table:
+        for elevation in (90.0, 30.0):
+            light = replace(setting.light, elevation=np.radians(elevation), ambient=0.2)
+            colour, _ = camera.render(table._engine, camera.overhead(setting.camera), light)
+            brightness.append(colour[200:280, 280:360].mean())
+    high, low = brightness
+    # The surface gets ambient + (1 - ambient) * sin(elevation) of its colour.
+    assert low / high == pytest.approx(0.2 + 0.8 * 0.5, abs=0.02)

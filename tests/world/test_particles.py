@@ -59,7 +59,9 @@ def test_a_group_of_several_kinds_is_all_there(scene: MakeScene) -> None:
 
 
 def test_peas_roll_and_come_to_rest_where_lentils_and_rice_slide(scene: MakeScene) -> None:
-    ways = {kind: way(scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2), kind)), 0.1, 4.0) for kind in par.PARTICLES}
+    ways = {
+        kind: way(scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2), kind)), 0.1, 4.0) for kind in par.PARTICLES
+    }
     assert 0.02 < ways["peas"].min() <= ways["peas"].max() < 0.08
     assert ways["lentils"].max() < 0.005
     assert ways["rice"].max() < 0.005

@@ -28,6 +28,7 @@ SUMMARIES = {
     "rename": "Rename a declared thing in a domain and its problems.",
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
+    "scene": "What a scene holds, how it looks, what its robot reaches.",
     "act": "Try one action many times, and count how it truly ends.",
     "learn": "Improve a domain's probabilities from recorded experience.",
     "lsp": "Serve editors: mistakes while typing, completion, rename.",

@@ -20,6 +20,7 @@ from cleancli.motion.actions import tool_path
 from cleancli.motion.ellipse import contains
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.perceive import perceive
+from cleancli.perception.surface import NoSurface
 from cleancli.perception.tracking import track
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status
@@ -65,9 +66,11 @@ def attempt(scene: Scene, action: str, arity: int, names: Sequence[str], seed: i
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
         rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
         frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
-        seen = track((), perceive(frames, scene, rng).areas, None, 1)
         start = table.truth()
-        chosen = _chosen(seen, names, arity)
+        try:
+            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1), names, arity)
+        except NoSurface:
+            chosen = ()
         if len(chosen) < arity:
             return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, start.left[:, :2], start.left[:, :2])
         ellipses = tuple(area.ellipse for area in chosen)

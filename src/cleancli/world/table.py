@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -46,11 +47,12 @@ class PybulletTable:
     Raises `MissingPhysics` without pybullet, ValueError for a drive that it doesn't have.
     """
 
-    def __init__(self, scene: Scene, seed: int) -> None:
+    def __init__(self, scene: Scene, seed: int, window: bool = False) -> None:
         _refuse_unknown(scene)
         layout, tool, strokes, images = np.random.default_rng(seed).spawn(4)
         self._scene = scene
-        self._engine = Engine()
+        self._window = window
+        self._engine = Engine(window)
         self._stroke_noise, self._image_noise = strokes, images
         furniture.build(self._engine, scene)
         self._gantry = Gantry(self._engine, scene.rag, tool)
@@ -132,6 +134,12 @@ class PybulletTable:
         return Truth(
             remaining, contained, len(places) - remaining - contained, len(places), places, places[above]
         )
+
+    def show(self) -> None:
+        """Let time pass in the window until somebody closes it; at once, if there is no window."""
+        while self._window and self._engine.isConnected():
+            self._engine.stepSimulation()
+            time.sleep(par.STEP)
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
