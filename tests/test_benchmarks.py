@@ -1,4 +1,4 @@
-"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, physics.py."""
+"""The benchmarks that are tests when they are made small: fuzz, roundtrip, physics, conservation."""
 
 from __future__ import annotations
 
@@ -36,3 +36,10 @@ def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
     for row in rows:
         assert sum(float(share) for share in row[3:6]) == 1
         assert row[6].strip() == "2"
+
+
+def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
+    result = _run("conservation.py", "4", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "0 faults in 4 actions" in result.stdout
+    assert "of 48" in result.stdout
