@@ -12,7 +12,20 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "cleancli"
-HEAVY = {"av", "lark", "numba", "cv2", "scipy", "pybullet", "click", "rich", "pygls", "lsprotocol"}
+HEAVY = {
+    "av",
+    "lark",
+    "numba",
+    "cv2",
+    "scipy",
+    "ompl",
+    "pybullet",
+    "toppra",
+    "click",
+    "rich",
+    "pygls",
+    "lsprotocol",
+}
 
 
 def table() -> dict[str, tuple[set[str], set[str]]]:
@@ -86,6 +99,7 @@ def test_no_import_cycle_between_modules() -> None:
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
         ("import cleancli.planning.table", {"numba", "cv2", "pybullet"}),
         ("import cleancli.world.robot", {"pybullet", "cv2", "numba"}),
+        ("import cleancli.world.table", {"pybullet", "ompl", "toppra", "scipy", "matplotlib"}),
     ],
 )
 def test_heavy_libraries_stay_out(code: str, absent: set[str]) -> None:

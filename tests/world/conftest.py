@@ -22,14 +22,19 @@ from cleancli.world.robot import Robot, Status
 
 @pytest.fixture
 def scene() -> Callable[..., Scene]:
-    """A scene with the given dirt, and the container at the given edge."""
+    """A scene with the given dirt, robot and size, and the container at the given edge."""
 
-    def make(*dirt: Group | Scattered, edge: str = "east") -> Scene:
+    def make(
+        *dirt: Group | Scattered,
+        edge: str = "east",
+        robot: str = "gantry",
+        size: tuple[float, float] = (0.9, 0.7),
+    ) -> Scene:
         return Scene(
             name="trial",
-            surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
+            surface=Surface(*size, 0.45, (205, 198, 184)),
             container=Container(edge, 0.0, 0.32, 0.16),
-            robot="gantry",
+            robot=robot,
             rag=Rag(WIDE, 0.12),
             camera=CameraSetup(0.9, 640, 480, 525),
             dirt=dirt,

@@ -83,7 +83,7 @@ def test_edges_are_jittered_and_partly_unknown() -> None:
 
 def test_the_tool_hides_what_it_stands_above(scene: MakeScene) -> None:
     with closing(PybulletTable(scene(), 1)) as table:
-        table._gantry.place(np.array((0.1, 0.05, 0.0, 0.3)))
+        table._drive.stand(np.array((0.1, 0.05, 0.0, 0.3)))
         colour, depth = camera.render(table._engine, camera.overhead(scene().camera), scene().light)
     hidden = depth < 0.88
     assert hidden.sum() > 1000

@@ -8,7 +8,8 @@ import numpy as np
 
 from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Scene
-from cleancli.world.reach import REACHES, STEP, reach
+from cleancli.world.drives import ROBOTS
+from cleancli.world.reach import STEP, reach
 
 
 def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Callable[..., Scene]) -> None:
@@ -17,8 +18,7 @@ def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Call
     assert np.abs(places).max(axis=0).tolist() == [0.45, 0.35]
     gaps = np.diff(np.unique(places[:, 0]))
     assert gaps.max() <= STEP + 1e-9
-    assert not REACHES["gantry"](np.array([(1.2, 0.0)]), scene()).any()
 
 
-def test_every_drive_has_a_reach() -> None:
-    assert set(REACHES) == set(DRIVES)
+def test_scenes_may_name_every_robot_that_there_is() -> None:
+    assert set(DRIVES) == set(ROBOTS)

@@ -17,8 +17,9 @@ from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import parameters as par
 from cleancli.world import robots
+from cleancli.world.gantry import resting_pose
 from cleancli.world.robot import Robot, Status
-from cleancli.world.table import PybulletTable, Truth, resting_pose
+from cleancli.world.table import PybulletTable, Truth
 
 MakeScene = Callable[..., Scene]
 Finish = Callable[[Robot], Status]
@@ -113,10 +114,10 @@ def test_a_stopped_tool_is_raised_and_can_go_on(scene: MakeScene, finish: Finish
         while table.poll() is Status.RUNNING and table.clock < 5.0:
             pass
         table.stop()
-        assert table._gantry.pose()[2] == pytest.approx(LIFT, abs=5e-3)
+        assert table._drive.tool()[2] == pytest.approx(LIFT, abs=5e-3)
         table.withdraw()
         assert finish(table) is Status.DONE
-        np.testing.assert_allclose(table._gantry.pose()[:3], resting_pose(setting)[:3], atol=1e-3)
+        np.testing.assert_allclose(table._drive.tool()[:3], resting_pose(setting)[:3], atol=1e-3)
 
 
 def test_a_path_out_of_reach_fails_without_moving(scene: MakeScene) -> None:
@@ -133,9 +134,9 @@ def test_the_rag_stands_perpendicular_to_its_push(scene: MakeScene) -> None:
     path = tool_path("moveToContainerStraight", (area,), setting)
     with closing(PybulletTable(setting, 4)) as table:
         table.start(path)
-        while table._pose[2] > 0.01 or abs(table._pose[0]) > 0.02:
+        while table._drive.tool()[2] > 0.01 or abs(table._drive.tool()[0]) > 0.02:
             assert table.poll() is Status.RUNNING
-        flaps = table._gantry.flaps()
+        flaps = table._drive.flaps()
     row = flaps[-1] - flaps[0]
     push = path.waypoints[2]
     across = abs(row[0] * np.cos(push.yaw) + row[1] * np.sin(push.yaw)) / np.linalg.norm(row[:2])
@@ -152,8 +153,8 @@ def test_the_resting_tool_is_out_of_the_picture(scene: MakeScene) -> None:
         assert depth[depth > 0].min() > setting.camera.height - 0.02
 
 
-def test_an_unknown_drive_is_refused(scene: MakeScene) -> None:
-    with pytest.raises(ValueError, match="no drive is called `arm`"):
+def test_an_unknown_robot_is_refused(scene: MakeScene) -> None:
+    with pytest.raises(ValueError, match="no robot is called `arm`"):
         PybulletTable(replace(scene(), robot="arm"), 1)
 
 

@@ -33,11 +33,11 @@ class Link:
     seen: int = NOTHING
 
 
-def assemble(engine: Engine, links: Sequence[Link], base: _Triple = (0, 0, 0), seen: int = NOTHING) -> int:
-    """One body on a still base at `base` that looks like `seen`; the numbers of links are places in `links`."""
+def assemble(engine: Engine, links: Sequence[Link], seen: int = NOTHING) -> int:
+    """One body on a base that stands still at the origin and looks like `seen`; links are numbered in
+    order."""
     body: int = engine.createMultiBody(
         baseMass=0,
-        basePosition=base,
         baseVisualShapeIndex=seen,
         linkMasses=[link.mass for link in links],
         linkCollisionShapeIndices=[link.touched for link in links],

@@ -92,17 +92,17 @@ def flap_offsets(rag: Rag) -> NDArray[np.float64]:
     return np.stack((cos * forward - sin * aside, sin * forward + cos * aside, turn), axis=1)
 
 
-def holder(engine: Engine, rag: Rag) -> int:
-    """The bar that clamps the cloth and the post that carries it, in the tool's frame: seen by the cameras,
-    touched by nothing."""
+def holder(engine: Engine, rag: Rag, post: float) -> int:
+    """The bar that clamps the cloth and the post, so high, that carries it, in the tool's frame: seen by the
+    cameras, touched by nothing."""
     bar = [par.HOLDER_SIZE[0] / 2, rag.width / 2, par.HOLDER_SIZE[1] / 2]
     shape: int = engine.createVisualShapeArray(
         shapeTypes=[engine.GEOM_BOX, engine.GEOM_BOX],
-        halfExtents=[bar, [par.POST_RADIUS, par.POST_RADIUS, par.POST_HEIGHT / 2]],
+        halfExtents=[bar, [par.POST_RADIUS, par.POST_RADIUS, post / 2]],
         rgbaColors=[[*(c / 255 for c in par.HOLDER_COLOUR), 1]] * 2,
         visualFramePositions=[
             [0, 0, par.FLAP_HEIGHT + bar[2]],
-            [0, 0, par.FLAP_HEIGHT + par.HOLDER_SIZE[1] + par.POST_HEIGHT / 2],
+            [0, 0, par.FLAP_HEIGHT + par.HOLDER_SIZE[1] + post / 2],
         ],
     )
     return shape
