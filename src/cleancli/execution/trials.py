@@ -47,8 +47,9 @@ class Outcome(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One try. `targets`: how many particles the action was meant for; `left` of them on the table, `lost` on
-    the floor. `before` and `after` (n, 2): where all particles lay on the table. `seconds` of robot time."""
+    """One try. `targets`: how many pieces of dirt the action was meant for, particles or cells of ink; `left`
+    of them on the table. `lost`: particles on the floor. `before` and `after` (n, 2): where all dirt lay on
+    the table. `seconds` of robot time."""
 
     seed: int
     outcome: Outcome
@@ -72,37 +73,25 @@ def attempt(scene: Scene, action: str, arity: int, names: Sequence[str], seed: i
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:
-            return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, start.left[:, :2], start.left[:, :2])
+            return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
         ellipses = tuple(area.ellipse for area in chosen)
         targets = _within(start.positions[:, :2], ellipses)
         table.start(tool_path(action, ellipses, scene))
         while (status := table.poll()) is Status.RUNNING:
             pass
         end = table.truth()
-        remaining = _on_table(end)
-        return Trial(
-            seed,
-            Outcome.FAILED
-            if status is Status.FAILED
-            else judge(
-                start.positions[targets, :2],
-                end.positions[targets & remaining, :2],
-                action in GATHERING,
-                arity,
-                scene.symbols.link,
-            ),
-            int(targets.sum()),
-            int((targets & remaining).sum()),
-            end.on_floor,
-            table.clock,
-            start.left[:, :2],
-            end.left[:, :2],
-        )
+        before = _meant(start, targets, ellipses)
+        after = _meant(end, targets & _on_table(end), ellipses)
+        outcome = Outcome.FAILED
+        if status is not Status.FAILED:
+            outcome = judge(before, after, action in GATHERING, arity, scene.symbols.link)
+        sizes = len(before), len(after), end.on_floor
+        return Trial(seed, outcome, *sizes, table.clock, _on_surface(start), _on_surface(end))
 
 
 def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> Outcome:
-    """What became of the particles of so many areas, which lay at `before` (n, 2); `after` (m, 2) are those
-    that are still on the table. Middles closer than `link` make one group."""
+    """What became of the dirt of so many areas, which lay at `before` (n, 2); `after` (m, 2) is where what is
+    left of it lies on the table. Middles closer than `link` make one group."""
     groups = len(linked(after, link))
     if groups > areas:
         return Outcome.SPREAD_OUT
@@ -164,3 +153,13 @@ def _on_table(truth: Truth) -> NDArray[np.bool_]:
     """Which particles are still on the table, (total,)."""
     same = (truth.positions[:, None] == truth.left[None]).all(axis=2)
     return np.asarray(same.any(axis=1))
+
+
+def _meant(truth: Truth, targets: NDArray[np.bool_], ellipses: Sequence[Ellipse]) -> Points:
+    """Where these particles lie, and the ink within the ellipses, (n, 2)."""
+    return np.concatenate((truth.positions[targets, :2], truth.ink[_within(truth.ink[:, :2], ellipses), :2]))
+
+
+def _on_surface(truth: Truth) -> Points:
+    """Where all dirt of the table lies, (n, 2)."""
+    return np.concatenate((truth.left[:, :2], truth.ink[:, :2]))

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from cleancli.motion.path import ToolPath, Unreachable
 from cleancli.perception.frame import Frame
-from cleancli.scene.model import Scene
+from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
 from cleancli.world.drives import ROBOTS
+from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
 from cleancli.world.robot import Status
 
@@ -27,9 +28,10 @@ BLOCKED = "something holds the tool back"
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Where every lentil really is; for reports and tests, never for planning.
+    """Where all dirt really is; for reports and tests, never for planning.
 
-    `positions` (total, 3) of all lentils, and `left` (on_table, 3) of those still on the table, in metres.
+    `positions` (total, 3) of all particles, and `left` (on_table, 3) of those still on the table, in metres.
+    `ink` (n, 3): x, y and amount of the cells whose ink can be seen; `ink_left`: the share of all ink.
     """
 
     on_table: int
@@ -38,6 +40,8 @@ class Truth:
     total: int
     positions: _Array
     left: _Array
+    ink: _Array
+    ink_left: float
 
 
 class PybulletTable:
@@ -54,7 +58,8 @@ class PybulletTable:
         self._window = window
         self._engine = Engine(window)
         self._stroke_noise, self._image_noise = strokes, images
-        furniture.build(self._engine, scene)
+        self._top = furniture.build(self._engine, scene)
+        self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
         self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
         self._drive.place()
         self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
@@ -83,7 +88,9 @@ class PybulletTable:
 
     def observe(self) -> Frame:
         """One noisy RGB-D image of the table, and of the tool if it is in the way. Takes no robot time."""
-        return camera.photograph(self._engine, self._camera, self._scene.light, self.clock, self._image_noise)
+        return camera.photograph(
+            self._engine, self._camera, self._scene.light, self._ink, self.clock, self._image_noise
+        )
 
     @property
     def failure(self) -> str:
@@ -125,7 +132,7 @@ class PybulletTable:
         self._status = Status.DONE
 
     def truth(self) -> Truth:
-        """Where every lentil is. For reports: whoever plans or learns from this cheats."""
+        """Where all dirt is. For reports: whoever plans or learns from this cheats."""
         places = particles.positions(self._engine, self._particles)
         low, high = furniture.container_space(self._scene.container, self._scene.surface)
         inside = np.all((places >= low) & (places <= high), axis=1)
@@ -133,7 +140,14 @@ class PybulletTable:
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
         contained, remaining = int(inside.sum()), int(above.sum())
         return Truth(
-            remaining, contained, len(places) - remaining - contained, len(places), places, places[above]
+            on_table=remaining,
+            in_container=contained,
+            on_floor=len(places) - remaining - contained,
+            total=len(places),
+            positions=places,
+            left=places[above],
+            ink=np.empty((0, 3)) if self._ink is None else self._ink.places(),
+            ink_left=0.0 if self._ink is None else self._ink.left(),
         )
 
     def show(self) -> None:
@@ -144,7 +158,7 @@ class PybulletTable:
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
-        return camera.onlook(self._engine, self._scene.surface, self._scene.light, width, height)
+        return camera.onlook(self._engine, self._scene.surface, self._scene.light, self._ink, width, height)
 
     def _draw_noise(self, push: float) -> _Array:
         """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""
@@ -169,6 +183,8 @@ class PybulletTable:
             self._drive.command(joints)
             self._engine.stepSimulation()
         self._steps += len(motion)
+        if self._ink is not None:
+            self._ink.rub(self._engine, self._top, self._drive.flaps())
 
 
 def _refuse_unknown(scene: Scene) -> None:
