@@ -33,13 +33,13 @@ _Array = NDArray[np.float64]
 TILTS = tuple(np.radians((0.0, 10.0, -10.0, 20.0, -20.0)))  # of the tool, tried in this order, chosen
 SWIVEL_RATE = 8.0  # rad the elbow may swivel a metre of tool path, chosen
 LARGEST_STEP = 0.15  # rad a joint may turn between neighbouring poses of a stroke: more is a jump, chosen
+LARGEST_TURN = 0.5  # rad the tool of a joint-space motion may turn away from its push meanwhile, chosen
 AIR = 0.025  # the rag keeps so far above the surface between strokes, chosen
 RAISE = 0.10  # a way through the air that would come too low is raised by this in its middle, chosen
 _COARSE = 8  # poses of a line apart that are looked at to choose a branch
 _AIR_STEP = 0.04  # rad between joints of a way through the air
-_ROUNDS = 800  # of OMPL: far more than it needed in any of 200 strokes (docs/world.md)
+_ROUNDS = 800  # of OMPL: far more than it needed in any of 300 strokes (docs/world.md)
 COMFORT = 0.3  # seconds that one unit of `costs` is worth when a joint-space motion is chosen, chosen
-_CANDIDATES = 12
 _AT_ONCE = 100  # poses, for the sake of memory
 _PAIRS = 200
 
@@ -66,9 +66,9 @@ def stroke(
 def straight(arm: Arm, points: _Array, tilt: float, here: _Array, seed: int) -> _Array:
     """Joints (n, 7) that bring the tool exactly to each of `points` (n, 4): x, y, z, yaw.
 
-    OMPL plans how the elbow swivels on the way: a way through the plane of way and swivel, on one branch of
-    the inverse kinematics, that keeps all limits and on which no joint jumps. The way of the tool is counted
-    in radians that the elbow may swivel on it.
+    The elbow keeps one swivel where that is possible. Otherwise OMPL plans how it swivels: a way through the
+    plane of tool way and swivel, on one branch of the inverse kinematics, that keeps all limits, no joint
+    jumping. The way of the tool is counted in radians that the elbow may swivel on it.
     """
     ways = SWIVEL_RATE * np.append(0, np.cumsum(lengths(points)))
     some = [*range(0, len(points) - 1, _COARSE), len(points) - 1]
@@ -78,15 +78,15 @@ def straight(arm: Arm, points: _Array, tilt: float, here: _Array, seed: int) -> 
     _refuse_unreached(arm, points[some], frames, cost)
     cost[0] += _seconds(arm, here, found[0]) / COMFORT
     box = np.array((0, -np.pi)), np.array((ways[-1], np.pi))
-    for branch in _ranked(cost):
-        path = way(
-            box,
-            _places(0.0, cost[0, :, branch]),
-            _places(ways[-1], cost[-1, :, branch]),
-            partial(_may_follow, arm, points, ways, tilt, branch),
-            seed,
-            _ROUNDS,
-        )
+    steps = [(branch, partial(_may_follow, arm, points, ways, tilt, branch)) for branch in _ranked(cost)]
+    for branch, may_go in steps:
+        both = _places(ways[-1], cost[0, :, branch] + cost[-1, :, branch])
+        for _, swivel in both:
+            if may_go(np.array((0.0, swivel)), np.array((ways[-1], swivel))):
+                return _solved(arm, points, tilt, np.full(len(points), swivel), branch)
+    for branch, may_go in steps:
+        starts, goals = _places(0.0, cost[0, :, branch]), _places(ways[-1], cost[-1, :, branch])
+        path = way(box, starts, goals, may_go, seed, _ROUNDS)
         if path is not None:
             return _solved(arm, points, tilt, np.interp(ways, path[:, 0], path[:, 1]), branch)
     raise Unreachable(points[0, 0], points[0, 1], "no way along the whole stroke keeps the joints' limits")
@@ -220,8 +220,8 @@ def _refuse_unreached(arm: Arm, points: _Array, frames: _Array, cost: _Array) ->
 
 
 def _places(where: float, cost: _Array) -> _Array:
-    """(k, 2) places of one end of a stroke, with its most comfortable swivels, `cost` (48,)."""
-    best = [k for k in np.argsort(cost, kind="stable")[:_CANDIDATES] if np.isfinite(cost[k])]
+    """(k, 2) places of one end of a stroke with its swivels, the most comfortable by `cost` (48,) first."""
+    best = [k for k in np.argsort(cost, kind="stable") if np.isfinite(cost[k])]
     return np.column_stack((np.full(len(best), where), SWIVELS[best]))
 
 
@@ -265,8 +265,9 @@ def _bowed_points(arm: Arm, leg: Leg, swivels: _Array, tilt: float, branch: int)
     between = np.stack([np.interp(ways, ways[knots], turn) for turn in joints.T], axis=1)
     tool = forward(arm, between)
     yaw = np.arctan2(-tool[:, 0, 1], tool[:, 1, 1])
-    yaw = leg.points[:, 3] + (yaw - leg.points[:, 3] + np.pi) % (2 * np.pi) - np.pi
-    return np.column_stack((tool[:, :2, 3], leg.points[:, 2], yaw))
+    turn = (yaw - leg.points[:, 3] + np.pi) % (2 * np.pi) - np.pi
+    turn[np.abs(turn) > LARGEST_TURN] = np.nan  # such a motion is no candidate
+    return np.column_stack((tool[:, :2, 3], leg.points[:, 2], leg.points[:, 3] + turn))
 
 
 def _may_follow(
