@@ -1,4 +1,4 @@
-"""The benchmarks that are tests when they are made small: fuzz.py, roundtrip.py, regret.py, beliefs.py."""
+"""The benchmarks that are tests when they are made small."""
 
 from __future__ import annotations
 
@@ -49,3 +49,20 @@ def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
         best = max(rows, key=lambda row: float(row[3]))[0].strip()
         assert f"prada+ chooses {best}" in lines
         assert f"libPRADA's way chooses {best}" not in lines
+
+
+def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
+    result = _run("physics.py", "--quick", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    rows = [line.split("|")[1:-1] for line in result.stdout.splitlines()[2:]]
+    assert [row[2].strip() for row in rows] == ["wide", "corner"]
+    for row in rows:
+        assert sum(float(share) for share in row[3:6]) == 1
+        assert row[6].strip() == "2"
+
+
+def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
+    result = _run("conservation.py", "4", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "0 faults in 4 actions" in result.stdout
+    assert "of 48" in result.stdout

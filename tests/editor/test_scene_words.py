@@ -19,7 +19,8 @@ def scene(section: str, key: str) -> str:
     """A scene that gives one key a value that is never right."""
     body = f"{key} = 1 deg"
     while section != TOP:
-        body, section = f"{section} {{ {body} }}", INSIDE.get(section, TOP)
+        title = "own " if section == "grasp" else ""
+        body, section = f"{section} {title}{{ {body} }}", INSIDE.get(section, TOP)
     return f"scene s {{ {body} }}"
 
 

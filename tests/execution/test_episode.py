@@ -134,6 +134,7 @@ class Stubborn:
         self._ends = ends
         self._moving = False
         self.clock = 0.0
+        self.failure = "something holds it"
         self.stopped = False
 
     def observe(self) -> Frame:
@@ -181,6 +182,7 @@ def test_a_robot_that_fails_is_stopped(domain: Domain, scene: Scene, frames: lis
     ended = last_of(clean(domain, scene, robot, EpisodeOptions(samples=200)))
     assert not ended.clean
     assert "could not carry out" in ended.reason
+    assert "something holds it" in ended.reason
     assert robot.stopped
 
 

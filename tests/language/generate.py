@@ -468,6 +468,8 @@ def scene(rng: Random) -> Generated:
         _section("container", rng, width=_length(rng, 200, 320), offset=_length(rng, -100, 100)),
         _section("rag", rng, width=_length(rng, 40, 200)),
         _section("camera", rng, height=_length(rng, 900, 1200), image=["640", "x", "480"]),
+        ["grasp", "own", *_section("", rng, sweep=_angle(rng), skew=_angle(rng), gain=["0.2"])[1:]],
+        _section("light", rng, direction=["(", *_angle(rng), ",", "60", "deg", ")"], ambient=["0.5"]),
         _section("symbols", rng, near=_length(rng, 100, 300), link=_length(rng, 10, 90)),
     ]
     del blocks[rng.choice((3, 4))]
@@ -491,12 +493,21 @@ def _length(rng: Random, low: int, high: int) -> list[str]:
     return [*sign, number, unit]
 
 
+def _angle(rng: Random) -> list[str]:
+    """From 0 to 40 degrees in any unit."""
+    return rng.choice(([f"{rng.randint(0, 40)}", "deg"], [f"{rng.random() * 0.6:.3f}", "rad"]))
+
+
 def _point(rng: Random, low: int, high: int) -> list[str]:
     return ["(", *_length(rng, low, high), ",", *_length(rng, low, high), ")"]
 
 
 def _dirt(rng: Random) -> list[str]:
+    if rng.random() < 0.2:
+        points = [token for _ in range(rng.randint(1, 4)) for token in (*_point(rng, -200, 200), ",")]
+        return ["ink", "{", "along", "=", "(", *points[:-1], ")", "}"]
     count = ["count", "=", str(rng.randint(1, 40))]
+    count += rng.choice(([], ["of", "=", rng.choice(("lentils", "rice", "peas"))]))
     if rng.random() < 0.5:
         place = ["at", "=", *_point(rng, -200, 200), "radius", "=", *_length(rng, 10, 40)]
         return ["group", "{", *count, *place, "}"]

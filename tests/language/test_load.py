@@ -13,6 +13,7 @@ from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import domain_named, load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
 from cleancli.scene.check import load_scene
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import Rag
 from cleancli.shipped import find, shipped_names
 
@@ -88,7 +89,7 @@ def test_a_scene_needs_dirt_only_and_defaults_are_those_of_two_groups() -> None:
     full = load_scene(read_source(find("two_groups", "problems")))
     assert (short.surface, short.container, short.rag) == (full.surface, full.container, full.rag)
     assert (short.camera, short.symbols, short.domain) == (full.camera, full.symbols, full.domain)
-    assert full.rag == Rag("wide", 0.12)
+    assert full.rag == Rag(WIDE, 0.12)
 
 
 def test_the_domain_of_a_file() -> None:

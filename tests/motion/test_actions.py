@@ -16,6 +16,7 @@ from cleancli.motion.actions import SKILLS, NoSkill, can_execute, tool_path
 from cleancli.motion.ellipse import boundary, farthest, nearest
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
     Container,
@@ -30,7 +31,7 @@ SCENE = Scene(
     surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
     container=Container("east", 0.0, 0.32, 0.16),
     robot="gantry",
-    rag=Rag("wide", 0.12),
+    rag=Rag(WIDE, 0.12),
     camera=CameraSetup(0.9, 640, 480, 525),
     dirt=(),
     symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),

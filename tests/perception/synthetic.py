@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.perception.frame import Camera, Frame
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import CameraSetup, Container, Rag, Scene, Surface, SymbolThresholds
 
 Places = NDArray[np.float64]
@@ -26,7 +27,7 @@ def scene(edge: str = "east", offset: float = 0.0, link: float = 0.035) -> Scene
         surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
         container=Container(edge, offset, 0.32, 0.16),
         robot="gantry",
-        rag=Rag("wide", 0.12),
+        rag=Rag(WIDE, 0.12),
         camera=CameraSetup(HEIGHT, WIDTH_PX, HEIGHT_PX, FOCAL),
         dirt=(),
         symbols=SymbolThresholds(link, small=0.05, medium=0.10, density=0.3, near=0.20, traversal=0.06),

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
     Container,
@@ -21,15 +22,20 @@ from cleancli.world.robot import Robot, Status
 
 @pytest.fixture
 def scene() -> Callable[..., Scene]:
-    """A scene with the given dirt, and the container at the given edge."""
+    """A scene with the given dirt, robot and size, and the container at the given edge."""
 
-    def make(*dirt: Group | Scattered, edge: str = "east") -> Scene:
+    def make(
+        *dirt: Group | Scattered,
+        edge: str = "east",
+        robot: str = "gantry",
+        size: tuple[float, float] = (0.9, 0.7),
+    ) -> Scene:
         return Scene(
             name="trial",
-            surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
+            surface=Surface(*size, 0.45, (205, 198, 184)),
             container=Container(edge, 0.0, 0.32, 0.16),
-            robot="gantry",
-            rag=Rag("wide", 0.12),
+            robot=robot,
+            rag=Rag(WIDE, 0.12),
             camera=CameraSetup(0.9, 640, 480, 525),
             dirt=dirt,
             symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def test_depth_is_quantised(scene: MakeScene) -> None:
 def test_lentils_are_seen_where_they_lie(scene: MakeScene) -> None:
     with closing(PybulletTable(scene(Scattered(12, (-0.3, -0.25), (0.3, 0.25))), 4)) as table:
         eye = camera.overhead(scene().camera)
-        colour, depth = camera.render(table._engine, eye)
+        colour, depth = camera.render(table._engine, eye, scene().light)
         truth = table.truth().positions
     dark = np.argwhere((colour.sum(axis=2) < 330) & (depth < 0.905))
     assert 7 <= len(dark) / 12 <= 13, "pixels per lentil"
@@ -82,8 +83,8 @@ def test_edges_are_jittered_and_partly_unknown() -> None:
 
 def test_the_tool_hides_what_it_stands_above(scene: MakeScene) -> None:
     with closing(PybulletTable(scene(), 1)) as table:
-        table._gantry.place(np.array((0.1, 0.05, 0.0, 0.3)))
-        colour, depth = camera.render(table._engine, camera.overhead(scene().camera))
+        table._drive.stand(np.array((0.1, 0.05, 0.0, 0.3)))
+        colour, depth = camera.render(table._engine, camera.overhead(scene().camera), scene().light)
     hidden = depth < 0.88
     assert hidden.sum() > 1000
     assert colour[hidden].mean() < 140
@@ -96,3 +97,16 @@ def test_the_onlooker_sees_without_noise(scene: MakeScene) -> None:
     assert first.shape == (480, 640, 3)
     assert small.shape == (120, 160, 3)
     np.testing.assert_array_equal(first, second)
+
+
+def test_light_falls_from_where_the_scene_says(scene: MakeScene) -> None:
+    setting = scene()
+    brightness = []
+    with closing(PybulletTable(setting, 1)) as table:
+        for elevation in (90.0, 30.0):
+            light = replace(setting.light, elevation=np.radians(elevation), ambient=0.2)
+            colour, _ = camera.render(table._engine, camera.overhead(setting.camera), light)
+            brightness.append(colour[200:280, 280:360].mean())
+    high, low = brightness
+    # The surface gets ambient + (1 - ambient) * sin(elevation) of its colour.
+    assert low / high == pytest.approx(0.2 + 0.8 * 0.5, abs=0.02)

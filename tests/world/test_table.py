@@ -16,8 +16,10 @@ from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import parameters as par
+from cleancli.world import robots
+from cleancli.world.gantry import resting_pose
 from cleancli.world.robot import Robot, Status
-from cleancli.world.table import PybulletTable, Truth, resting_pose
+from cleancli.world.table import PybulletTable, Truth
 
 MakeScene = Callable[..., Scene]
 Finish = Callable[[Robot], Status]
@@ -86,7 +88,7 @@ def test_the_clock_advances_as_the_path_takes(scene: MakeScene, finish: Finish) 
         above = Waypoint(rest[0], rest[1], 0.05, 0.0, 0.2)
         table.start(ToolPath((above, replace(above, x=above.x + 0.4)), Interpolation.STRAIGHT))
         assert finish(table) is Status.DONE
-        travel = 0.4 / 0.2 + 0.2 / par.JOINT_ACCELERATION[0]
+        travel = 0.4 / 0.2 + 0.2 / robots.JOINT_ACCELERATION[0]
         # The noise of the stroke is travelled first: some millimetres, from rest to a near stop.
         assert travel < table.clock < travel + 0.5
         clock = table.clock
@@ -112,10 +114,10 @@ def test_a_stopped_tool_is_raised_and_can_go_on(scene: MakeScene, finish: Finish
         while table.poll() is Status.RUNNING and table.clock < 5.0:
             pass
         table.stop()
-        assert table._gantry.pose()[2] == pytest.approx(LIFT, abs=5e-3)
+        assert table._drive.tool()[2] == pytest.approx(LIFT, abs=5e-3)
         table.withdraw()
         assert finish(table) is Status.DONE
-        np.testing.assert_allclose(table._gantry.pose()[:3], resting_pose(setting)[:3], atol=1e-3)
+        np.testing.assert_allclose(table._drive.tool()[:3], resting_pose(setting)[:3], atol=1e-3)
 
 
 def test_a_path_out_of_reach_fails_without_moving(scene: MakeScene) -> None:
@@ -132,9 +134,9 @@ def test_the_rag_stands_perpendicular_to_its_push(scene: MakeScene) -> None:
     path = tool_path("moveToContainerStraight", (area,), setting)
     with closing(PybulletTable(setting, 4)) as table:
         table.start(path)
-        while table._pose[2] > 0.01 or abs(table._pose[0]) > 0.02:
+        while table._drive.tool()[2] > 0.01 or abs(table._drive.tool()[0]) > 0.02:
             assert table.poll() is Status.RUNNING
-        flaps = table._gantry.flaps()
+        flaps = table._drive.flaps()
     row = flaps[-1] - flaps[0]
     push = path.waypoints[2]
     across = abs(row[0] * np.cos(push.yaw) + row[1] * np.sin(push.yaw)) / np.linalg.norm(row[:2])
@@ -151,12 +153,9 @@ def test_the_resting_tool_is_out_of_the_picture(scene: MakeScene) -> None:
         assert depth[depth > 0].min() > setting.camera.height - 0.02
 
 
-def test_an_unknown_drive_or_grasp_is_refused(scene: MakeScene) -> None:
-    with pytest.raises(ValueError, match="no drive is called `arm`"):
+def test_an_unknown_robot_is_refused(scene: MakeScene) -> None:
+    with pytest.raises(ValueError, match="no robot is called `arm`"):
         PybulletTable(replace(scene(), robot="arm"), 1)
-    setting = scene()
-    with pytest.raises(ValueError, match="no grasp is called `loose`"):
-        PybulletTable(replace(setting, rag=replace(setting.rag, grasp="loose")), 1)
 
 
 _TWICE = """
@@ -164,11 +163,12 @@ from dataclasses import replace
 import sys
 from cleancli.motion.actions import LIFT, tool_path
 from cleancli.perception.area import Ellipse
+from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import *
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 scene = Scene("twice", Surface(0.9, 0.7, 0.45, (205, 198, 184)), Container("east", 0.0, 0.32, 0.16), "gantry",
-              Rag("wide", 0.12), CameraSetup(0.9, 64, 48, 52.5), (Group(15, (0.25, 0.0), 0.03),),
+              Rag(WIDE, 0.12), CameraSetup(0.9, 64, 48, 52.5), (Group(15, (0.25, 0.0), 0.03),),
               SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06), 1)
 table = PybulletTable(scene, 9)
 table.start(tool_path("moveToContainerFast", (Ellipse((0.25, 0.0), (0.03, 0.03), 0.0),), scene))

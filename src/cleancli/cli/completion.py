@@ -95,6 +95,8 @@ ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
     "plan": (("domain", 1, domains), ("problem", 1, problems)),
     "simulate": (("domain", 1, domains), ("problem", 1, problems)),
     "execute": (("domain", 1, domains), ("scene", 1, problems)),
+    "scene": (("scene", 1, problems),),
+    "act": (("scene", 1, problems), ("action", 1, None)),
     "learn": (("domain", 1, domains), ("experience", -1, None)),
     "convert": (("files", -1, None),),
 }

@@ -144,10 +144,11 @@ def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
 
 def _truth(truth: Truth) -> dict[str, object]:
     return {
-        "lentils": truth.total,
+        "particles": truth.total,
         "in_container": truth.in_container,
         "on_table": truth.on_table,
         "on_floor": truth.on_floor,
+        "ink_left": round(truth.ink_left, 4),
         "left_on_table_at": [[round(x, 4), round(y, 4)] for x, y, _ in truth.left],
     }
 
@@ -158,10 +159,12 @@ def _summary(ended: Ended, truth: dict[str, object], folder: Path, video: bool) 
     lines = [
         f"{'clean' if ended.clean else 'not clean'}: {ended.reason}, after {ended.actions} actions",
         f"seconds: {total:.1f} ({spent})",
-        f"truly: {truth['in_container']} of {truth['lentils']} lentils in the container,"
+        f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
         f" {truth['on_table']} on the table, {truth['on_floor']} on the floor",
         f"record: {folder}/  pictures: step-*.png" + ("  video: video.mp4" if video else ""),
     ]
+    if truth["ink_left"]:
+        lines.insert(3, f"ink left: {truth['ink_left']:.0%}")
     if truth["on_table"]:
         lines.insert(3, f"left on the table at (m): {truth['left_on_table_at']}")
     return "\n".join(lines)

@@ -18,4 +18,4 @@ class ExitCode(enum.IntEnum):
 
 
 class MissingPart(Exception):
-    """A command needs an optional part that is not installed; the message says how to install it."""
+    """A command needs a part that is not here; the message says how to get it, or how to do without."""

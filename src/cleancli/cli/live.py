@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
@@ -114,3 +114,21 @@ def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
             yield item
     finally:
         bar.stop()
+
+
+@contextmanager
+def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
+    """Something to call after each step of a long work; a terminal shows `what` with the number of steps."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda: None
+        return
+    done = 0
+    with console.status(what.format(done)) as status:
+
+        def count() -> None:
+            nonlocal done
+            done += 1
+            status.update(what.format(done))
+
+        yield count

@@ -85,11 +85,13 @@ def _blocks(words: tuple[Lexeme, ...]) -> tuple[tuple[str, ...], tuple[Lexeme, .
 
 
 def _header(words: tuple[Lexeme, ...]) -> str:
-    """The name of the block that opens behind these words: `rule` for a rule, else the last word."""
+    """The name of the block that opens behind these words: `rule`, `grasp`, else the last word."""
     for word in words:
         if word.text == "rule":
             return "rule"
     named = [word.text for word in words if word.kind is LexemeKind.WORD]
+    if named[-2:-1] == ["grasp"]:
+        return "grasp"
     return named[-1] if named else ""
 
 

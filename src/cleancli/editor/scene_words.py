@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cleancli.scene.check import DRIVES, EDGES, GRASPS, SECTIONS
+from cleancli.scene.check import DRIVES, EDGES, SECTIONS
+from cleancli.scene.check_dirt import PARTICLES
+from cleancli.scene.grasps import SHIPPED
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +25,13 @@ class KeyWords:
 
 
 LENGTHS = ("cm", "mm", "m")
+
+
+ANGLES = ("deg", "rad")
+
+
+def _angle(meaning: str) -> KeyWords:
+    return KeyWords(meaning, ANGLES)
 
 
 def _length(meaning: str) -> KeyWords:
@@ -42,6 +51,7 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "depth": _length("the surface's extent along y"),
         "friction": KeyWords("the friction coefficient, above 0 and at most 2"),
         "colour": KeyWords("red, green and blue from 0 to 255", values=("rgb(205, 198, 184)",)),
+        "tilt": KeyWords("how far it rises towards east and north", ANGLES, ("(0 deg, 0 deg)",)),
     },
     "container": {
         "edge": KeyWords("the edge of the surface below which the container stands", values=EDGES),
@@ -50,8 +60,19 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "depth": _length("its extent away from the edge"),
     },
     "robot": {"drive": KeyWords("what moves the rag", values=DRIVES)},
+    "grasp": {
+        "flap": _length("the width of one of the flaps that the cloth hangs in"),
+        "gain": KeyWords("the gain of a flap's spring, above 0 and at most 1"),
+        "torque": KeyWords("the most that a flap's spring bears, N m"),
+        "angle_spread": _angle("standard deviation of a flap's angle at rest"),
+        "gap_spread": _length("standard deviation of a flap's gap to the surface"),
+        "bow": _length("how far the rag's ends lead its middle"),
+        "sweep": _angle("how far both halves of the rag lie back"),
+        "skew": _angle("how far the rag is turned, counter-clockwise"),
+        "width": _length("the rag's width in this grasp, where `rag` states none"),
+    },
     "rag": {
-        "grasp": KeyWords("how the rag is held", values=GRASPS),
+        "grasp": KeyWords("how the rag is held", values=tuple(SHIPPED)),
         "width": _length("the rag's width"),
     },
     "camera": {
@@ -59,16 +80,28 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "image": KeyWords("the picture's size in pixels", values=("640 x 480",)),
         "focal": KeyWords("the focal length in pixels"),
     },
+    "light": {
+        "direction": KeyWords(
+            "where light comes from: angle from x, angle above the surface", ANGLES, ("(-50 deg, 69 deg)",)
+        ),
+        "ambient": KeyWords("the share of light that comes from all around, above 0 and at most 1"),
+    },
     "dirt": {},
     "group": {
-        "count": KeyWords("how many lentils"),
+        "count": KeyWords("how many particles"),
+        "of": KeyWords("what they are", values=PARTICLES),
         "at": KeyWords("the group's middle", LENGTHS, ("(0 cm, 0 cm)",)),
-        "radius": _length("the circle that the lentils lie in"),
+        "radius": _length("the circle that they lie in"),
     },
     "scattered": {
-        "count": KeyWords("how many lentils"),
+        "count": KeyWords("how many particles"),
+        "of": KeyWords("what they are", values=PARTICLES),
         "from": KeyWords("the rectangle's south-west corner", LENGTHS, ("(-10 cm, -10 cm)",)),
         "to": KeyWords("the rectangle's north-east corner", LENGTHS, ("(10 cm, 10 cm)",)),
+    },
+    "ink": {
+        "along": KeyWords("the points of the line", LENGTHS, ("((0 cm, 0 cm), (10 cm, 5 cm))",)),
+        "width": _length("the line's width"),
     },
     "symbols": {
         "link": _length("dirt closer than this is one area"),
@@ -80,7 +113,7 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
     },
 }
 
-INNER: Mapping[str, tuple[str, ...]] = {TOP: SECTIONS, "dirt": ("group", "scattered")}
+INNER: Mapping[str, tuple[str, ...]] = {TOP: SECTIONS, "dirt": ("group", "scattered", "ink")}
 """The sections that a section may hold."""
 
 PLANNER: Mapping[str, KeyWords] = {

@@ -74,13 +74,13 @@ def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -
     """
     episode = Episode(domain, scene, robot, options)
     try:
-        reason = yield from _until_clean(episode, options)
+        reason = yield from _until_clean(episode, robot, options)
     except NoSurface as error:
         reason = str(error)
     yield episode.ended(reason, clean=reason == CLEAN)
 
 
-def _until_clean(episode: Episode, options: EpisodeOptions) -> Generator[Event, None, str]:
+def _until_clean(episode: Episode, robot: Robot, options: EpisodeOptions) -> Generator[Event, None, str]:
     """Returns why the episode is over."""
     yield from episode.withdraw()
     situation = yield from episode.look()
@@ -99,7 +99,7 @@ def _until_clean(episode: Episode, options: EpisodeOptions) -> Generator[Event, 
                 break
             after = yield from episode.act(action, situation)
             if after is None:
-                return f"the robot could not carry out {action}"
+                return f"the robot could not carry out {action}: {robot.failure}"
             situation = after
 
 

@@ -307,7 +307,10 @@ class Builder:
         return syntax.SceneNode(self._name(c[0]), tuple(c[1:]), span=span)
 
     def build_section(self, c: list[_Child], span: Span) -> syntax.Section:
-        return syntax.Section(self._name(c[0]), tuple(c[1:]), span=span)
+        return syntax.Section(self._name(c[0]), None, tuple(c[1:]), span=span)
+
+    def build_titled(self, c: list[_Child], span: Span) -> syntax.Section:
+        return syntax.Section(self._name(c[0]), self._name(c[1]), tuple(c[2:]), span=span)
 
     def build_setting(self, c: list[_Child], span: Span) -> syntax.Setting:
         return syntax.Setting(self._name(c[0]), c[1], span=span)
@@ -321,6 +324,9 @@ class Builder:
 
     def build_pair(self, c: list[_Child], span: Span) -> syntax.Pair:
         return syntax.Pair(c[0], c[1], span=span)
+
+    def build_points(self, c: list[_Child], span: Span) -> syntax.Points:
+        return syntax.Points(tuple(c), span=span)
 
     def build_image_size(self, c: list[_Child], span: Span) -> syntax.ImageSize:
         return syntax.ImageSize(self._number(c[0]), self._number(c[1]), span=span)

@@ -197,7 +197,11 @@ def _separator(at: Misplaced) -> str:
         return "types are separated by `;`: `place; area - place`"
     if at.token in (",", ">") and "LESS" in at.accepted and "EQUAL" not in at.accepted:
         return "the values of a function stand in rising order: `low < high`"
-    if at.token == "," and re.search(r"(\d|\b[a-z]+)$", at.before) and {"NAME", "RBRACE"} == at.accepted:
+    if (
+        at.token == ","
+        and re.search(r"(\d|\b[a-z]+)$", at.before)
+        and {"NAME", "RBRACE"} == at.accepted - {"GRASP"}
+    ):
         return "settings stand without commas, a point in parentheses: `(0 cm, 0 cm)`"
     if re.search(r"\)\s*(mm|cm|m)$", at.before) and "EQUAL" in at.accepted:
         return "each number has its own unit: `(0 cm, 0 cm)`"

@@ -76,6 +76,7 @@ DECLARED: Mapping[tuple[type[syntax.Node], str], Kind] = {
     (syntax.ParameterNode, "name"): Kind.PARAMETER,
     (syntax.ActionNode, "name"): Kind.ACTION,
     (syntax.RuleNode, "name"): Kind.RULE,
+    (syntax.Section, "title"): Kind.WORD,
 }
 """Fields that declare what they name; those of a `Group` depend on where it stands."""
 
@@ -207,6 +208,8 @@ class _Reader:
             home = self._root.span.path
         elif kind in (Kind.KEY, Kind.WORD):
             home = owner.key.text if isinstance(owner, syntax.Setting) else ""
+            # `grasp NAME { ... }` declares what `grasp = NAME` uses.
+            home = owner.name.text if isinstance(owner, syntax.Section) and kind is Kind.WORD else home
         return Meaning(kind, text, home)
 
     def _home_of_variable(self, text: str, trail: Trail) -> str:

@@ -28,6 +28,7 @@ _IMPLIED = {
     "OPERATOR": "EQUAL",
     "LESS": "EQUAL",
     "UNEQUAL": "EQUAL",
+    "GRASP": "NAME",
 }
 """Terminals that are not said to be expected where another one is."""
 _MOST_SAID = 12

@@ -6,6 +6,13 @@ import enum
 from dataclasses import dataclass
 
 
+class Unreachable(Exception):
+    """A robot can't bring its tool to a place of the table; nothing has moved."""
+
+    def __init__(self, x: float, y: float, reason: str) -> None:
+        super().__init__(f"it can't reach ({100 * x:.1f} cm, {100 * y:.1f} cm): {reason}")
+
+
 class Interpolation(enum.Enum):
     """How the drive goes to the next waypoint (§3.2.1): shortest in joint space, or along a straight line."""
 

@@ -14,8 +14,8 @@ from cleancli.perception.frame import Camera
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.perception.surface import Mask
 
-LEAST_PATCH = 14e-6
-"""Square metres below which a patch is no dirt: half of a lentil 6 mm across."""
+LEAST_PATCH = 5.5e-6
+"""Square metres below which a patch is no dirt: half of a grain of rice."""
 
 ROUNDS = 40
 """Rounds of Titterington's iteration; the ellipse is then within 2 % of the smallest one's axes."""

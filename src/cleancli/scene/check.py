@@ -5,33 +5,32 @@ The defaults are choices, nobody's measurement: those of problems/two_groups.nid
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.findings import Findings
 from cleancli.language.load import parse_as
-from cleancli.language.syntax import Name, SceneNode, Section
+from cleancli.language.syntax import SceneNode, Section
+from cleancli.scene.check_dirt import check_dirt
+from cleancli.scene.grasps import SHIPPED, WIDE, named
 from cleancli.scene.model import (
+    LIGHT,
     CameraSetup,
     Container,
-    Group,
+    Grasp,
+    Light,
     Rag,
-    Scattered,
     Scene,
     Surface,
     SymbolThresholds,
 )
-from cleancli.scene.settings import Settings
+from cleancli.scene.settings import SLACK, Settings, centimetres
 
 EDGES = ("north", "east", "south", "west")
-GRASPS = ("wide",)
-DRIVES = ("gantry",)
-SECTIONS = ("surface", "container", "robot", "rag", "camera", "dirt", "symbols")
-MOST_LENTILS = 500
-"""Of one group: far more than any table of the paper has (40), few enough to simulate."""
-
-_SLACK = 1e-9
-"""Metres by which sums of rounded lengths may miss a limit they equal."""
+DRIVES = ("gantry", "wam")
+SECTIONS = ("surface", "container", "robot", "grasp", "rag", "camera", "light", "dirt", "symbols")
+MOST_FLAPS = 60
+"""More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
 
 
 def load_scene(source: Source) -> Scene:
@@ -60,11 +59,15 @@ def check_scene(node: SceneNode, findings: Findings) -> Scene:
     drive = settings("robot")
     robot = drive.word("drive", "gantry", DRIVES)
     drive.refuse_others()
-    rag = _rag(settings("rag"), container, findings)
+    grasps = _grasps(node, findings)
+    rag = _rag(settings("rag"), container, named((*SHIPPED.values(), *grasps)), findings)
     camera = _camera(settings("camera"), surface, findings)
+    light = _light(settings("light"))
     symbols = _symbols(settings("symbols"), findings)
-    dirt = _dirt(sections.get("dirt"), node.name, surface, findings)
-    return Scene(node.name.text, surface, container, robot, rag, camera, dirt, symbols, seed, domain)
+    dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)
+    return Scene(
+        node.name.text, surface, container, robot, rag, camera, dirt, symbols, seed, domain, grasps, light
+    )
 
 
 def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:
@@ -75,7 +78,7 @@ def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:
         name = entry.name.text
         if name not in SECTIONS:
             findings.unknown("E501", "section", name, entry.name.span, SECTIONS)
-        elif name in sections:
+        elif name in sections and name != "grasp":
             findings.error(
                 "E216",
                 f"a second `{name}` block",
@@ -96,6 +99,7 @@ def _surface(settings: Settings) -> Surface:
         settings.length("depth", 0.70),
         settings.number("friction", 0.45, 0, 2),
         settings.colour("colour", (205, 198, 184)),
+        settings.angles("tilt", (0.0, 0.0), (-10, 10), (-10, 10)),
     )
     settings.refuse_others()
     return surface
@@ -110,29 +114,75 @@ def _container(settings: Settings, surface: Surface, findings: Findings) -> Cont
     )
     settings.refuse_others()
     edge = surface.width if container.edge in ("north", "south") else surface.depth
-    if abs(container.offset) + container.width / 2 > edge / 2 + _SLACK:
+    if abs(container.offset) + container.width / 2 > edge / 2 + SLACK:
         key = "offset" if container.width <= edge else "width"
         findings.error(
             "E507",
             "the container stands out beyond the edge of the table",
             settings.span(key),
-            help=f"the {container.edge} edge is {_cm(edge)} long: "
-            f"|offset| + width / 2 may be {_cm(edge / 2)} at most",
+            help=f"the {container.edge} edge is {centimetres(edge)} long: "
+            f"|offset| + width / 2 may be {centimetres(edge / 2)} at most",
         )
     return container
 
 
-def _rag(settings: Settings, container: Container, findings: Findings) -> Rag:
-    rag = Rag(settings.word("grasp", "wide", GRASPS), settings.length("width", 0.12))
+def _grasps(node: SceneNode, findings: Findings) -> tuple[Grasp, ...]:
+    """The grasps that the scene defines, in its order; what a block leaves out is as in `wide`."""
+    grasps: dict[str, Grasp] = {}
+    for section in node.entries:
+        if not isinstance(section, Section) or section.title is None:
+            continue
+        name = section.title.text
+        if name in SHIPPED or name in grasps:
+            whose = "of those that ship with cleancli" if name in SHIPPED else "of this scene"
+            findings.error("E216", f"a second grasp `{name}`", section.title.span, help=f"one {whose} has it")
+        grasps.setdefault(name, _grasp(name, Settings(section.name, section.entries, findings)))
+    return tuple(grasps.values())
+
+
+def _grasp(name: str, settings: Settings) -> Grasp:
+    grasp = Grasp(
+        name,
+        settings.length("flap", WIDE.flap),
+        settings.number("gain", WIDE.gain, 0, 1),
+        settings.number("torque", WIDE.torque, 0, 10),
+        settings.angle("angle_spread", WIDE.angle_spread, 0, 30),
+        settings.length("gap_spread", WIDE.gap_spread, zero=True),
+        settings.length("bow", WIDE.bow, zero=True),
+        settings.angle("sweep", WIDE.sweep, 0, 45),
+        settings.angle("skew", WIDE.skew, -45, 45),
+        settings.length("width", WIDE.width),
+    )
     settings.refuse_others()
-    if rag.width > container.width + _SLACK:
+    return grasp
+
+
+def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], findings: Findings) -> Rag:
+    grasp = known[settings.word("grasp", "wide", known)]
+    rag = Rag(grasp, settings.length("width", grasp.width))
+    settings.refuse_others()
+    if rag.width > container.width + SLACK:
         findings.error(
             "E509",
             "the rag is wider than the container",
             settings.span("width"),
-            help=f"the container is {_cm(container.width)} wide",
+            help=f"the container is {centimetres(container.width)} wide",
+        )
+    elif not 1 <= round(rag.width / grasp.flap) <= MOST_FLAPS:
+        findings.error(
+            "E509",
+            f"a rag of {centimetres(rag.width)} can't hang in flaps of {centimetres(grasp.flap)}",
+            settings.span("width"),
+            help=f"that would be {round(rag.width / grasp.flap)} flaps: from 1 to {MOST_FLAPS} are possible",
         )
     return rag
+
+
+def _light(settings: Settings) -> Light:
+    azimuth, elevation = settings.angles("direction", (LIGHT.azimuth, LIGHT.elevation), (-360, 360), (5, 90))
+    light = Light(azimuth, elevation, settings.number("ambient", LIGHT.ambient, 0, 1))
+    settings.refuse_others()
+    return light
 
 
 def _camera(settings: Settings, surface: Surface, findings: Findings) -> CameraSetup:
@@ -141,13 +191,13 @@ def _camera(settings: Settings, surface: Surface, findings: Findings) -> CameraS
     focal = settings.number("focal", 525.0, 0)
     settings.refuse_others()
     seen = width * height / focal, depth * height / focal
-    if seen[0] + _SLACK < surface.width or seen[1] + _SLACK < surface.depth:
+    if seen[0] + SLACK < surface.width or seen[1] + SLACK < surface.depth:
         findings.error(
             "E510",
             "the camera does not see the whole surface",
             settings.span("height"),
-            f"it sees {_cm(seen[0])} x {_cm(seen[1])}",
-            f"the surface is {_cm(surface.width)} x {_cm(surface.depth)}: "
+            f"it sees {centimetres(seen[0])} x {centimetres(seen[1])}",
+            f"the surface is {centimetres(surface.width)} x {centimetres(surface.depth)}: "
             "raise the camera, or shorten `focal`",
         )
     return CameraSetup(height, width, depth, focal)
@@ -168,75 +218,6 @@ def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
             "E511",
             "`medium` must be above `small`",
             settings.span("medium"),
-            help=f"an area up to {_cm(symbols.small)} long is small",
+            help=f"an area up to {centimetres(symbols.small)} long is small",
         )
     return symbols
-
-
-def _dirt(
-    section: Section | None, name: Name, surface: Surface, findings: Findings
-) -> tuple[Group | Scattered, ...]:
-    if section is None or not section.entries:
-        if "dirt" not in findings.broken:
-            findings.error(
-                "E512",
-                "there is no dirt to clean",
-                section.name.span if section else name.span,
-                help="add `dirt { group { count = 14  at = (0 cm, 0 cm)  radius = 2 cm } }`",
-            )
-        return ()
-    readers: dict[str, Callable[[Section, Surface, Findings], Group | Scattered]] = {
-        "group": _group,
-        "scattered": _scattered,
-    }
-    dirt = []
-    for entry in section.entries:
-        if not isinstance(entry, Section):
-            findings.unknown("E502", "key", entry.key.text, entry.key.span, readers, " in `dirt`")
-        elif entry.name.text not in readers:
-            findings.unknown("E501", "kind of dirt", entry.name.text, entry.name.span, readers)
-        else:
-            dirt.append(readers[entry.name.text](entry, surface, findings))
-    return tuple(dirt)
-
-
-def _group(section: Section, surface: Surface, findings: Findings) -> Group:
-    settings = Settings(section.name, section.entries, findings)
-    count = settings.whole("count", None, 1, MOST_LENTILS)
-    centre = settings.point("at")
-    radius = settings.length("radius", None)
-    settings.refuse_others()
-    if not _on_surface(centre, radius, surface):
-        findings.error("E508", "this dirt lies off the surface", settings.span("at"), help=_extent(surface))
-    return Group(count, centre, radius)
-
-
-def _scattered(section: Section, surface: Surface, findings: Findings) -> Scattered:
-    settings = Settings(section.name, section.entries, findings)
-    count = settings.whole("count", None, 1, MOST_LENTILS)
-    low, high = settings.point("from"), settings.point("to")
-    settings.refuse_others()
-    for key, corner in (("from", low), ("to", high)):
-        if not _on_surface(corner, 0.0, surface):
-            findings.error(
-                "E508", "this dirt lies off the surface", settings.span(key), help=_extent(surface)
-            )
-    if low[0] >= high[0] or low[1] >= high[1]:
-        findings.error("E511", "`to` must lie north-east of `from`", settings.span("to"))
-    return Scattered(count, low, high)
-
-
-def _on_surface(centre: tuple[float, float], radius: float, surface: Surface) -> bool:
-    x, y = centre
-    return abs(x) + radius <= surface.width / 2 + _SLACK and abs(y) + radius <= surface.depth / 2 + _SLACK
-
-
-def _extent(surface: Surface) -> str:
-    return (
-        f"the surface reaches from -{_cm(surface.width / 2)} to {_cm(surface.width / 2)} in x "
-        f"and from -{_cm(surface.depth / 2)} to {_cm(surface.depth / 2)} in y"
-    )
-
-
-def _cm(metres: float) -> str:
-    return f"{metres * 100:.4g} cm"

@@ -10,12 +10,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """A level rectangular table top: extent along x and y, friction coefficient, RGB colour 0..255."""
+    """A rectangular table top: extent along x and y, friction coefficient, RGB colour 0..255.
+
+    `tilt`: angles by which it rises towards east and towards north. z stays perpendicular to it.
+    """
 
     width: float
     depth: float
     friction: float
     colour: tuple[int, int, int]
+    tilt: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +33,47 @@ class Container:
 
 
 @dataclass(frozen=True, slots=True)
-class Rag:
-    """The cleaning cloth: how it is grasped ("wide"), and how wide it is then."""
+class Grasp:
+    """How a rag is held. It hangs as a row of flaps on springs; this is what they differ in.
 
-    grasp: str
+    `flap`: width of one. `gain`, `torque`: of a flap's spring, and the most it bears (N m). `angle_spread`,
+    `gap_spread`: standard deviations of the angle at which a flap rests, and of its gap to the surface.
+    `bow`: how far the row's ends lead its middle. `sweep`: angle by which both halves lie back.
+    `skew`: angle by which the row is turned, counter-clockwise. `width`: of the rag, unless it is stated.
+    """
+
+    name: str
+    flap: float
+    gain: float
+    torque: float
+    angle_spread: float
+    gap_spread: float
+    bow: float
+    sweep: float
+    skew: float
     width: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rag:
+    """The cleaning cloth: how it is grasped, and how wide it is then."""
+
+    grasp: Grasp
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class Light:
+    """Light from afar: where it comes from, as the angle from x and the angle above the surface; `ambient` is
+    the share that a place gets which the light doesn't reach."""
+
+    azimuth: float
+    elevation: float
+    ambient: float
+
+
+LIGHT = Light(-0.8727, 1.2043, 0.62)
+"""Chosen: from the south-east, 69 degrees up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,20 +88,33 @@ class CameraSetup:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Lentils dropped within `radius` of `centre`."""
+    """Particles dropped within `radius` of `centre`; `of` says what they are ("lentils")."""
 
     count: int
     centre: tuple[float, float]
     radius: float
+    of: str = "lentils"
 
 
 @dataclass(frozen=True, slots=True)
 class Scattered:
-    """Lentils spread evenly over the rectangle between two corners."""
+    """Particles spread evenly over the rectangle between two corners."""
 
     count: int
     low: tuple[float, float]
     high: tuple[float, float]
+    of: str = "lentils"
+
+
+@dataclass(frozen=True, slots=True)
+class Ink:
+    """A line of ink drawn on the surface along points, `width` wide."""
+
+    along: tuple[tuple[float, float], ...]
+    width: float
+
+
+Dirt = Group | Scattered | Ink
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +138,7 @@ class SymbolThresholds:
 @dataclass(frozen=True, slots=True)
 class Scene:
     """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
-    that of the domain whose actions clean it."""
+    that of the domain whose actions clean it, `grasps` are those that the scene itself defines."""
 
     name: str
     surface: Surface
@@ -93,10 +146,12 @@ class Scene:
     robot: str
     rag: Rag
     camera: CameraSetup
-    dirt: tuple[Group | Scattered, ...]
+    dirt: tuple[Dirt, ...]
     symbols: SymbolThresholds
     seed: int
     domain: str = "cleaning"
+    grasps: tuple[Grasp, ...] = ()
+    light: Light = LIGHT
 
     def mouth(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The two ends of the stretch of table edge below which the container stands, as (x, y) points."""

@@ -12,6 +12,7 @@ from cleancli.language.syntax import (
     ImageSize,
     Name,
     Pair,
+    Points,
     Quantity,
     Section,
     Setting,
@@ -19,7 +20,11 @@ from cleancli.language.syntax import (
     Word,
 )
 
+SLACK = 1e-9
+"""Metres by which sums of rounded lengths may miss a limit they equal."""
+
 _PER_METRE = {"m": 1, "cm": 100, "mm": 1000}
+_PER_RADIAN = {"rad": 1.0, "deg": 180 / math.pi}
 
 
 class Settings:
@@ -83,8 +88,10 @@ class Settings:
             number = None
         return (low if default is None else default) if number is None else int(number)
 
-    def word(self, key: str, default: str, choices: Iterable[str] | None = None) -> str:
-        """A name, one of `choices` where they are given."""
+    def word(
+        self, key: str, default: str, choices: Iterable[str] | None = None, what: str | None = None
+    ) -> str:
+        """A name, one of `choices` where they are given; `what` they are, if the key does not say it."""
         value = self._take(key, default)
         if value is None:
             return default
@@ -92,7 +99,7 @@ class Settings:
             self._wrong(value, "a name")
             return default
         if choices is not None and value.text not in choices:
-            self._findings.unknown("E506", key, value.text, value.span, choices)
+            self._findings.unknown("E506", what or key, value.text, value.span, choices)
             return default
         return value.text
 
@@ -105,6 +112,39 @@ class Settings:
             self._wrong(value, "a point such as `(10 cm, -5 cm)`")
             return 0.0, 0.0
         return self._metres(value.x) or 0.0, self._metres(value.y) or 0.0
+
+    def points(self, key: str, most: int) -> tuple[tuple[float, float], ...]:
+        """One point `(x, y)` or several `((x, y), ...)`, required, in metres; `most` at most."""
+        value = self._take(key, None)
+        if value is None:
+            return ()
+        if not isinstance(value, Pair | Points):
+            self._wrong(value, "points such as `((0 cm, 0 cm), (10 cm, 5 cm))`")
+            return ()
+        pairs = value.points if isinstance(value, Points) else (value,)
+        if len(pairs) > most:
+            self._range(value, f"must have at most {most} points")
+        return tuple((self._metres(pair.x) or 0.0, self._metres(pair.y) or 0.0) for pair in pairs)
+
+    def angle(self, key: str, default: float, low: float, high: float) -> float:
+        """An angle in radians, from `low` to `high` degrees."""
+        value = self._take(key, default)
+        radians = default if value is None else self._radians(value, low, high)
+        return default if radians is None else radians
+
+    def angles(
+        self, key: str, default: tuple[float, float], *bounds: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Two angles `(a, b)` in radians, each from its own lower to its own upper bound in degrees."""
+        value = self._take(key, default)
+        if value is None:
+            return default
+        if not isinstance(value, Pair):
+            self._wrong(value, "two angles such as `(2 deg, 0 deg)`")
+            return default
+        (first, second) = bounds
+        read = self._radians(value.x, *first), self._radians(value.y, *second)
+        return default if read[0] is None or read[1] is None else (read[0], read[1])
 
     def colour(self, key: str, default: tuple[int, int, int]) -> tuple[int, int, int]:
         """`rgb(red, green, blue)`, each a whole number from 0 to 255."""
@@ -163,6 +203,20 @@ class Settings:
         # Dividing the exact number gives the float nearest to what is written: 35 mm is 0.035.
         return float(value.value / _PER_METRE[value.unit])
 
+    def _radians(self, value: SettingValue, low: float, high: float) -> float | None:
+        if not isinstance(value, Quantity):
+            self._wrong(value, "an angle such as `5 deg`")
+            return None
+        if value.unit not in _PER_RADIAN and (value.unit is not None or value.value != 0):
+            what = "no unit" if value.unit is None else f"the unit `{value.unit}`"
+            self._findings.error("E503", f"an angle with {what}", value.span, help="angles are in deg or rad")
+            return None
+        radians = float(value.value) / _PER_RADIAN[value.unit or "rad"]
+        if not low - 1e-9 <= math.degrees(radians) <= high + 1e-9:
+            self._range(value, f"must be from {low:g} to {high:g} deg")
+            return None
+        return radians
+
     def _plain(self, value: SettingValue) -> float | None:
         if not isinstance(value, Quantity):
             self._wrong(value, "a number")
@@ -179,3 +233,8 @@ class Settings:
 
     def _range(self, value: SettingValue, condition: str) -> None:
         self._findings.error("E505", f"this {condition}", value.span)
+
+
+def centimetres(metres: float) -> str:
+    """A length for a message."""
+    return f"{metres * 100:.4g} cm"

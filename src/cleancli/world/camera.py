@@ -5,14 +5,15 @@ The onlooker's pictures have no noise; they are for people, and never reach perc
 
 from __future__ import annotations
 
-from math import atan
+from math import atan, cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.perception.frame import Camera, Frame
-from cleancli.scene.model import CameraSetup, Surface
+from cleancli.scene.model import CameraSetup, Light, Surface
 from cleancli.world import parameters as par
+from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
 
 _Image = NDArray[np.uint8]
@@ -28,31 +29,42 @@ def overhead(setup: CameraSetup) -> Camera:
     return Camera(setup.image_width, setup.image_height, setup.focal, centre, pose)
 
 
-def photograph(engine: Engine, camera: Camera, clock: float, rng: np.random.Generator) -> Frame:
+def photograph(
+    engine: Engine,
+    camera: Camera,
+    light: Light,
+    ink: InkLayer | None,
+    clock: float,
+    rng: np.random.Generator,
+) -> Frame:
     """One frame with the noise of a Kinect."""
-    colour, depth = render(engine, camera)
+    colour, depth = render(engine, camera, light, ink)
     return Frame(noisy_colour(colour, rng), noisy_depth(depth, rng), camera, clock)
 
 
-def render(engine: Engine, camera: Camera) -> tuple[_Image, _Depth]:
+def render(
+    engine: Engine, camera: Camera, light: Light, ink: InkLayer | None = None
+) -> tuple[_Image, _Depth]:
     """What an ideal camera would see: colour (height, width, 3), and depth (height, width) in metres."""
     eye = camera.pose[:3, 3]
     ahead, up = eye + camera.pose[:3, 2], -camera.pose[:3, 1]
     view = engine.computeViewMatrix(eye.tolist(), ahead.tolist(), up.tolist())
     opening = 2 * np.degrees(atan(camera.height / 2 / camera.focal))
     projection = engine.computeProjectionMatrixFOV(opening, camera.width / camera.height, par.NEAR, par.FAR)
-    colour, buffer = _draw(engine, camera.width, camera.height, view, projection)
+    colour, buffer = _draw(engine, camera.width, camera.height, view, projection, light, ink)
     depth = par.FAR * par.NEAR / (par.FAR - (par.FAR - par.NEAR) * buffer)
     return colour, depth.astype(np.float32)
 
 
-def onlook(engine: Engine, surface: Surface, width: int, height: int) -> _Image:
+def onlook(
+    engine: Engine, surface: Surface, light: Light, ink: InkLayer | None, width: int, height: int
+) -> _Image:
     """The table from above its south-east corner, (height, width, 3) uint8 RGB."""
     eye = [0.85 * surface.width, -1.35 * surface.depth, 0.75]
     view = engine.computeViewMatrix(eye, [0.02, 0.0, -0.05], [0, 0, 1])
     opening = float(np.degrees(par.PICTURE_FIELD))
     projection = engine.computeProjectionMatrixFOV(opening, width / height, par.NEAR, par.FAR)
-    return _draw(engine, width, height, view, projection)[0]
+    return _draw(engine, width, height, view, projection, light, ink)[0]
 
 
 def noisy_depth(depth: _Depth, rng: np.random.Generator) -> _Depth:
@@ -81,20 +93,53 @@ def noisy_colour(colour: _Image, rng: np.random.Generator) -> _Image:
 
 
 def _draw(
-    engine: Engine, width: int, height: int, view: list[float], projection: list[float]
+    engine: Engine,
+    width: int,
+    height: int,
+    view: list[float],
+    projection: list[float],
+    light: Light,
+    ink: InkLayer | None,
 ) -> tuple[_Image, NDArray[np.float64]]:
+    level = cos(light.elevation)
+    direction = level * cos(light.azimuth), level * sin(light.azimuth), sin(light.elevation)
     _, _, colour, buffer, _ = engine.getCameraImage(
         width,
         height,
         view,
         projection,
-        lightDirection=par.LIGHT_DIRECTION,
+        lightDirection=direction,
         shadow=0,
-        lightAmbientCoeff=par.AMBIENT,
-        lightDiffuseCoeff=par.DIFFUSE,
-        lightSpecularCoeff=par.SPECULAR,
+        lightAmbientCoeff=light.ambient,
+        lightDiffuseCoeff=1 - light.ambient,
+        lightSpecularCoeff=0.0,
         renderer=engine.ER_TINY_RENDERER,
         flags=engine.ER_NO_SEGMENTATION_MASK,
     )
-    image = np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
-    return np.ascontiguousarray(image), np.asarray(buffer, dtype=np.float64).reshape(height, width)
+    image = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3])
+    depth = np.asarray(buffer, dtype=np.float64).reshape(height, width)
+    if ink is not None:
+        _paint(image, depth, _matrix(projection) @ _matrix(view), ink)
+    return image, depth
+
+
+def _paint(image: _Image, buffer: NDArray[np.float64], projected: NDArray[np.float64], ink: InkLayer) -> None:
+    """Blend ink into the pixels that show the surface; `projected` (4, 4) takes the scene to the renderer's
+    cube."""
+    height, width = buffer.shape
+    rows, columns = np.indices(buffer.shape)
+    # The optical axis is where `overhead` says: in the middle of the columns, a pixel above that of the rows.
+    cube = np.stack(
+        (2 * columns / width - 1, 1 - 2 * (rows + 1) / height, 2 * buffer - 1, np.ones_like(buffer))
+    )
+    x, y, z, w = np.einsum("ij,jhw->ihw", np.linalg.inv(projected), cube)
+    share = ink.share_at(x / w, y / w) * (np.abs(z / w) < par.INK_HEIGHT)
+    covered = share > 0
+    # Ink takes as much light as the surface around it, whose brightness is not known here: it is dark anyway.
+    mixed = image[covered] + share[covered, None] * (np.array(par.INK_COLOUR) - image[covered])
+    image[covered] = np.round(mixed).astype(np.uint8)
+
+
+def _matrix(columns: list[float]) -> NDArray[np.float64]:
+    """The engine lists a matrix of 4 x 4 by columns."""
+    return np.array(columns).reshape(4, 4).T

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import sin, sqrt
+
 from cleancli.scene.model import Container, Scene, Surface
 from cleancli.world import parameters as par
 from cleancli.world.physics import Engine
@@ -10,18 +12,30 @@ _Triple = tuple[float, float, float]
 _Box = tuple[_Triple, _Triple]  # lowest and highest corner
 
 
-def build(engine: Engine, scene: Scene) -> None:
-    """Put floor, table and container in place; the table's top is z = 0."""
+def build(engine: Engine, scene: Scene) -> int:
+    """Put floor, table and container in place; the table's top is z = 0, and gravity slants if it tilts.
+
+    The body of the table's top.
+    """
     surface = scene.surface
+    engine.setGravity(*gravity(surface))
     far, ground = par.FLOOR_HALF, -par.TABLE_HEIGHT
     floor = (-far, -far, ground - par.FLOOR_THICKNESS), (far, far, ground)
     _block(engine, floor, par.FLOOR_COLOUR, surface.friction)
     x, y = surface.width / 2, surface.depth / 2
-    _block(engine, ((-x, -y, -par.TABLE_THICKNESS), (x, y, 0)), surface.colour, surface.friction)
+    top = _block(engine, ((-x, -y, -par.TABLE_THICKNESS), (x, y, 0)), surface.colour, surface.friction)
     for leg in _legs(surface):
         _block(engine, leg, par.LEG_COLOUR, surface.friction)
     for wall in container_walls(scene.container, surface):
         _block(engine, wall, par.CONTAINER_COLOUR, par.CONTAINER_FRICTION)
+    return top
+
+
+def gravity(surface: Surface) -> _Triple:
+    """Gravity as seen from the surface: the whole room is tilted with it."""
+    east, north = (sin(angle) for angle in surface.tilt)
+    down = sqrt(1 - east**2 - north**2)
+    return par.GRAVITY * east, par.GRAVITY * north, par.GRAVITY * down
 
 
 def container_space(container: Container, surface: Surface) -> _Box:
@@ -61,10 +75,10 @@ def _legs(surface: Surface) -> tuple[_Box, ...]:
     )
 
 
-def _block(engine: Engine, box: _Box, colour: tuple[int, int, int], friction: float) -> None:
+def _block(engine: Engine, box: _Box, colour: tuple[int, int, int], friction: float) -> int:
     low, high = box
     half = [(b - a) / 2 for a, b in zip(low, high, strict=True)]
-    body = engine.createMultiBody(
+    body: int = engine.createMultiBody(
         baseMass=0,
         baseCollisionShapeIndex=engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half),
         baseVisualShapeIndex=engine.createVisualShape(
@@ -73,3 +87,4 @@ def _block(engine: Engine, box: _Box, colour: tuple[int, int, int], friction: fl
         basePosition=[(a + b) / 2 for a, b in zip(low, high, strict=True)],
     )
     engine.changeDynamics(body, -1, lateralFriction=friction, rollingFriction=0, spinningFriction=0)
+    return body

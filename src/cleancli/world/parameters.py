@@ -6,8 +6,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
+from types import MappingProxyType
 
 # Engine. Measured: at twice the step, or half the iterations, the outcomes of a push change.
 STEP = 1 / 240
@@ -16,18 +18,46 @@ CONTACT_BREAKING = 5e-4
 GRAVITY = -9.81
 STEPS_PER_PERIOD = 4  # chosen: the drive is commanded, and polled, 60 times a second
 
-# Lentils. Size and contact measured: with the engine's own 1 mm margin they float and drift.
-LENTIL_DIAMETER = 6e-3
-LENTIL_THICKNESS = 2.5e-3
-LENTIL_MASS = 1e-4
-LENTIL_MARGIN = 1e-4
-LENTIL_FRICTION = 0.45
-LENTIL_FRICTION_SPREAD = 0.20  # each lentil's friction lies within this share of the mean
-LENTIL_ROLLING = 3e-4
-LENTIL_COLOURS = ((112, 74, 38), (92, 84, 34), (128, 92, 48))  # chosen: brown and green lentils
+
+@dataclass(frozen=True, slots=True)
+class Particle:
+    """One kind of particle: full extents `size` (along, across, up), mass, friction and its rolling and
+    spinning friction, colours that are drawn evenly, `flat` for the shape of a lens instead of an egg."""
+
+    size: tuple[float, float, float]
+    mass: float
+    friction: float
+    rolling: float
+    colours: tuple[tuple[int, int, int], ...]
+    flat: bool = False
+
+
+# Lentils: size and contact measured. Rice: a long grain of about 6.5 x 2.2 mm, a thousand weigh 20-25 g.
+# Peas: dried, 6-8 mm, a thousand weigh 200-250 g. Both are common figures; colours and friction are chosen,
+# and so is the rolling friction of peas: one that is let go at 0.1 m/s rolls about 4 cm (tests/world).
+PARTICLES: Mapping[str, Particle] = MappingProxyType(
+    {
+        "lentils": Particle(
+            (6e-3, 6e-3, 2.5e-3), 1e-4, 0.45, 3e-4, ((112, 74, 38), (92, 84, 34), (128, 92, 48)), flat=True
+        ),
+        "rice": Particle((6.5e-3, 2.2e-3, 2.2e-3), 2.2e-5, 0.45, 2e-4, ((150, 120, 70), (140, 108, 62))),
+        "peas": Particle((6.6e-3, 6.6e-3, 6.6e-3), 2.2e-4, 0.40, 8e-5, ((86, 120, 40), (104, 132, 52))),
+    }
+)
+PARTICLE_MARGIN = 1e-4  # measured: with the engine's own 1 mm margin they float and drift
+FRICTION_SPREAD = 0.20  # each particle's friction lies within this share of the mean; chosen
 DROP_HEIGHT = 6e-3  # chosen
-SETTLE_LIMIT = 4.0  # chosen: longest wait for dropped lentils to come to rest
+SETTLE_LIMIT = 4.0  # chosen: longest wait for dropped particles to come to rest
 SETTLED_SPEED = 2e-3  # chosen
+
+# Ink, chosen. A pass of the rag that presses hard enough takes INK_PASS of the ink, a lighter one less.
+INK_CELL = 2e-3
+INK_COLOUR = (44, 62, 128)
+INK_PASS = 0.75
+INK_BAND = 6e-3  # how far along its way a flap's lower edge touches the surface
+INK_FORCE = 0.02  # newtons on a flap from which on it takes no more
+INK_HEIGHT = 3e-4  # what the renderer shows within this of z = 0 is the surface
+INK_SEEN = 0.15  # amount of ink in a cell below which perception can't tell it from the surface
 
 # Furniture, chosen. The container reaches under the table: measured, a gap of 5 mm loses lentils.
 TABLE_HEIGHT = 0.70
@@ -44,17 +74,6 @@ CONTAINER_OVERLAP = 0.03
 CONTAINER_DROP = 1e-3  # the rim's gap to the table's underside; a lentil is thicker
 CONTAINER_COLOUR = (62, 96, 150)
 CONTAINER_FRICTION = 0.8
-
-# Gantry, chosen: quicker than the tool speeds of the actions, so that those decide.
-JOINT_SPEED = (0.6, 0.6, 0.4, 3.0)  # x, y, z in m/s, yaw in rad/s
-JOINT_ACCELERATION = (2.0, 2.0, 1.5, 10.0)
-JOINT_FORCE = (200.0, 200.0, 200.0, 20.0)
-CARRIAGE_MASS = (2.0, 2.0, 1.0, 0.4)
-CARRIAGE_INERTIA = 0.01
-REACH_MARGIN = 0.45  # how far the gantry goes beyond the table's edges
-REACH_HEIGHT = (-0.02, 0.40)
-TRACKING_LIMIT = 0.04  # farther than this from the commanded position, something blocks the tool
-REST_CLEARANCE = 0.10  # between the camera's view and the resting tool
 
 # Tool noise, drawn once per stroke. Measured together with the rag (outcome shares in docs/world.md).
 HEIGHT_NOISE = 1.75e-3
@@ -75,22 +94,6 @@ POST_RADIUS = 0.015
 POST_HEIGHT = 0.40
 
 
-@dataclass(frozen=True, slots=True)
-class Grasp:
-    """How the rag is held: width of one flap (m), spring gain and greatest torque (N m) of its hinge,
-    standard deviations of its rest angle (rad) and its gap to the surface (m), lead of the rag's ends (m)."""
-
-    flap_width: float
-    gain: float
-    torque: float
-    angle_spread: float
-    gap_spread: float
-    bow: float
-
-
-# Measured as a whole; the bow is for a rag of 12 cm (10 mm belong to one of 20 cm).
-GRASPS = {"wide": Grasp(0.02, 0.1, 0.03, 0.06, 0.6e-3, 6e-3)}
-
 # Camera. Depth noise and quantisation as Khoshelham and Oude Elberink (Sensors, 2012) measured of the Kinect:
 # both grow with the square of the distance; the rest is chosen.
 NEAR, FAR = 0.08, 3.0
@@ -101,6 +104,4 @@ EDGE_JUMP = 0.02  # where jitter moves depth by more than this,
 EDGE_DROPOUT = 0.5  # this share of pixels has no depth
 COLOUR_SHIFT = 1  # pixels, to the right of depth
 COLOUR_NOISE = 3.0
-LIGHT_DIRECTION = (0.5, -0.6, 2.0)
-AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.38, 0.0
 PICTURE_FIELD = 0.22 * pi  # vertical opening angle of the onlooker's camera

@@ -12,11 +12,12 @@ from cleancli.world.missing import MissingPhysics
 
 
 class Engine:
-    """One pybullet client: every function of the module, with the client already chosen."""
+    """One pybullet client, perhaps with a window: the module's functions, with the client already chosen."""
 
-    def __init__(self) -> None:
+    def __init__(self, window: bool = False) -> None:
         self._pybullet = _import_pybullet()
-        self._client: int = self._pybullet.connect(self._pybullet.DIRECT)
+        mode = self._pybullet.GUI if window else self._pybullet.DIRECT
+        self._client: int = self._pybullet.connect(mode)
         self.setGravity(0, 0, par.GRAVITY)
         self.setPhysicsEngineParameter(
             fixedTimeStep=par.STEP,

@@ -24,6 +24,10 @@ class Robot(Protocol):
     def clock(self) -> float:
         """Seconds of robot time since the start."""
 
+    @property
+    def failure(self) -> str:
+        """Why the last motion failed, or nothing."""
+
     def observe(self) -> Frame:
         """Take one RGB-D image from where everything stands now."""
 

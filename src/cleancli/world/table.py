@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -9,59 +11,63 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import LIFT, TRANSIT_SPEED
-from cleancli.motion.path import ToolPath
-from cleancli.motion.timing import Limits, Trajectory, parametrise
+from cleancli.motion.path import ToolPath, Unreachable
 from cleancli.perception.frame import Frame
-from cleancli.scene.model import Scene
-from cleancli.world import camera, furniture, lentils
+from cleancli.scene.model import Ink, Scene
+from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
+from cleancli.world.drives import ROBOTS
+from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
-from cleancli.world.rag import Gantry
 from cleancli.world.robot import Status
 
-_LIMITS = Limits(par.JOINT_SPEED, par.JOINT_ACCELERATION, par.STEPS_PER_PERIOD * par.STEP)
-_Pose = NDArray[np.float64]
+_Array = NDArray[np.float64]
+
+BLOCKED = "something holds the tool back"
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Where every lentil really is; for reports and tests, never for planning.
+    """Where all dirt really is; for reports and tests, never for planning.
 
-    `positions` (total, 3) of all lentils, and `left` (on_table, 3) of those still on the table, in metres.
+    `positions` (total, 3) of all particles, and `left` (on_table, 3) of those still on the table, in metres.
+    `ink` (n, 3): x, y and amount of the cells whose ink can be seen; `ink_left`: the share of all ink.
     """
 
     on_table: int
     in_container: int
     on_floor: int
     total: int
-    positions: NDArray[np.float64]
-    left: NDArray[np.float64]
+    positions: _Array
+    left: _Array
+    ink: _Array
+    ink_left: float
 
 
 class PybulletTable:
-    """A simulated table, gantry and camera (`Robot`); `close` it, or use it in a `with` statement.
+    """A simulated table, robot and camera (`Robot`); `close` it, or use it in a `with` statement.
 
     Everything random, from where lentils drop to the noise of each stroke and image, comes from `seed`.
-    Raises `MissingPhysics` without pybullet, ValueError for a drive or a grasp that it doesn't have.
+    Raises `MissingPhysics` without pybullet, ValueError for a robot that it doesn't have.
     """
 
-    def __init__(self, scene: Scene, seed: int) -> None:
+    def __init__(self, scene: Scene, seed: int, window: bool = False) -> None:
         _refuse_unknown(scene)
         layout, tool, strokes, images = np.random.default_rng(seed).spawn(4)
         self._scene = scene
-        self._engine = Engine()
+        self._window = window
+        self._engine = Engine(window)
         self._stroke_noise, self._image_noise = strokes, images
-        furniture.build(self._engine, scene)
-        self._gantry = Gantry(self._engine, scene.rag, tool)
-        self._pose = resting_pose(scene)
-        self._gantry.place(self._pose)
-        self._lentils = lentils.drop(self._engine, lentils.places(scene.dirt, layout), layout)
-        lentils.settle(self._engine, self._lentils)
+        self._top = furniture.build(self._engine, scene)
+        self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
+        self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
+        self._drive.place()
+        self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
+        particles.settle(self._engine, self._particles)
         self._camera = camera.overhead(scene.camera)
         self._steps = 0
-        self._ahead: NDArray[np.float64] = np.empty((0, 4))
-        self._status = Status.DONE
+        self._ahead: _Array = np.empty((0, 0))
+        self._status, self._failure = Status.DONE, ""
 
     def __enter__(self) -> Self:
         return self
@@ -82,122 +88,105 @@ class PybulletTable:
 
     def observe(self) -> Frame:
         """One noisy RGB-D image of the table, and of the tool if it is in the way. Takes no robot time."""
-        return camera.photograph(self._engine, self._camera, self.clock, self._image_noise)
+        return camera.photograph(
+            self._engine, self._camera, self._scene.light, self._ink, self.clock, self._image_noise
+        )
+
+    @property
+    def failure(self) -> str:
+        """Why the last motion FAILED, or nothing."""
+        return self._failure
 
     def start(self, path: ToolPath) -> None:
         """Begin a transit above the surface to the path's first waypoint, then the path, with tool noise.
 
-        Raises ValueError while another motion is under way. A path out of the gantry's reach fails at once.
+        Raises ValueError while another motion is under way. A path out of reach fails at once.
         """
-        poses = np.array([(w.x, w.y, w.z, w.yaw) for w in path.waypoints])
-        offset = self._draw_noise(poses)
-        self._begin(poses + offset, [w.speed for w in path.waypoints])
+        offset = self._draw_noise(path.waypoints[0].yaw)
+        self._begin(lambda: self._drive.follow(path, offset))
 
     def withdraw(self) -> None:
-        """Begin a transit to the resting pose. Raises ValueError while another motion is under way."""
-        self._begin(resting_pose(self._scene)[None], [TRANSIT_SPEED])
+        """Begin a transit to rest, out of the camera's view. Raises ValueError while a motion is under
+        way."""
+        self._begin(self._drive.withdraw)
 
     def poll(self) -> Status:
         """Let one control period pass, or what is left of the motion; no time passes when none is under way.
 
-        FAILED when the path was out of reach, or something holds the tool back.
+        FAILED when the path was out of reach, or something holds the tool back; `failure` says which.
         """
         if self._status is not Status.RUNNING:
             return self._status
         now, self._ahead = self._ahead[: par.STEPS_PER_PERIOD], self._ahead[par.STEPS_PER_PERIOD :]
         self._follow(now)
-        if np.linalg.norm(self._gantry.pose()[:3] - self._pose[:3]) > par.TRACKING_LIMIT:
-            self._status = Status.FAILED
+        if self._drive.stray() > robots.TRACKING_LIMIT:
+            self._status, self._failure = Status.FAILED, BLOCKED
         elif not len(self._ahead):
             self._status = Status.DONE
         return self._status
 
     def stop(self) -> None:
         """End the motion now and raise the tool straight up; the clock runs until it is up."""
-        here = self._gantry.pose()
-        up = here.copy()
-        up[2] = max(here[2], LIFT)
-        self._follow(_sampled(parametrise(np.stack((here, up)), np.array([TRANSIT_SPEED]), _LIMITS)))
+        self._follow(self._drive.lift())
         self._ahead = self._ahead[:0]
         self._status = Status.DONE
 
     def truth(self) -> Truth:
-        """Where every lentil is. For reports: whoever plans or learns from this cheats."""
-        places = lentils.positions(self._engine, self._lentils)
+        """Where all dirt is. For reports: whoever plans or learns from this cheats."""
+        places = particles.positions(self._engine, self._particles)
         low, high = furniture.container_space(self._scene.container, self._scene.surface)
         inside = np.all((places >= low) & (places <= high), axis=1)
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
         contained, remaining = int(inside.sum()), int(above.sum())
         return Truth(
-            remaining, contained, len(places) - remaining - contained, len(places), places, places[above]
+            on_table=remaining,
+            in_container=contained,
+            on_floor=len(places) - remaining - contained,
+            total=len(places),
+            positions=places,
+            left=places[above],
+            ink=np.empty((0, 3)) if self._ink is None else self._ink.places(),
+            ink_left=0.0 if self._ink is None else self._ink.left(),
         )
+
+    def show(self) -> None:
+        """Let time pass in the window until somebody closes it; at once, if there is no window."""
+        while self._window and self._engine.isConnected():
+            self._engine.stepSimulation()
+            time.sleep(par.STEP)
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
-        return camera.onlook(self._engine, self._scene.surface, width, height)
+        return camera.onlook(self._engine, self._scene.surface, self._scene.light, self._ink, width, height)
 
-    def _draw_noise(self, poses: NDArray[np.float64]) -> _Pose:
-        """This stroke's offset (4,): height, sideways to the first push, and yaw."""
+    def _draw_noise(self, push: float) -> _Array:
+        """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""
         height, side, yaw = self._stroke_noise.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
-        across = poses[0, 3] + np.pi / 2
+        across = push + np.pi / 2
         return np.array((side * np.cos(across), side * np.sin(across), height, yaw))
 
-    def _begin(self, poses: NDArray[np.float64], speeds: list[float]) -> None:
-        """Time the way to the first of `poses` (n, 4) and on through them; `speeds` (n,) go to each."""
+    def _begin(self, plan: Callable[[], _Array]) -> None:
+        """Start the motion that `plan` gives, or fail for the reason it raises."""
         if self._status is Status.RUNNING:
             raise ValueError("a motion is under way: poll it to its end, or stop it")
-        if not _within_reach(poses, self._scene):
-            self._status = Status.FAILED
-            return
-        transit, paces = _transit(self._gantry.pose(), poses[0], speeds[0])
-        whole = np.concatenate((transit, poses[1:]))
-        self._ahead = _sampled(parametrise(whole, np.array([*paces, *speeds[1:]]), _LIMITS))
-        self._status = Status.RUNNING
+        try:
+            self._ahead = plan()
+        except Unreachable as reason:
+            self._status, self._failure = Status.FAILED, str(reason)
+        else:
+            self._status, self._failure = Status.RUNNING, ""
 
-    def _follow(self, poses: NDArray[np.float64]) -> None:
-        """One physics step for each of `poses` (n, 4)."""
-        for pose in poses:
-            self._gantry.command(pose)
+    def _follow(self, motion: _Array) -> None:
+        """One physics step for each row of joints."""
+        for joints in motion:
+            self._drive.command(joints)
             self._engine.stepSimulation()
-            self._pose = pose
-        self._steps += len(poses)
+        self._steps += len(motion)
+        if self._ink is not None:
+            self._ink.rub(self._engine, self._top, self._drive.flaps())
 
 
 def _refuse_unknown(scene: Scene) -> None:
-    if scene.robot != "gantry":
-        raise ValueError(f"no drive is called `{scene.robot}`; this table has `gantry`")
-    if scene.rag.grasp not in par.GRASPS:
-        raise ValueError(f"no grasp is called `{scene.rag.grasp}`; this table has {', '.join(par.GRASPS)}")
-
-
-def resting_pose(scene: Scene) -> _Pose:
-    """Pose (4,) beside the table, outside the camera's view, on the nearest side without the container."""
-    setup = scene.camera
-    tool = scene.rag.width / 2 + par.REST_CLEARANCE
-    views = setup.height / (2 * setup.focal) * np.array((setup.image_width, setup.image_height))
-    x, y = np.maximum(views, (scene.surface.width / 2, scene.surface.depth / 2)) + tool
-    places = {"north": (0.0, y), "south": (0.0, -y), "west": (-x, 0.0), "east": (x, 0.0)}
-    del places[scene.container.edge]
-    nearest = min(places.values(), key=lambda place: abs(place[0]) + abs(place[1]))
-    return np.array((*nearest, LIFT, 0.0))
-
-
-def _transit(here: _Pose, there: _Pose, speed: float) -> tuple[NDArray[np.float64], list[float]]:
-    """Poses from `here` up, across above the surface, to `there`; and the speeds to each after the first."""
-    height = max(LIFT, here[2], there[2])
-    up, across = here.copy(), there.copy()
-    up[2] = across[2] = height
-    return np.stack((here, up, across, there)), [TRANSIT_SPEED, speed, speed]
-
-
-def _sampled(trajectory: Trajectory) -> NDArray[np.float64]:
-    """(steps, 4) poses to be at after each physics step, the last of them the trajectory's end."""
-    steps = int(np.ceil(trajectory.duration / par.STEP - 1e-9))
-    return trajectory.poses(np.arange(1, steps + 1, dtype=np.float64) * par.STEP)
-
-
-def _within_reach(poses: NDArray[np.float64], scene: Scene) -> bool:
-    half = np.array((scene.surface.width, scene.surface.depth)) / 2 + par.REACH_MARGIN
-    low, high = par.REACH_HEIGHT
-    return bool(np.all(np.abs(poses[:, :2]) <= half) and np.all((poses[:, 2] >= low) & (poses[:, 2] <= high)))
+    if scene.robot not in ROBOTS:
+        raise ValueError(f"no robot is called `{scene.robot}`; this table has {', '.join(ROBOTS)}")

@@ -13,6 +13,12 @@ class Pair(Node):
     y: Quantity
 
 
+class Points(Node):
+    """`((x, y), ...)`."""
+
+    points: tuple[Pair, ...]
+
+
 class ImageSize(Node):
     """`width x height`."""
 
@@ -39,7 +45,7 @@ class Quoted(Node):
     text: str
 
 
-SettingValue = Quantity | Pair | ImageSize | Call | Word | Quoted
+SettingValue = Quantity | Pair | Points | ImageSize | Call | Word | Quoted
 
 
 class Setting(Node):
@@ -50,9 +56,10 @@ class Setting(Node):
 
 
 class Section(Node):
-    """`name { entries }`."""
+    """`name { entries }`, or `name title { entries }` for one of several that are told apart by a title."""
 
     name: Name
+    title: Name | None
     entries: tuple[Setting | Section, ...]
 
 

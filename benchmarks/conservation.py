@@ -1,0 +1,132 @@
+"""Nothing is lost, tunnels or flies: python benchmarks/conservation.py [actions] [--seed N]
+
+Random actions upon random ellipses, some of them off the table, among lentils, rice and peas. After every
+control period every particle must be on the table, in the container or on the floor (or falling there), not
+inside the table, and not faster than anything here can make it. Exit code 1 where one is not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.language.diagnostics import Source
+from cleancli.motion.actions import SKILLS, tool_path
+from cleancli.perception.area import Ellipse
+from cleancli.scene.check import load_scene
+from cleancli.world import parameters as par
+from cleancli.world.robot import Status
+from cleancli.world.table import PybulletTable
+
+ROUND = 20
+"""Actions upon one table; the next ones get a new table, with the container at the next edge."""
+
+SCENE = """scene table { dirt {
+  scattered { count = 12  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
+  scattered { count = 12  of = rice  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
+  scattered { count = 12  of = peas  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
+  group { count = 12  at = (0 cm, 0 cm)  radius = 2 cm }
+} }"""
+
+FASTEST_ON_TABLE = (
+    1.0  # m/s: five times the fastest stroke; a flap that springs back is what makes it so fast
+)
+FASTEST_FALL = 1.1 * float(np.sqrt(2 * 9.81 * (par.TABLE_HEIGHT + 0.05)))
+LOWEST = -par.TABLE_HEIGHT - 0.02  # whoever falls on the floor at 3.7 m/s is within it for a step
+PRESSED = 4e-3  # how deep a rag may press a particle's middle into the table while it goes over it
+HIGHEST = 0.06  # metres above the surface: what is higher, flies
+
+
+def faults(
+    before: NDArray[np.float64], now: NDArray[np.float64], half: NDArray[np.float64], pressed: float
+) -> list[str]:
+    """What is wrong with particles at `now` (n, 3), which were at `before` a control period ago; they may be
+    `pressed` so deep into the table."""
+    speeds = np.linalg.norm(now - before, axis=1) / (par.STEPS_PER_PERIOD * par.STEP)
+    above = (np.abs(now[:, :2]) < half).all(axis=1) & (now[:, 2] > 0)
+    inside = (np.abs(now[:, :2]) < half - 0.005).all(axis=1)
+    inside &= (now[:, 2] < -pressed) & (now[:, 2] > -par.TABLE_THICKNESS)
+    wrong = {
+        "not a number": ~np.isfinite(now).all(axis=1),
+        "inside the table": inside,
+        "below the floor": now[:, 2] < LOWEST,
+        "flying": now[:, 2] > HIGHEST,
+        "too fast on the table": above & (speeds > FASTEST_ON_TABLE),
+        "too fast in its fall": speeds > FASTEST_FALL,
+    }
+    return [
+        f"{what}: {found.sum()} at {np.round(now[found][0], 4)}"
+        for what, found in wrong.items()
+        if found.any()
+    ]
+
+
+def random_action(rng: np.random.Generator) -> tuple[str, tuple[Ellipse, ...]]:
+    """An action and its ellipses, up to 10 cm off the table."""
+    action = str(rng.choice(sorted(SKILLS)))
+    ellipses = []
+    for _ in range(SKILLS[action].arity):
+        x, y = rng.uniform((-0.55, -0.45), (0.55, 0.45))
+        short, long = np.sort(rng.uniform(0.005, 0.12, 2))
+        ellipses.append(
+            Ellipse((float(x), float(y)), (float(long), float(short)), float(rng.uniform(-1.5, 1.5)))
+        )
+    return action, tuple(ellipses)
+
+
+def try_table(number: int, actions: int, rng: np.random.Generator) -> list[str]:
+    """Random actions upon one table; everything that went wrong."""
+    scene = load_scene(Source("table", SCENE))
+    edge = ("north", "east", "south", "west")[number % 4]
+    scene = replace(scene, container=replace(scene.container, edge=edge))
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2
+    wrong, failed = [], 0
+    with closing(PybulletTable(scene, number)) as table:
+        now = table.truth().positions
+        for _ in range(actions):
+            action, ellipses = random_action(rng)
+            table.start(tool_path(action, ellipses, scene))
+            status = Status.RUNNING
+            while status is Status.RUNNING:
+                status, before = table.poll(), now
+                truth = table.truth()
+                now = truth.positions
+                if truth.on_table + truth.in_container + truth.on_floor != len(now):
+                    wrong.append(f"{action}: not every particle is anywhere")
+                wrong += [f"{action}: {fault}" for fault in faults(before, now, half, PRESSED)]
+            wrong += [f"after {action}: {fault}" for fault in faults(now, now, half, 0.0)]
+            if status is Status.FAILED:
+                failed += 1
+                table.stop()
+                now = table.truth().positions
+        print(
+            f"table {number} ({edge}): {actions} actions, {failed} failed; on the table {truth.on_table},"
+            f" in the container {truth.in_container}, on the floor {truth.on_floor} of {truth.total}"
+        )
+    return wrong
+
+
+def main() -> int:
+    """Try them all; the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("actions", type=int, nargs="?", default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    rng, began = np.random.default_rng(options.seed), time.process_time()
+    wrong: list[str] = []
+    for number in range(-(-options.actions // ROUND)):
+        wrong += try_table(number, min(ROUND, options.actions - number * ROUND), rng)
+    for fault in wrong[:20]:
+        print(fault)
+    print(f"{len(wrong)} faults in {options.actions} actions, {time.process_time() - began:.0f} s of CPU")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,165 @@
+"""One action, tried on one layout: what truly became of the dirt that it was meant for (§3.3.2).
+
+Here, as in a report, the truth is asked: no plan and no rule is made from what this module finds by itself.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.execution.loop import FRAMES_PER_LOOK
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.motion.actions import tool_path
+from cleancli.motion.ellipse import contains
+from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.perceive import perceive
+from cleancli.perception.surface import NoSurface
+from cleancli.perception.tracking import track
+from cleancli.scene.model import Scene
+from cleancli.world.robot import Status
+from cleancli.world.table import PybulletTable, Truth
+
+Points = NDArray[np.float64]
+
+GATHERING = ("join2", "join3", "groupScattered")
+"""The actions that leave dirt on the surface on purpose (§3.2.3)."""
+
+MARGIN = 0.005
+"""Metres around an area's ellipse within which a particle's middle belongs to it."""
+
+
+class Outcome(enum.Enum):
+    """How a trial ended; docs/physics.md defines the first three."""
+
+    NONE_LEFT = "none left"
+    SOME_LEFT = "some left"
+    SPREAD_OUT = "spread out"
+    FAILED = "failed"  # the robot could not follow its path
+    NOT_TRIED = "not tried"  # too few areas were seen, or not the ones asked for
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One try. `targets`: how many pieces of dirt the action was meant for, particles or cells of ink; `left`
+    of them on the table. `lost`: particles on the floor. `before` and `after` (n, 2): where all dirt lay on
+    the table. `seconds` of robot time."""
+
+    seed: int
+    outcome: Outcome
+    targets: int
+    left: int
+    lost: int
+    seconds: float
+    before: Points
+    after: Points
+
+
+def attempt(scene: Scene, action: str, arity: int, names: Sequence[str], seed: int) -> Trial:
+    """Look once, carry the action out on the areas of these `names` (the first `arity` seen, if there are
+    none), and see what is left of their dirt. The seed decides where the dirt lies, and all noise."""
+    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
+        rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
+        frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
+        start = table.truth()
+        try:
+            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1), names, arity)
+        except NoSurface:
+            chosen = ()
+        if len(chosen) < arity:
+            return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
+        ellipses = tuple(area.ellipse for area in chosen)
+        targets = _within(start.positions[:, :2], ellipses)
+        table.start(tool_path(action, ellipses, scene))
+        while (status := table.poll()) is Status.RUNNING:
+            pass
+        end = table.truth()
+        before = _meant(start, targets, ellipses)
+        after = _meant(end, targets & _on_table(end), ellipses)
+        outcome = Outcome.FAILED
+        if status is not Status.FAILED:
+            outcome = judge(before, after, action in GATHERING, arity, scene.symbols.link)
+        sizes = len(before), len(after), end.on_floor
+        return Trial(seed, outcome, *sizes, table.clock, _on_surface(start), _on_surface(end))
+
+
+def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> Outcome:
+    """What became of the dirt of so many areas, which lay at `before` (n, 2); `after` (m, 2) is where what is
+    left of it lies on the table. Middles closer than `link` make one group."""
+    groups = len(linked(after, link))
+    if groups > areas:
+        return Outcome.SPREAD_OUT
+    if gathering:
+        together = groups == 0 or (groups == 1 and (areas > 1 or extent(after) < extent(before)))
+        return Outcome.NONE_LEFT if together else Outcome.SOME_LEFT
+    return Outcome.SOME_LEFT if groups else Outcome.NONE_LEFT
+
+
+def linked(points: Points, link: float) -> tuple[tuple[int, ...], ...]:
+    """Groups of points (n, 2), by number: chains of points closer than `link` lead through all of a group."""
+    left = set(range(len(points)))
+    groups = []
+    while left:
+        reached = [min(left)]
+        left.remove(reached[0])
+        for point in reached:
+            gaps = np.linalg.norm(points - points[point], axis=1)
+            found = sorted(other for other in left if gaps[other] < link)
+            left.difference_update(found)
+            reached += found
+        groups.append(tuple(sorted(reached)))
+    return tuple(groups)
+
+
+def extent(points: Points) -> float:
+    """The largest distance between two of the points (n, 2); 0 for fewer than two."""
+    if len(points) < 2:
+        return 0.0
+    return float(np.linalg.norm(points[:, None] - points[None], axis=2).max())
+
+
+def wilson(successes: int, trials: int, deviations: float = 1.96) -> tuple[float, float]:
+    """The interval of 95 % for a share, after `trials` of which so many were successes (Wilson 1927)."""
+    if not trials:
+        return 0.0, 1.0
+    share, square = successes / trials, deviations**2
+    middle = share + square / (2 * trials)
+    reach = deviations * sqrt(share * (1 - share) / trials + square / (4 * trials**2))
+    low, high = (middle - reach) / (1 + square / trials), (middle + reach) / (1 + square / trials)
+    return max(0.0, low), min(1.0, high)
+
+
+def _chosen(seen: Sequence[Area], names: Sequence[str], arity: int) -> tuple[Area, ...]:
+    """The areas asked for, as far as they were seen; the first `arity`, where none were asked for."""
+    if not names:
+        return tuple(seen[:arity])
+    found = {area.name: area for area in seen}
+    return tuple(found[name] for name in names if name in found)
+
+
+def _within(points: Points, ellipses: Sequence[Ellipse]) -> NDArray[np.bool_]:
+    """Which points (n, 2) belong to any of the ellipses, (n,)."""
+    wider = [replace(e, axes=(e.axes[0] + MARGIN, e.axes[1] + MARGIN)) for e in ellipses]
+    return np.asarray(np.any([contains(ellipse, points) for ellipse in wider], axis=0))
+
+
+def _on_table(truth: Truth) -> NDArray[np.bool_]:
+    """Which particles are still on the table, (total,)."""
+    same = (truth.positions[:, None] == truth.left[None]).all(axis=2)
+    return np.asarray(same.any(axis=1))
+
+
+def _meant(truth: Truth, targets: NDArray[np.bool_], ellipses: Sequence[Ellipse]) -> Points:
+    """Where these particles lie, and the ink within the ellipses, (n, 2)."""
+    return np.concatenate((truth.positions[targets, :2], truth.ink[_within(truth.ink[:, :2], ellipses), :2]))
+
+
+def _on_surface(truth: Truth) -> Points:
+    """Where all dirt of the table lies, (n, 2)."""
+    return np.concatenate((truth.left[:, :2], truth.ink[:, :2]))

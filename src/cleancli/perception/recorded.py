@@ -1,0 +1,102 @@
+"""Frames on disk: one folder a set, so that perception runs on what a camera has recorded.
+
+A set is `camera.json` (size, focal length, optical centre, pose, and the clock of each frame), and for each
+frame `colour-000.png` (RGB) and `depth-000.png` (16 bits, millimetres, 0 where unknown).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cleancli.perception.frame import Camera, Frame
+
+CAMERA = "camera.json"
+MILLIMETRES = 1000
+FARTHEST = 65.535  # metres; what is farther away is written as unknown
+
+
+class BadRecording(OSError):
+    """A folder that holds no readable set of frames; the message names the file and what is wrong."""
+
+
+def save_frames(frames: Sequence[Frame], folder: Path) -> None:
+    """Write frames of one camera into `folder`, which is made if it is missing. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, frame in enumerate(frames):
+        bgr = cv2.cvtColor(frame.colour, cv2.COLOR_RGB2BGR)
+        known = np.isfinite(frame.depth) & (frame.depth > 0) & (frame.depth <= FARTHEST)
+        depth = np.rint(np.where(known, frame.depth, 0) * MILLIMETRES).astype(np.uint16)
+        for name, image in ((_colour(number), bgr), (_depth(number), depth)):
+            _, data = cv2.imencode(".png", image)
+            (folder / name).write_bytes(data.tobytes())
+    camera = frames[0].camera
+    described = {
+        "width": camera.width,
+        "height": camera.height,
+        "focal": camera.focal,
+        "centre": list(camera.centre),
+        "pose": camera.pose.tolist(),
+        "clocks": [frame.clock for frame in frames],
+    }
+    (folder / CAMERA).write_text(json.dumps(described, indent=2) + "\n", encoding="utf-8")
+
+
+def load_frames(folder: Path) -> tuple[Frame, ...]:
+    """The frames of a set in their order. Raises OSError, and so BadRecording."""
+    camera, clocks = _read_camera(folder / CAMERA)
+    return tuple(_read_frame(folder, number, camera, clock) for number, clock in enumerate(clocks))
+
+
+def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
+    try:
+        described = json.loads(path.read_text(encoding="utf-8"))
+        pose = np.array(described["pose"], np.float64)
+        x, y = map(float, described["centre"])
+        clocks = tuple(map(float, described["clocks"]))
+        camera = Camera(
+            int(described["width"]), int(described["height"]), float(described["focal"]), (x, y), pose
+        )
+    except (ValueError, KeyError, TypeError) as error:
+        raise BadRecording(f"{path}: no description of a camera ({error!r})") from error
+    if pose.shape != (4, 4) or not np.isfinite(pose).all():
+        raise BadRecording(f"{path}: `pose` must be a matrix of 4 rows of 4 numbers")
+    if not (camera.focal > 0 and all(map(math.isfinite, (camera.focal, x, y, *clocks)))):
+        raise BadRecording(f"{path}: `focal` must be above 0, and all numbers finite")
+    if not clocks:
+        raise BadRecording(f"{path}: `clocks` lists no frame")
+    return camera, clocks
+
+
+def _read_frame(folder: Path, number: int, camera: Camera, clock: float) -> Frame:
+    colour = _read_image(folder / _colour(number), (camera.height, camera.width, 3), np.uint8)
+    depth = _read_image(folder / _depth(number), (camera.height, camera.width), np.uint16)
+    rgb = cv2.cvtColor(colour, cv2.COLOR_BGR2RGB).astype(np.uint8)
+    return Frame(rgb, (depth / MILLIMETRES).astype(np.float32), camera, clock)
+
+
+def _read_image(
+    path: Path, shape: tuple[int, ...], kind: type[np.uint8] | type[np.uint16]
+) -> cv2.typing.MatLike:
+    data = np.frombuffer(path.read_bytes(), np.uint8)
+    image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
+    if image is None:
+        raise BadRecording(f"{path}: no PNG picture")
+    if image.shape != shape or image.dtype != kind:
+        raise BadRecording(
+            f"{path}: {image.dtype} {image.shape}, but {CAMERA} asks for {np.dtype(kind)} {shape}"
+        )
+    return image
+
+
+def _colour(number: int) -> str:
+    return f"colour-{number:03}.png"
+
+
+def _depth(number: int) -> str:
+    return f"depth-{number:03}.png"

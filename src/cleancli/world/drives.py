@@ -1,0 +1,41 @@
+"""The table of robots: a scene's `robot` is the name of a row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.motion.joint_path import reached
+from cleancli.scene.model import Scene
+from cleancli.world import wam
+from cleancli.world.arm_drive import ArmDrive
+from cleancli.world.drive import Drive
+from cleancli.world.gantry import Gantry, within_reach
+from cleancli.world.physics import Engine
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """How a robot is built, and which tool poses (n, 4) it can bring the rag to."""
+
+    build: Callable[[Engine, Scene, np.random.Generator], Drive]
+    reaches: Callable[[_Array, Scene], NDArray[np.bool_]]
+
+
+def _wam(engine: Engine, scene: Scene, rng: np.random.Generator) -> Drive:
+    return ArmDrive(engine, wam.arm_for(scene), wam.BUILD, scene.rag, rng)
+
+
+def _wam_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+    return reached(wam.arm_for(scene), points)
+
+
+ROBOTS: Mapping[str, Row] = MappingProxyType(
+    {"gantry": Row(Gantry, within_reach), "wam": Row(_wam, _wam_reaches)}
+)

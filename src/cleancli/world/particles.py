@@ -1,0 +1,149 @@
+"""Particles on a simulated table: their shapes, where a scene drops them, and when they have come to rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.scene.model import Dirt, Group, Ink, Scattered
+from cleancli.world import parameters as par
+from cleancli.world.physics import Engine
+
+_Array = NDArray[np.float64]
+
+_CORNERS = 8
+_LENTIL_RINGS = ((0.4, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.4, -1.0))
+_ROUND_RINGS = tuple((float(np.cos(a)), float(np.sin(a))) for a in np.radians((65, 35, 0, -35, -65)))
+"""(radius, height) of the rings of corners, as shares of half the width and half the height."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drops:
+    """Where particles are dropped: `spots` (n, 2) in metres, and what each is, `kinds` (n)."""
+
+    spots: _Array
+    kinds: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Shapes:
+    touched: int
+    seen: tuple[int, ...]
+
+
+def drop(engine: Engine, drops: Drops, rng: np.random.Generator) -> tuple[int, ...]:
+    """Bodies of particles just above the surface, stacked where spots are too close."""
+    shapes = {kind: _shapes(engine, par.PARTICLES[kind]) for kind in sorted(set(drops.kinds))}
+    bodies = []
+    for (x, y), kind, height in zip(drops.spots, drops.kinds, _heights(drops), strict=True):
+        particle, shape = par.PARTICLES[kind], shapes[kind]
+        body = engine.createMultiBody(
+            baseMass=particle.mass,
+            baseCollisionShapeIndex=shape.touched,
+            baseVisualShapeIndex=shape.seen[rng.integers(len(shape.seen))],
+            basePosition=[x, y, height],
+            baseOrientation=engine.getQuaternionFromEuler([0, 0, rng.uniform(0, np.pi)]),
+            useMaximalCoordinates=1,
+        )
+        engine.changeDynamics(
+            body,
+            -1,
+            lateralFriction=particle.friction * (1 + par.FRICTION_SPREAD * rng.uniform(-1, 1)),
+            rollingFriction=particle.rolling,
+            spinningFriction=particle.rolling,
+            collisionMargin=par.PARTICLE_MARGIN,
+            activationState=engine.ACTIVATION_STATE_ENABLE_SLEEPING,
+        )
+        bodies.append(body)
+    return tuple(bodies)
+
+
+def places(dirt: tuple[Dirt, ...], rng: np.random.Generator) -> Drops:
+    """Where to drop particles, evenly drawn in each group's disc or each rectangle; ink is none."""
+    drawn, kinds = [np.empty((0, 2))], []
+    for source in dirt:
+        match source:
+            case Group(count, centre, radius, of):
+                angle = rng.uniform(0, 2 * np.pi, count)
+                distance = radius * np.sqrt(rng.uniform(0, 1, count))
+                step = np.stack((distance * np.cos(angle), distance * np.sin(angle)), axis=1)
+                drawn.append(np.array(centre) + step)
+                kinds += [of] * count
+            case Scattered(count, low, high, of):
+                drawn.append(rng.uniform(low, high, (count, 2)))
+                kinds += [of] * count
+            case Ink():
+                pass
+    return Drops(np.concatenate(drawn), tuple(kinds))
+
+
+def positions(engine: Engine, bodies: tuple[int, ...]) -> NDArray[np.float64]:
+    """(n, 3) middles of the particles, metres."""
+    return np.array([engine.getBasePositionAndOrientation(body)[0] for body in bodies]).reshape(-1, 3)
+
+
+def settle(engine: Engine, bodies: tuple[int, ...]) -> None:
+    """Let time pass until every particle rests, or the limit is reached."""
+    quarter = ceil(0.25 / par.STEP)
+    for _ in range(ceil(par.SETTLE_LIMIT / 0.25)):
+        for _ in range(quarter):
+            engine.stepSimulation()
+        if all(np.linalg.norm(engine.getBaseVelocity(body)[0]) < par.SETTLED_SPEED for body in bodies):
+            return
+
+
+def _shapes(engine: Engine, particle: par.Particle) -> _Shapes:
+    """What the engine lets collide is the convex hull of the corners; what it shows is their mesh."""
+    rings = _LENTIL_RINGS if particle.flat else _ROUND_RINGS
+    corners, faces = _mesh(rings, particle)
+    if particle.size[0] == particle.size[2]:
+        # A ball rolls; a hull of corners would come to rest on a face.
+        touched = engine.createCollisionShape(engine.GEOM_SPHERE, radius=particle.size[0] / 2)
+    else:
+        touched = engine.createCollisionShape(engine.GEOM_MESH, vertices=corners.tolist())
+    seen = tuple(
+        engine.createVisualShape(
+            engine.GEOM_MESH,
+            vertices=corners.tolist(),
+            indices=faces,
+            rgbaColor=[*(c / 255 for c in colour), 1],
+        )
+        for colour in particle.colours
+    )
+    return _Shapes(touched, seen)
+
+
+def _heights(drops: Drops) -> _Array:
+    """(n,) heights to drop from, so that no two particles start inside each other."""
+    sizes = np.array([par.PARTICLES[kind].size for kind in drops.kinds]).reshape(-1, 3)
+    tops = np.zeros(len(drops.spots))
+    for index, (wide, _, high) in enumerate(sizes):
+        apart = np.linalg.norm(drops.spots[:index] - drops.spots[index], axis=1)
+        below = tops[:index][apart < 0.55 * (sizes[:index, 0] + wide)]
+        tops[index] = (below.max() if below.size else 0) + 1.2 * high
+    return par.DROP_HEIGHT + tops - 1.2 * sizes[:, 2]
+
+
+def _mesh(rings: tuple[tuple[float, float], ...], particle: par.Particle) -> tuple[_Array, list[int]]:
+    """Corners (40, 3) of a particle, and those of its triangles by number, counter-clockwise from outside."""
+    angle = 2 * np.pi * np.arange(_CORNERS) / _CORNERS
+    layers = [
+        np.stack((radius * np.cos(angle), radius * np.sin(angle), np.full(_CORNERS, height)), axis=1)
+        for radius, height in rings
+    ]
+    corners = np.concatenate(layers) * np.array(particle.size) / 2
+    faces: list[int] = []
+    for ring in range(len(rings) - 1):
+        for corner in range(_CORNERS):
+            upper, lower = ring * _CORNERS, (ring + 1) * _CORNERS
+            following = (corner + 1) % _CORNERS
+            faces += [upper + corner, lower + corner, lower + following]
+            faces += [upper + corner, lower + following, upper + following]
+    last = (len(rings) - 1) * _CORNERS
+    for corner in range(1, _CORNERS - 1):
+        faces += [0, corner, corner + 1]
+        faces += [last, last + corner + 1, last + corner]
+    return corners, faces

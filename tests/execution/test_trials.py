@@ -1,0 +1,97 @@
+"""How one action is tried, and how its end is judged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from cleancli.execution.overlay import BORDER, SCALE, overlay
+from cleancli.execution.trials import Outcome, Trial, attempt, extent, judge, linked, wilson
+from cleancli.language.diagnostics import Source
+from cleancli.scene.check import load_scene
+from cleancli.scene.model import Scene
+
+NOTHING = np.empty((0, 2))
+HEAP = np.array([(0.0, 0.0), (0.01, 0.0), (0.0, 0.012)])
+
+
+def table(dirt: str) -> Scene:
+    return load_scene(Source("s", f"scene s {{ dirt {{ {dirt} }} }}"))
+
+
+@pytest.mark.parametrize(
+    ("after", "gathering", "areas", "outcome"),
+    [
+        (NOTHING, False, 1, Outcome.NONE_LEFT),
+        (HEAP, False, 1, Outcome.SOME_LEFT),
+        (np.concatenate((HEAP, HEAP + 0.3)), False, 1, Outcome.SPREAD_OUT),
+        (np.concatenate((HEAP, HEAP + 0.3)), True, 2, Outcome.SOME_LEFT),
+        (HEAP, True, 2, Outcome.NONE_LEFT),
+        (NOTHING, True, 2, Outcome.NONE_LEFT),
+        (np.concatenate((HEAP, HEAP + 0.3, HEAP - 0.3)), True, 2, Outcome.SPREAD_OUT),
+        (HEAP / 2, True, 1, Outcome.NONE_LEFT),
+        (HEAP * 1.5, True, 1, Outcome.SOME_LEFT),
+    ],
+)
+def test_an_end_is_judged(after: np.ndarray, gathering: bool, areas: int, outcome: Outcome) -> None:
+    assert judge(HEAP, after, gathering, areas, 0.05) is outcome
+
+
+def test_groups_are_what_chains_of_near_points_lead_through() -> None:
+    rng = np.random.default_rng(1)
+    points = rng.uniform(0, 0.5, (40, 2))
+    near = np.linalg.norm(points[:, None] - points[None], axis=2) < 0.06
+    reach = near.copy()
+    for _ in range(40):
+        reach = (reach @ near) | reach
+    groups = linked(points, 0.06)
+    assert sorted(number for group in groups for number in group) == list(range(40))
+    assert 3 < len(groups) < 30
+    for group in groups:
+        assert set(np.flatnonzero(reach[group[0]])) == set(group)
+
+
+def test_extent_is_the_longest_distance() -> None:
+    assert extent(HEAP) == pytest.approx(np.hypot(0.01, 0.012))
+    assert extent(HEAP[:1]) == extent(NOTHING) == 0
+
+
+@pytest.mark.parametrize(("successes", "trials"), [(0, 5), (3, 7), (40, 40), (17, 40)])
+def test_intervals_are_wilsons(successes: int, trials: int) -> None:
+    expected = binomtest(successes, trials).proportion_ci(0.95, method="wilson")
+    assert wilson(successes, trials) == pytest.approx((expected.low, expected.high), abs=1e-4)
+    assert wilson(0, 0) == (0.0, 1.0)
+
+
+def test_a_trial_moves_the_area_that_was_asked_for_and_tells_all_particles() -> None:
+    scene = table("group { count = 8  at = (-20 cm, 10 cm)  radius = 2 cm }"
+                  "group { count = 6  at = (30 cm, 0 cm)  radius = 2 cm }")  # fmt: skip
+    trial = attempt(scene, "moveToContainerFast", 1, ("a2",), 4)
+    assert trial.targets == 6
+    assert trial.outcome in (Outcome.NONE_LEFT, Outcome.SOME_LEFT, Outcome.SPREAD_OUT)
+    assert len(trial.before) == 14
+    assert len(trial.after) == 8 + trial.left
+    assert trial.seconds > 2
+    assert (trial.left == 0) == (trial.outcome is Outcome.NONE_LEFT)
+
+
+def test_an_area_that_is_not_seen_is_not_acted_on() -> None:
+    scene = table("group { count = 8  at = (0 cm, 0 cm)  radius = 2 cm }")
+    small = replace(scene, camera=replace(scene.camera, image_width=320, image_height=240, focal=262.5))
+    trial = attempt(small, "join2", 2, (), 1)
+    assert trial.outcome is Outcome.NOT_TRIED
+    assert trial.seconds == 0
+
+
+def test_the_map_shows_before_and_after_where_they_are() -> None:
+    scene = table("ink { along = (0 m, 0 m) }")
+    before, after = np.array([(0.1, 0.2)]), np.array([(-0.3, -0.1)])
+    picture = overlay(scene, [("one", [Trial(1, Outcome.SOME_LEFT, 1, 1, 0, 1.0, before, after)])])
+    for (x, y), red in (((0.1, 0.2), False), ((-0.3, -0.1), True)):
+        column, row = round((x + 0.45) * SCALE) + BORDER, round((0.35 - y) * SCALE) + BORDER
+        patch = picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3).astype(int)
+        marked = patch[np.argmin(patch.sum(axis=1))]
+        assert (marked[0] > marked[2]) == red

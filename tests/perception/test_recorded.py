@@ -1,0 +1,97 @@
+"""Frames that were saved are the frames that are loaded, and perception sees the same in them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from synthetic import frame, grouped, scene
+
+from cleancli.perception.frame import Frame
+from cleancli.perception.perceive import perceive
+from cleancli.perception.recorded import BadRecording, load_frames, save_frames
+
+
+@pytest.fixture(scope="module")
+def frames() -> tuple[Frame, ...]:
+    lentils = grouped(np.random.default_rng(1), 9, (0.1, 0.1), 0.03)
+    return tuple(replace(frame(lentils, seed), clock=seed / 8) for seed in range(2))
+
+
+def test_a_round_trip_keeps_colour_camera_and_clock_and_depth_to_a_millimetre(
+    frames: tuple[Frame, ...], tmp_path: Path
+) -> None:
+    save_frames(frames, tmp_path / "a" / "set")
+    loaded = load_frames(tmp_path / "a" / "set")
+    assert len(loaded) == len(frames)
+    for before, after in zip(frames, loaded, strict=True):
+        np.testing.assert_array_equal(after.colour, before.colour)
+        np.testing.assert_allclose(after.depth, before.depth, atol=0.5001e-3)
+        assert after.depth.dtype == np.float32
+        assert after.clock == before.clock
+        np.testing.assert_array_equal(after.camera.pose, before.camera.pose)
+        assert replace(after.camera, pose=before.camera.pose) == before.camera
+
+
+def test_perception_sees_the_same_in_loaded_frames(frames: tuple[Frame, ...], tmp_path: Path) -> None:
+    save_frames(frames, tmp_path)
+    seen, again = (
+        perceive(given, scene(), np.random.default_rng(1)).areas for given in (frames, load_frames(tmp_path))
+    )
+    assert len(seen) == len(again) == 1
+    np.testing.assert_allclose(again[0].ellipse.centre, seen[0].ellipse.centre, atol=5e-4)
+    assert again[0].covered == pytest.approx(seen[0].covered, rel=0.05)
+
+
+def test_unknown_depth_stays_unknown(frames: tuple[Frame, ...], tmp_path: Path) -> None:
+    depth = frames[0].depth.copy()
+    depth[0, :4] = (0.0, np.nan, np.inf, 70.0)
+    save_frames([replace(frames[0], depth=depth)], tmp_path)
+    np.testing.assert_array_equal(load_frames(tmp_path)[0].depth[0, :4], 0)
+
+
+def _set(folder: Path, key: str, value: object) -> None:
+    path = folder / "camera.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {key: value}))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("pose", [[1, 0], [0, 1]], "4 rows of 4 numbers"),
+        ("pose", "east", "no description of a camera"),
+        ("focal", 0, "`focal` must be above 0"),
+        ("focal", float("nan"), "`focal` must be above 0"),
+        ("width", 320, "asks for uint8"),
+        ("clocks", [], "lists no frame"),
+        ("centre", [1], "no description of a camera"),
+    ],
+)
+def test_a_camera_that_does_not_fit_is_named(
+    frames: tuple[Frame, ...], tmp_path: Path, key: str, value: object, said: str
+) -> None:
+    save_frames(frames[:1], tmp_path)
+    _set(tmp_path, key, value)
+    with pytest.raises(BadRecording, match=said):
+        load_frames(tmp_path)
+
+
+def test_a_picture_that_is_none_and_one_that_is_missing_are_named(
+    frames: tuple[Frame, ...], tmp_path: Path
+) -> None:
+    save_frames(frames[:1], tmp_path)
+    for content in (b"", b"not a picture"):
+        (tmp_path / "depth-000.png").write_bytes(content)
+        with pytest.raises(BadRecording, match=r"depth-000\.png: no PNG"):
+            load_frames(tmp_path)
+    _, data = cv2.imencode(".png", np.zeros((480, 640), np.uint8))
+    (tmp_path / "depth-000.png").write_bytes(data.tobytes())
+    with pytest.raises(BadRecording, match=r"uint8 .480, 640., but camera\.json asks for uint16"):
+        load_frames(tmp_path)
+    (tmp_path / "colour-000.png").unlink()
+    with pytest.raises(OSError, match=r"colour-000\.png"):
+        load_frames(tmp_path)

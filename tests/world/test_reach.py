@@ -1,0 +1,24 @@
+"""What a robot reaches of the surface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cleancli.scene.check import DRIVES
+from cleancli.scene.model import Scene
+from cleancli.world.drives import ROBOTS
+from cleancli.world.reach import STEP, reach
+
+
+def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Callable[..., Scene]) -> None:
+    places, reached = reach(scene())
+    assert reached.all()
+    assert np.abs(places).max(axis=0).tolist() == [0.45, 0.35]
+    gaps = np.diff(np.unique(places[:, 0]))
+    assert gaps.max() <= STEP + 1e-9
+
+
+def test_scenes_may_name_every_robot_that_there_is() -> None:
+    assert set(DRIVES) == set(ROBOTS)
