@@ -16,6 +16,7 @@ import numpy as np
 
 from cleancli.motion.ellipse import Point, farthest, farthest_from_stretch, major_ends, nearest
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.pick_up import pick_up
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 
@@ -32,6 +33,7 @@ OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 # Chosen: degrees from the edge's normal up to which a push goes straight over the edge.
 GREATEST_SLANT = 60.0
+PICK_UP, TWO_ARMED = "pickUp", ("reem",)  # the one action that takes two arms, and who has them
 _CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
@@ -54,18 +56,22 @@ class Skill:
     interpolation: Interpolation
 
 
-def can_execute(action: str, arity: int) -> bool:
-    """Whether the robot has a skill for this action with so many areas."""
+def can_execute(action: str, arity: int, robot: str) -> bool:
+    """Whether a robot of that name has a skill for this action with so many areas."""
+    if action == PICK_UP:
+        return arity == 1 and robot in TWO_ARMED
     return action in SKILLS and SKILLS[action].arity == arity
 
 
 def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
     """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3).
 
-    Raises `NoSkill` for an action that a robot with one arm doesn't have.
+    Raises `NoSkill` for an action that the scene's robot doesn't have.
     """
-    if not can_execute(action, len(areas)):
+    if not can_execute(action, len(areas), scene.robot):
         raise NoSkill(action, len(areas))
+    if action == PICK_UP:
+        return pick_up(areas[0], scene)
     skill = SKILLS[action]
     corners = _distinct(skill.stroke(areas, scene))
     stroke = _turning((_behind(corners, scene), *corners[1:]))

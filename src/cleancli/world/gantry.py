@@ -93,6 +93,10 @@ class Gantry:
         """(n, 3) middles of the flaps, metres."""
         return cloths.flap_middles(self._engine, self._body, len(_DRIVES))
 
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) false: there is no dustpan."""
+        return np.zeros(len(points), dtype=bool)
+
     def _transit(self, there: _Array, speed: float) -> tuple[Leg, ...]:
         """From here up, across above the surface, and down to `there` (4,)."""
         here = self.tool()

@@ -33,6 +33,7 @@ class Truth:
 
     on_table: int
     in_container: int
+    in_dustpan: int
     on_floor: int
     total: int
     positions: _Array
@@ -129,10 +130,11 @@ class PybulletTable:
         inside = np.all((places >= low) & (places <= high), axis=1)
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
-        contained, remaining = int(inside.sum()), int(above.sum())
-        return Truth(
-            remaining, contained, len(places) - remaining - contained, len(places), places, places[above]
-        )
+        held = self._drive.holds(places) & ~inside
+        above &= ~held
+        contained, carried, remaining = int(inside.sum()), int(held.sum()), int(above.sum())
+        fallen = len(places) - remaining - carried - contained
+        return Truth(remaining, contained, carried, fallen, len(places), places, places[above])
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""

@@ -1,0 +1,129 @@
+"""The dustpan: a flat wedge with three walls, held at its far end; its frame's x points from the lip to
+there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.motion.arm import everywhere, forward, inverse, poses, swivel_of
+from cleancli.motion.clearance import clear
+from cleancli.motion.joint_path import Lean, straight
+from cleancli.motion.legs import Leg, legs
+from cleancli.motion.path import Dustpan, Unreachable
+from cleancli.motion.pick_up import AIR_SPEED, CARRY_HEIGHT, PAN_LENGTH, PAN_SLOPE
+from cleancli.motion.timing import Course, timed
+from cleancli.world import parameters as par
+from cleancli.world import robots
+from cleancli.world.arm_drive import SEED, TOOL, ArmDrive, Held
+from cleancli.world.links import UPRIGHT, Link
+from cleancli.world.physics import Engine
+
+_Array = NDArray[np.float64]
+
+_TRIED = 3  # ways to tip, nearest first
+_BACK = PAN_SLOPE * PAN_LENGTH  # height of the wedge where it is held
+
+
+class PanDrive(ArmDrive):
+    """An arm that puts a dustpan down, carries it level, and tips it."""
+
+    def put_down(self, pan: Dustpan, here: _Array) -> _Array:
+        """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface."""
+        above = replace(pan.place, z=CARRY_HEIGHT, speed=AIR_SPEED)
+        (leg,) = legs((above, replace(pan.place, z=robots.PAN_GAP)), np.zeros(4))
+        joints = straight(self._arm, leg.points, 0.0, here, SEED)
+        return np.concatenate((self.through_air(here, joints[0], AIR_SPEED), self.timed(joints, leg)))
+
+    def emptied(self, pan: Dustpan, here: _Array) -> _Array:
+        """(k, 7) joints from the surface to over the container, level all the way; tipped there; and to
+        rest."""
+        low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
+        (leg,) = legs((low, high), np.zeros(4))
+        up = self._raised(leg, here)
+        for tipped in self._tippings(pan, up[-1]):
+            try:
+                carried = self.through_air(up[-1], tipped[0], AIR_SPEED, Lean(*robots.PAN_LEANS))
+            except Unreachable:
+                continue
+            ways = np.linspace(0, PAN_LENGTH * abs(pan.tip), len(tipped))
+            over = timed(Course(tipped, ways, np.full(len(tipped), AIR_SPEED)), self._limits, par.STEP)
+            still = np.repeat(over[-1:], round(robots.PAN_HOLD / par.STEP), axis=0)
+            rest = self.through_air(tipped[0], np.array(self._build.rest), AIR_SPEED)
+            return np.concatenate((self.timed(up, leg), carried, over, still, over[::-1], rest))
+        raise Unreachable(pan.empty.x, pan.empty.y, "the dustpan can't be carried there level and tipped")
+
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) which of `points` (n, 3) lie in the dustpan."""
+        return within(forward(self._arm, self.joints()[None])[0], points)
+
+    def _raised(self, leg: Leg, here: _Array) -> _Array:
+        """Joints (n, 7) from `here` (7,) along a leg upwards, meanwhile raising the lip."""
+        count = len(leg.points)
+        swivel, branch = swivel_of(self._arm, here)
+        frames = poses(leg.points, np.linspace(0, robots.PAN_LEAN, count))
+        joints = inverse(self._arm, frames, np.full(count, swivel), np.tile(branch, (count, 1)))
+        if np.isnan(joints).any() or not clear(self._arm, joints).all():
+            raise Unreachable(leg.points[0, 0], leg.points[0, 1], "the dustpan can't be lifted there")
+        return joints
+
+    def _tippings(self, pan: Dustpan, here: _Array) -> Iterator[_Array]:
+        """Joints (30, 7) that tip the dustpan over the container, those first that are near `here` (7,)."""
+        tilts = np.linspace(robots.PAN_LEAN, pan.tip, 30)
+        goal = pan.empty
+        frames = poses(np.tile((goal.x, goal.y, goal.z, goal.yaw), (30, 1)), tilts)
+        found = everywhere(self._arm, frames)
+        found = found.transpose(1, 2, 0, 3).reshape(-1, 30, 7)
+        found = found[np.isfinite(found).all(axis=(1, 2))]
+        found = found[[bool(clear(self._arm, joints).all()) for joints in found]]
+        found = found[np.abs(np.diff(found, axis=1)).max(axis=(1, 2), initial=0) < 0.3]
+        yield from found[np.argsort(np.abs(found[:, 0] - here).max(axis=1), kind="stable")][:_TRIED]
+
+
+def dustpan_for(engine: Engine) -> Held:
+    """The dustpan in the hand of an arm."""
+    half = robots.PAN_WIDTH / 2
+    lip, wall, high = robots.PAN_LIP, robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    colour = [*(c / 255 for c in robots.PAN_COLOUR), 1]
+    # A box leaning back, its upper front edge the lip: what would be in the table touches nothing (below).
+    lean = float(np.arctan(PAN_SLOPE))
+    thick = robots.PAN_WALL
+    normal = np.array((-np.sin(lean), 0.0, np.cos(lean)))
+    middle = np.array((-PAN_LENGTH / 2, 0.0, lip + _BACK / 2)) - thick / 2 * normal
+    turn = (0.0, -float(np.sin(lean / 2)), 0.0, float(np.cos(lean / 2)))
+    plate = (PAN_LENGTH / 2 / np.cos(lean), half, thick / 2), tuple(middle), turn
+    walls = (
+        plate,
+        ((PAN_LENGTH / 2, wall / 2, high / 2), (-PAN_LENGTH / 2, half + wall / 2, high / 2), UPRIGHT),
+        ((PAN_LENGTH / 2, wall / 2, high / 2), (-PAN_LENGTH / 2, -half - wall / 2, high / 2), UPRIGHT),
+        ((wall / 2, half + wall, (_BACK + high) / 2), (wall / 2, 0.0, (_BACK + high) / 2), UPRIGHT),
+    )
+    links = []
+    for extent, place, turn in walls:
+        box = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=extent)
+        look = engine.createVisualShape(engine.GEOM_BOX, halfExtents=extent, rgbaColor=colour)
+        links.append(
+            Link(TOOL, engine.JOINT_FIXED, (0, 0, 1), robots.PAN_MASS, place, turn, touched=box, seen=look)
+        )
+
+    def tune(body: int) -> None:
+        for link in range(TOOL + 1, TOOL + 1 + len(links)):
+            engine.changeDynamics(
+                body, link, lateralFriction=robots.PAN_FRICTION, rollingFriction=0, spinningFriction=0
+            )
+            for other in range(body):  # the furniture: where the dustpan goes is planned, not felt
+                engine.setCollisionFilterPair(body, other, link, -1, 0)
+
+    return Held(tuple(links), -1, half, tune)
+
+
+def within(frame: _Array, points: _Array) -> NDArray[np.bool_]:
+    """(n,) whether each of `points` (n, 3) lies in a dustpan whose frame is `frame` (4, 4)."""
+    local = (points - frame[:3, 3]) @ frame[:3, :3]
+    half = robots.PAN_WIDTH / 2
+    low, high = np.array((-PAN_LENGTH, -half, 0)), np.array((0, half, _BACK + robots.PAN_WALL_HEIGHT))
+    inside: NDArray[np.bool_] = np.asarray(((local >= low) & (local <= high)).all(axis=1))
+    return inside
