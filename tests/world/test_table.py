@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cleancli.motion.actions import LIFT, tool_path
+from cleancli.motion.actions import tool_path
+from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
@@ -164,7 +165,8 @@ def test_an_unknown_drive_or_grasp_is_refused(scene: MakeScene) -> None:
 _TWICE = """
 from dataclasses import replace
 import sys
-from cleancli.motion.actions import LIFT, tool_path
+from cleancli.motion.pace import LIFT
+from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import *
 from cleancli.world.robot import Status

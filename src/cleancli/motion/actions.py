@@ -1,4 +1,4 @@
-"""From an action and the ellipses it acts upon to the tool's path (§3.2): what a robot with one arm can do.
+"""From an action and the ellipses it acts upon to the tool's path (§3.2).
 
 Each skill gives the corners of its stroke, as the paper defines them; `tool_path` adds what all share: the
 tool comes down straight, just behind the dirt, stands perpendicular to the motion, and is lifted at the end.
@@ -15,16 +15,12 @@ from types import MappingProxyType
 import numpy as np
 
 from cleancli.motion.ellipse import Point, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_up
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 
-FAST_SPEED = 0.20  # m/s, chosen; so is the next
-STRAIGHT_SPEED = 0.12
-VERTICAL_SPEED = 0.10  # coming down and lifting; chosen
-TRANSIT_SPEED = 0.25  # above the surface, between actions; the measured room for planning assumes it
-LIFT = 0.05  # "a few centimeters away from the surface" (§3.2)
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
 # 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
 CLEARANCE = 0.02

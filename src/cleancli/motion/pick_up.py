@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from cleancli.motion.ellipse import Point, boundary
+from cleancli.motion.pace import LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
@@ -19,7 +20,6 @@ TIP_HEIGHT = 0.12  # of the held end, while it is tipped
 CARRY_HEIGHT = 0.06  # and when it is lifted
 TIP_BEYOND = 0.03  # the tipped lip is so far past the table's edge
 TIP = -1.0  # rad: lentils slide down
-PUSH_SPEED, LIFT_SPEED, AIR_SPEED, LIFT = 0.12, 0.10, 0.25, 0.05
 
 
 def pick_up(area: Ellipse, scene: Scene) -> ToolPath:
@@ -40,18 +40,17 @@ def pick_up(area: Ellipse, scene: Scene) -> ToolPath:
     middle = np.array(((x0 + x1) / 2, (y0 + y1) / 2))
     empty = middle + (TIP_BEYOND - PAN_LENGTH * np.cos(TIP)) * out
     back = float(np.arctan2(-out[1], -out[0]))
+    place = _at(lip + PAN_LENGTH * way, 0.0, yaw, VERTICAL_SPEED)
     return ToolPath(
         (
-            _at(first, LIFT, yaw, AIR_SPEED),
-            _at(first, 0.0, yaw, LIFT_SPEED),
-            _at(lip, 0.0, yaw, PUSH_SPEED),
-            _at(last, top, yaw, PUSH_SPEED),
-            _at(last, top + LIFT, yaw, LIFT_SPEED),
+            _at(first, LIFT, yaw, TRANSIT_SPEED),
+            _at(first, 0.0, yaw, VERTICAL_SPEED),
+            _at(lip, 0.0, yaw, STRAIGHT_SPEED),
+            _at(last, top, yaw, STRAIGHT_SPEED),
+            _at(last, top + LIFT, yaw, VERTICAL_SPEED),
         ),
         Interpolation.STRAIGHT,
-        Dustpan(
-            _at(lip + PAN_LENGTH * way, 0.0, yaw, LIFT_SPEED), _at(empty, TIP_HEIGHT, back, AIR_SPEED), TIP
-        ),
+        Dustpan(place, _at(empty, TIP_HEIGHT, back, TRANSIT_SPEED), TIP),
     )
 
 

@@ -10,7 +10,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import LIFT, TRANSIT_SPEED
 from cleancli.motion.arm import TWISTS, Arm, Capsule, forward
 from cleancli.motion.joint_path import (
     ANY_LEAN,
@@ -23,6 +22,7 @@ from cleancli.motion.joint_path import (
     through_air,
 )
 from cleancli.motion.legs import Leg, legs
+from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Waypoint
 from cleancli.motion.timing import Limits, timed
 from cleancli.scene.model import Rag

@@ -11,20 +11,22 @@ from numpy.typing import NDArray
 
 from cleancli.motion.arm import everywhere, forward, inverse, poses, swivel_of
 from cleancli.motion.clearance import clear
-from cleancli.motion.joint_path import Lean, straight
+from cleancli.motion.joint_path import Lean
 from cleancli.motion.legs import Leg, legs
+from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import Dustpan, Unreachable
-from cleancli.motion.pick_up import AIR_SPEED, CARRY_HEIGHT, PAN_LENGTH, PAN_SLOPE
+from cleancli.motion.pick_up import CARRY_HEIGHT, PAN_LENGTH, PAN_SLOPE
 from cleancli.motion.timing import Course, timed
 from cleancli.world import parameters as par
 from cleancli.world import robots
-from cleancli.world.arm_drive import SEED, TOOL, ArmDrive, Held
+from cleancli.world.arm_drive import TOOL, ArmDrive, Held
 from cleancli.world.links import UPRIGHT, Link
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]
 
-_TRIED = 3  # ways to tip, nearest first
+_TRIED = 3  # of several ways, nearest first
+_JUMP = 0.3  # rad a joint may turn from one pose to the next
 _BACK = PAN_SLOPE * PAN_LENGTH  # height of the wedge where it is held
 
 
@@ -33,10 +35,17 @@ class PanDrive(ArmDrive):
 
     def put_down(self, pan: Dustpan, here: _Array) -> _Array:
         """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface."""
-        above = replace(pan.place, z=CARRY_HEIGHT, speed=AIR_SPEED)
-        (leg,) = legs((above, replace(pan.place, z=robots.PAN_GAP)), np.zeros(4))
-        joints = straight(self._arm, leg.points, 0.0, here, SEED)
-        return np.concatenate((self.through_air(here, joints[0], AIR_SPEED), self.timed(joints, leg)))
+        low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
+        (leg,) = legs((high, low), np.zeros(4))
+        frames = poses(leg.points, np.linspace(robots.PAN_LEAN, 0, len(leg.points)))
+        for joints in self._steadily(frames, here):
+            try:
+                return np.concatenate(
+                    (self.through_air(here, joints[0], TRANSIT_SPEED), self.timed(joints, leg))
+                )
+            except Unreachable:
+                continue
+        raise Unreachable(low.x, low.y, "the dustpan can't be put down there and lifted again")
 
     def emptied(self, pan: Dustpan, here: _Array) -> _Array:
         """(k, 7) joints from the surface to over the container, level all the way; tipped there; and to
@@ -44,15 +53,17 @@ class PanDrive(ArmDrive):
         low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
         (leg,) = legs((low, high), np.zeros(4))
         up = self._raised(leg, here)
-        for tipped in self._tippings(pan, up[-1]):
+        goal, tilts = pan.empty, np.linspace(robots.PAN_LEAN, pan.tip, 30)
+        frames = poses(np.tile((goal.x, goal.y, goal.z, goal.yaw), (len(tilts), 1)), tilts)
+        for tipped in self._steadily(frames, up[-1]):
             try:
-                carried = self.through_air(up[-1], tipped[0], AIR_SPEED, Lean(*robots.PAN_LEANS))
+                carried = self.through_air(up[-1], tipped[0], TRANSIT_SPEED, Lean(*robots.PAN_LEANS))
             except Unreachable:
                 continue
             ways = np.linspace(0, PAN_LENGTH * abs(pan.tip), len(tipped))
-            over = timed(Course(tipped, ways, np.full(len(tipped), AIR_SPEED)), self._limits, par.STEP)
+            over = timed(Course(tipped, ways, np.full(len(tipped), TRANSIT_SPEED)), self._limits, par.STEP)
             still = np.repeat(over[-1:], round(robots.PAN_HOLD / par.STEP), axis=0)
-            rest = self.through_air(tipped[0], np.array(self._build.rest), AIR_SPEED)
+            rest = self.through_air(tipped[0], np.array(self._build.rest), TRANSIT_SPEED)
             return np.concatenate((self.timed(up, leg), carried, over, still, over[::-1], rest))
         raise Unreachable(pan.empty.x, pan.empty.y, "the dustpan can't be carried there level and tipped")
 
@@ -70,16 +81,14 @@ class PanDrive(ArmDrive):
             raise Unreachable(leg.points[0, 0], leg.points[0, 1], "the dustpan can't be lifted there")
         return joints
 
-    def _tippings(self, pan: Dustpan, here: _Array) -> Iterator[_Array]:
-        """Joints (30, 7) that tip the dustpan over the container, those first that are near `here` (7,)."""
-        tilts = np.linspace(robots.PAN_LEAN, pan.tip, 30)
-        goal = pan.empty
-        frames = poses(np.tile((goal.x, goal.y, goal.z, goal.yaw), (30, 1)), tilts)
+    def _steadily(self, frames: _Array, here: _Array) -> Iterator[_Array]:
+        """Joints (n, 7) for `frames` (n, 4, 4) with one swivel of the elbow, those first that begin near the
+        joints `here` (7,)."""
         found = everywhere(self._arm, frames)
-        found = found.transpose(1, 2, 0, 3).reshape(-1, 30, 7)
+        found = found.transpose(1, 2, 0, 3).reshape(-1, len(frames), 7)
         found = found[np.isfinite(found).all(axis=(1, 2))]
         found = found[[bool(clear(self._arm, joints).all()) for joints in found]]
-        found = found[np.abs(np.diff(found, axis=1)).max(axis=(1, 2), initial=0) < 0.3]
+        found = found[np.abs(np.diff(found, axis=1)).max(axis=(1, 2), initial=0) < _JUMP]
         yield from found[np.argsort(np.abs(found[:, 0] - here).max(axis=1), kind="stable")][:_TRIED]
 
 

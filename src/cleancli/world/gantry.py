@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import LIFT, TRANSIT_SPEED
 from cleancli.motion.legs import Leg, legs, lengths
+from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable, Waypoint
 from cleancli.motion.timing import Course, Limits, timed
 from cleancli.scene.model import Rag, Scene

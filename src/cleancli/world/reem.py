@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import TRANSIT_SPEED
 from cleancli.motion.arm import Arm, Capsule
 from cleancli.motion.clearance import SELF_GAP, hull_ends, segment_gaps
+from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable
 from cleancli.scene.model import Scene
 from cleancli.world import parameters as par
