@@ -97,7 +97,7 @@ def try_table(number: int, actions: int, rng: np.random.Generator) -> list[str]:
                 status, before = table.poll(), now
                 truth = table.truth()
                 now = truth.positions
-                if truth.on_table + truth.in_container + truth.on_floor != len(now):
+                if truth.on_table + truth.in_container + truth.in_dustpan + truth.on_floor != len(now):
                     wrong.append(f"{action}: not every particle is anywhere")
                 wrong += [f"{action}: {fault}" for fault in faults(before, now, half, PRESSED)]
             wrong += [f"after {action}: {fault}" for fault in faults(now, now, half, 0.0)]

@@ -41,13 +41,22 @@ SCENE = Scene(
     symbols=SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06),
     seed=1,
 )
-# The arms reach a smaller table, with the same dirt on it.
+# The arms reach smaller tables.
 SMALL = replace(
     SCENE,
     surface=Surface(0.60, 0.55, 0.45, (205, 198, 184)),
     dirt=(Scattered(40, (-0.26, -0.22), (0.26, 0.22)),),
 )
-SCENES = {robot: replace(SCENE if robot == "gantry" else SMALL, robot=robot) for robot in ROBOTS}
+DESK = replace(
+    SCENE,
+    surface=Surface(0.50, 0.40, 0.45, (205, 198, 184)),
+    container=Container("south", 0.0, 0.32, 0.16),
+    dirt=(Scattered(40, (-0.12, -0.15), (0.12, 0.15)),),
+)
+SCENES = {
+    robot: replace(scene, robot=robot) for robot, scene in (("gantry", SCENE), ("wam", SMALL), ("reem", DESK))
+}
+assert SCENES.keys() == ROBOTS.keys()
 LEFT_OVER = 2
 MOST_STROKES = 40
 
@@ -59,7 +68,8 @@ def clean(table: PybulletTable, scene: Scene) -> int:
         on_table = places[places[:, 2] > -0.01, :2]
         if len(on_table) <= LEFT_OVER:
             return stroke
-        target = on_table[np.argmin(on_table[:, 0])]
+        out = (1, 0) if scene.container.edge == "east" else (0, -1)
+        target = on_table[np.argmin(on_table @ out)]
         area = Ellipse((float(target[0]), float(target[1])), (0.02, 0.02), 0.0)
         table.start(tool_path("moveToContainerStraight", (area,), scene))
         while table.poll() is Status.RUNNING:

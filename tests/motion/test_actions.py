@@ -182,8 +182,9 @@ def test_fast_and_straight_differ_in_speed_and_interpolation_alone() -> None:
 
 
 def test_picking_up_takes_two_arms() -> None:
-    assert not can_execute("pickUp", 1)
-    assert not can_execute("join2", 3)
-    assert can_execute("join2", 2)
+    assert not can_execute("pickUp", 1, "wam")
+    assert can_execute("pickUp", 1, "reem")
+    assert not can_execute("join2", 3, "gantry")
+    assert can_execute("join2", 2, "gantry")
     with pytest.raises(NoSkill, match="pickUp/1"):
         tool_path("pickUp", (Ellipse((0, 0), (0.1, 0.1), 0),), SCENE)

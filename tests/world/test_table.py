@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cleancli.motion.actions import LIFT, tool_path
+from cleancli.motion.actions import tool_path
+from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
@@ -161,7 +162,8 @@ def test_an_unknown_robot_is_refused(scene: MakeScene) -> None:
 _TWICE = """
 from dataclasses import replace
 import sys
-from cleancli.motion.actions import LIFT, tool_path
+from cleancli.motion.pace import LIFT
+from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import *

@@ -147,6 +147,7 @@ def _truth(truth: Truth) -> dict[str, object]:
         "particles": truth.total,
         "in_container": truth.in_container,
         "on_table": truth.on_table,
+        "in_dustpan": truth.in_dustpan,
         "on_floor": truth.on_floor,
         "ink_left": round(truth.ink_left, 4),
         "left_on_table_at": [[round(x, 4), round(y, 4)] for x, y, _ in truth.left],
@@ -160,7 +161,8 @@ def _summary(ended: Ended, truth: dict[str, object], folder: Path, video: bool) 
         f"{'clean' if ended.clean else 'not clean'}: {ended.reason}, after {ended.actions} actions",
         f"seconds: {total:.1f} ({spent})",
         f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
-        f" {truth['on_table']} on the table, {truth['on_floor']} on the floor",
+        f" {truth['on_table']} on the table, {truth['on_floor']} on the floor"
+        + (f", {truth['in_dustpan']} in the dustpan" if truth["in_dustpan"] else ""),
         f"record: {folder}/  pictures: step-*.png" + ("  video: video.mp4" if video else ""),
     ]
     if truth["ink_left"]:

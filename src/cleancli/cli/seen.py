@@ -34,4 +34,4 @@ def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
-        return within_reach(domain), look_once(domain, scene, table, seed)
+        return within_reach(domain, scene.robot), look_once(domain, scene, table, seed)

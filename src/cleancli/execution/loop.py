@@ -59,9 +59,9 @@ class EpisodeOptions:
     by_time: bool = False
 
 
-def within_reach(domain: Domain) -> Domain:
-    """The domain without the actions that this robot has no skill for, and without their rules."""
-    actions = tuple(a for a in domain.actions if can_execute(a.name, len(a.parameters)))
+def within_reach(domain: Domain, robot: str) -> Domain:
+    """The domain without the actions that a robot of that name has no skill for, and without their rules."""
+    actions = tuple(a for a in domain.actions if can_execute(a.name, len(a.parameters), robot))
     names = {action.name for action in actions}
     return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
 
@@ -121,7 +121,7 @@ class Episode:
     """The mutable part of a run: time spent by kind, actions done, and how many areas have been named."""
 
     def __init__(self, domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> None:
-        self._domain, self._feasible = domain, within_reach(domain)
+        self._domain, self._feasible = domain, within_reach(domain, scene.robot)
         self._scene, self._robot, self._options = scene, robot, options
         self._rng = np.random.default_rng(derived(options.seed, Purpose.PERCEPTION))
         self._planning_seed = derived(options.seed, Purpose.PLANNING)

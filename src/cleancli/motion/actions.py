@@ -1,4 +1,4 @@
-"""From an action and the ellipses it acts upon to the tool's path (§3.2): what a robot with one arm can do.
+"""From an action and the ellipses it acts upon to the tool's path (§3.2).
 
 Each skill gives the corners of its stroke, as the paper defines them; `tool_path` adds what all share: the
 tool comes down straight, just behind the dirt, stands perpendicular to the motion, and is lifted at the end.
@@ -15,15 +15,12 @@ from types import MappingProxyType
 import numpy as np
 
 from cleancli.motion.ellipse import Point, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.pick_up import pick_up
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 
-FAST_SPEED = 0.20  # m/s, chosen; so is the next
-STRAIGHT_SPEED = 0.12
-VERTICAL_SPEED = 0.10  # coming down and lifting; chosen
-TRANSIT_SPEED = 0.25  # above the surface, between actions; the measured room for planning assumes it
-LIFT = 0.05  # "a few centimeters away from the surface" (§3.2)
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
 # 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
 CLEARANCE = 0.02
@@ -32,6 +29,7 @@ OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 # Chosen: degrees from the edge's normal up to which a push goes straight over the edge.
 GREATEST_SLANT = 60.0
+PICK_UP, TWO_ARMED = "pickUp", ("reem",)  # the one action that takes two arms, and who has them
 _CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
@@ -54,18 +52,22 @@ class Skill:
     interpolation: Interpolation
 
 
-def can_execute(action: str, arity: int) -> bool:
-    """Whether the robot has a skill for this action with so many areas."""
+def can_execute(action: str, arity: int, robot: str) -> bool:
+    """Whether a robot of that name has a skill for this action with so many areas."""
+    if action == PICK_UP:
+        return arity == 1 and robot in TWO_ARMED
     return action in SKILLS and SKILLS[action].arity == arity
 
 
 def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
     """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3).
 
-    Raises `NoSkill` for an action that a robot with one arm doesn't have.
+    Raises `NoSkill` for an action that the scene's robot doesn't have.
     """
-    if not can_execute(action, len(areas)):
+    if not can_execute(action, len(areas), scene.robot):
         raise NoSkill(action, len(areas))
+    if action == PICK_UP:
+        return pick_up(areas[0], scene)
     skill = SKILLS[action]
     corners = _distinct(skill.stroke(areas, scene))
     stroke = _turning((_behind(corners, scene), *corners[1:]))

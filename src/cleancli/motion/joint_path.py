@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -42,6 +43,18 @@ _ROUNDS = 800  # of OMPL: far more than it needed in any of 300 strokes (docs/wo
 COMFORT = 0.3  # seconds that one unit of `costs` is worth when a joint-space motion is chosen, chosen
 _AT_ONCE = 100  # poses, for the sake of memory
 _PAIRS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Lean:
+    """How a tool may lean on its way: its tilt from `least` to `most`, and `aside` either way, radians."""
+
+    least: float
+    most: float
+    aside: float
+
+
+ANY_LEAN = Lean(-np.pi, np.pi, np.pi)
 
 
 def stroke(
@@ -115,9 +128,11 @@ def bowed(arm: Arm, legs: Sequence[Leg], tilt: float, here: _Array) -> _Array:
     raise Unreachable(ends[0, 0], ends[0, 1], "no joint-space motion from there keeps the joints' limits")
 
 
-def through_air(arm: Arm, begin: _Array, end: _Array, half_width: float, seed: int) -> _Array:
-    """Corners (k, 7) of a way from joints `begin` (7,) to `end` (7,) that keeps the links clear and the rag,
-    so far to both sides of its middle, off the surface.
+def through_air(
+    arm: Arm, begin: _Array, end: _Array, half_width: float, seed: int, lean: Lean = ANY_LEAN
+) -> _Array:
+    """Corners (k, 7) of a way from joints `begin` (7,) to `end` (7,) that keeps the links clear, the tool, so
+    far to both sides of its middle, off the surface, and tilted as `lean` allows.
 
     Straight in joint space where that is possible, or over a raised middle; planned with OMPL otherwise.
     Raises Unreachable.
@@ -125,7 +140,8 @@ def through_air(arm: Arm, begin: _Array, end: _Array, half_width: float, seed: i
 
     def may_go(here: _Array, there: _Array) -> bool:
         count = max(2, int(np.ceil(np.abs(there - here).max() / _AIR_STEP)) + 1)
-        return bool(_in_air(arm, here + np.linspace(0, 1, count)[:, None] * (there - here), half_width).all())
+        dense = here + np.linspace(0, 1, count)[:, None] * (there - here)
+        return bool(_in_air(arm, dense, half_width, lean).all())
 
     if may_go(begin, end):
         return np.stack((begin, end))
@@ -294,11 +310,18 @@ def _smooth(joints: _Array) -> bool:
     return bool(np.isfinite(joints).all() and (np.abs(np.diff(joints, axis=0)) <= LARGEST_STEP).all())
 
 
-def _in_air(arm: Arm, joints: _Array, half_width: float) -> NDArray[np.bool_]:
+def _in_air(arm: Arm, joints: _Array, half_width: float, lean: Lean) -> NDArray[np.bool_]:
     tool = forward(arm, joints)
     lowest = tool[:, 2, 3] - half_width * np.abs(tool[:, 2, 1])
-    free: NDArray[np.bool_] = clear(arm, joints) & (lowest >= AIR)
+    free: NDArray[np.bool_] = clear(arm, joints) & (lowest >= AIR) & _leans(tool, lean)
     return free
+
+
+def _leans(tool: _Array, lean: Lean) -> NDArray[np.bool_]:
+    tilt = np.arcsin(np.clip(-tool[:, 2, 0], -1, 1))
+    aside = np.abs(np.arcsin(np.clip(tool[:, 2, 1], -1, 1)))
+    within: NDArray[np.bool_] = (tilt >= lean.least) & (tilt <= lean.most) & (aside <= lean.aside)
+    return within
 
 
 def _joined(legs: Sequence[Leg]) -> _Array:

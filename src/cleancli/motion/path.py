@@ -34,8 +34,23 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True)
+class Dustpan:
+    """Where the second hand holds the dustpan while the rag pushes, and where it then tips it by `tip`
+    radians.
+
+    A dustpan's pose is that of its held end; its lip is ahead of the rag, against its yaw.
+    """
+
+    place: Waypoint
+    empty: Waypoint
+    tip: float
+
+
+@dataclass(frozen=True, slots=True)
 class ToolPath:
-    """Waypoints in order. The first and the last are above the surface (§3.2)."""
+    """The rag's waypoints in order, and what the dustpan does meanwhile, if it takes part. The first and the
+    last waypoint are above the surface (§3.2)."""
 
     waypoints: tuple[Waypoint, ...]
     interpolation: Interpolation
+    dustpan: Dustpan | None = None

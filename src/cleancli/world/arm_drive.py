@@ -3,16 +3,26 @@ position."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import LIFT, TRANSIT_SPEED
 from cleancli.motion.arm import TWISTS, Arm, Capsule, forward
-from cleancli.motion.joint_path import air_course, course, nearest_pose, rise, stroke, through_air
-from cleancli.motion.legs import legs
+from cleancli.motion.joint_path import (
+    ANY_LEAN,
+    Lean,
+    air_course,
+    course,
+    nearest_pose,
+    rise,
+    stroke,
+    through_air,
+)
+from cleancli.motion.legs import Leg, legs
+from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Waypoint
 from cleancli.motion.timing import Limits, timed
 from cleancli.scene.model import Rag
@@ -26,7 +36,7 @@ _Array = NDArray[np.float64]
 
 JOINTS = tuple(range(7))
 TOOL = 7  # the link whose frame is the tool's
-_SEED = 1  # of the path planner: what it draws is no part of a run's randomness
+SEED = 1  # of the path planner: what it draws is no part of a run's randomness
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,16 +50,32 @@ class Build:
     colour: tuple[int, int, int]
 
 
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What an arm holds: `links` to mount on its tool's link, how that link itself looks, half its width (m),
+    and what is to be set once the body is assembled."""
+
+    links: tuple[Link, ...]
+    seen: int
+    half_width: float
+    tune: Callable[[int], None]
+
+
+def rag_for(engine: Engine, arm: Arm, rag: Rag, rng: np.random.Generator) -> Held:
+    """The rag in the hand of an arm."""
+    cloth = cloths.hang(engine, rag, TOOL, rng)
+    holder = cloths.holder(engine, rag, max(arm.tool - par.FLAP_HEIGHT - par.HOLDER_SIZE[1], 0.01))
+    return Held(cloth.links, holder, rag.width / 2, lambda body: cloths.spring(engine, body, TOOL + 1, cloth))
+
+
 class ArmDrive:
-    """A drive (`Drive`) with seven joints and the rag in its hand. Its links touch nothing in the engine:
+    """A drive (`Drive`) with seven joints and a tool in its hand. Its links touch nothing in the engine:
     that they keep clear is checked before they move (`motion/clearance.py`)."""
 
-    def __init__(self, engine: Engine, arm: Arm, build: Build, rag: Rag, rng: np.random.Generator) -> None:
-        self._engine, self._arm, self._build, self._rag = engine, arm, build, rag
-        cloth = cloths.hang(engine, rag, TOOL, rng)
-        held = cloths.holder(engine, rag, max(arm.tool - par.FLAP_HEIGHT - par.HOLDER_SIZE[1], 0.01))
-        self._body = body(engine, arm, build, held, cloth.links)
-        cloths.spring(engine, self._body, TOOL + 1, cloth)
+    def __init__(self, engine: Engine, arm: Arm, build: Build, held: Held) -> None:
+        self._engine, self._arm, self._build, self._held = engine, arm, build, held
+        self._body = body(engine, arm, build, held.seen, held.links)
+        held.tune(self._body)
         self._limits = Limits(arm.speed, arm.acceleration)
         self._target = np.array(build.rest)
 
@@ -65,22 +91,26 @@ class ArmDrive:
 
     def follow(self, path: ToolPath, offset: _Array) -> _Array:
         """(k, 7) joints of a way through the air to the first waypoint, then of the path."""
-        here, parts = self.joints(), legs(path.waypoints, offset)
+        return self.planned(path, offset, self.joints())
+
+    def planned(self, path: ToolPath, offset: _Array, here: _Array) -> _Array:
+        """As `follow`, from the joints `here` (7,)."""
+        parts = legs(path.waypoints, offset)
         if not parts:
             first = path.waypoints[0]
             point = np.array((first.x, first.y, first.z, first.yaw)) + offset
-            return self._through_air(nearest_pose(self._arm, point), first.speed)
-        strokes = stroke(self._arm, parts, path.interpolation, here, _SEED)
-        transit = self._through_air(strokes[0][0], path.waypoints[0].speed)
-        timings = [
-            timed(course(self._arm, joints, leg.speeds), self._limits, par.STEP)
-            for joints, leg in zip(strokes, parts, strict=True)
-        ]
-        return np.concatenate((transit, *timings))
+            return self.through_air(here, nearest_pose(self._arm, point), first.speed)
+        strokes = stroke(self._arm, parts, path.interpolation, here, SEED)
+        transit = self.through_air(here, strokes[0][0], path.waypoints[0].speed)
+        return np.concatenate((transit, *map(self.timed, strokes, parts)))
+
+    def timed(self, joints: _Array, leg: Leg) -> _Array:
+        """(k, 7) joints for each physics step along a leg, given those for its points."""
+        return timed(course(self._arm, joints, leg.speeds), self._limits, par.STEP)
 
     def withdraw(self) -> _Array:
         """(k, 7) joints of a way through the air to rest."""
-        return self._through_air(np.array(self._build.rest), TRANSIT_SPEED)
+        return self.through_air(self.joints(), np.array(self._build.rest), TRANSIT_SPEED)
 
     def lift(self) -> _Array:
         """(k, 7) joints straight up until the tool is clear of the surface."""
@@ -124,8 +154,13 @@ class ArmDrive:
         """(n, 3) middles of the flaps, metres."""
         return cloths.flap_middles(self._engine, self._body, TOOL + 1)
 
-    def _through_air(self, there: _Array, speed: float) -> _Array:
-        corners = through_air(self._arm, self.joints(), there, self._rag.width / 2, _SEED)
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) false: there is no dustpan."""
+        return np.zeros(len(points), dtype=bool)
+
+    def through_air(self, here: _Array, there: _Array, speed: float, lean: Lean = ANY_LEAN) -> _Array:
+        """(k, 7) joints of a way between two joint positions that keeps clear and leans as allowed."""
+        corners = through_air(self._arm, here, there, self._held.half_width, SEED, lean)
         pieces = [air_course(self._arm, begin, end, speed) for begin, end in pairwise(corners)]
         return np.concatenate([timed(piece, self._limits, par.STEP) for piece in pieces])
 

@@ -43,3 +43,6 @@ class Drive(Protocol):
 
     def flaps(self) -> _Array:
         """(n, 3) middles of the rag's flaps, metres."""
+
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) which of `points` (n, 3) lie in its dustpan; none without one."""

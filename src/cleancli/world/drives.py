@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from cleancli.motion.joint_path import reached
 from cleancli.scene.model import Scene
 from cleancli.world import wam
-from cleancli.world.arm_drive import ArmDrive
+from cleancli.world.arm_drive import ArmDrive, rag_for
 from cleancli.world.drive import Drive
 from cleancli.world.gantry import Gantry, within_reach
 from cleancli.world.physics import Engine
+from cleancli.world.reem import Reem
+from cleancli.world.reem import arm_for as reem_arm
 
 _Array = NDArray[np.float64]
 
@@ -29,13 +31,18 @@ class Row:
 
 
 def _wam(engine: Engine, scene: Scene, rng: np.random.Generator) -> Drive:
-    return ArmDrive(engine, wam.arm_for(scene), wam.BUILD, scene.rag, rng)
+    arm = wam.arm_for(scene)
+    return ArmDrive(engine, arm, wam.BUILD, rag_for(engine, arm, scene.rag, rng))
 
 
 def _wam_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
     return reached(wam.arm_for(scene), points)
 
 
+def _reem_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+    return reached(reem_arm(scene, 1), points)
+
+
 ROBOTS: Mapping[str, Row] = MappingProxyType(
-    {"gantry": Row(Gantry, within_reach), "wam": Row(_wam, _wam_reaches)}
+    {"gantry": Row(Gantry, within_reach), "wam": Row(_wam, _wam_reaches), "reem": Row(Reem, _reem_reaches)}
 )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.actions import LIFT, TRANSIT_SPEED
 from cleancli.motion.legs import Leg, legs, lengths
+from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable, Waypoint
 from cleancli.motion.timing import Course, Limits, timed
 from cleancli.scene.model import Rag, Scene
@@ -92,6 +92,10 @@ class Gantry:
     def flaps(self) -> _Array:
         """(n, 3) middles of the flaps, metres."""
         return cloths.flap_middles(self._engine, self._body, len(_DRIVES))
+
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) false: there is no dustpan."""
+        return np.zeros(len(points), dtype=bool)
 
     def _transit(self, there: _Array, speed: float) -> tuple[Leg, ...]:
         """From here up, across above the surface, and down to `there` (4,)."""

@@ -47,3 +47,44 @@ WAM_COLOUR = (190, 192, 198)  # chosen
 # Of all arms, chosen.
 LINK_INERTIA = 0.02
 HELD_MASS = 0.3
+
+# REEM, two arms on a torso. Lengths and joint speeds as in its published description (PAL Robotics,
+# reem_description: 14.2 and 8.8 cm of upper arm, 8.8 and 15 cm of forearm, 2 cm aside at the elbow, 4.6 cm of
+# hand). Where its joint limits depend on how axes are counted they are chosen, and so is the rest.
+REEM_OFFSETS = (0.0, 0.0, 0.02, -0.02, 0.0, 0.0, 0.0)
+REEM_LENGTHS = (0.0, 0.0, 0.23, 0.0, 0.238, 0.0, 0.046)
+REEM_LOW = (-2.6, -2.2, -2.36, -0.1, -2.09, -1.57, -2.09)
+REEM_HIGH = (2.6, 2.2, 2.75, 2.44, 2.09, 1.57, 2.09)
+REEM_SPEED = (2.7, 3.66, 4.58, 4.58, 1.95, 1.76, 1.76)
+REEM_ACCELERATION = (6.0, 6.0, 8.0, 8.0, 8.0, 8.0, 8.0)
+REEM_SHOULDERS = 0.20  # each beside the middle
+REEM_INWARDS, REEM_ABOVE = (
+    0.05,
+    0.35,
+)  # of the table's edge, and above the surface: it leans over the container
+REEM_TOOL = 0.08
+REEM_POSTURE = (0.0, 0.8, 0.0, 1.6, 0.0, 0.6, 0.0)
+REEM_REST = (-1.2, 0.6, 0.0, 1.9, 0.0, 0.6, 0.0)
+REEM_LEFT_REST = (1.2, 0.6, 0.0, 1.9, 0.0, 0.6, 0.0)
+REEM_HULLS = (
+    (0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.05), 0.06),
+    (3, (-0.02, 0.20, 0.0), (-0.01, 0.02, 0.0), 0.05),
+    (4, (0.02, 0.0, 0.0), (0.0, 0.0, 0.21), 0.045),
+    (7, (0.0, 0.0, -0.036), (0.0, 0.0, 0.0), 0.04),
+)
+REEM_APART = ((0, 2), (0, 3), (1, 3))
+REEM_MASSES = (1.5, 1.6, 1.6, 1.2, 1.2, 0.4, 0.1)
+REEM_TORQUE = (45.0, 45.0, 30.0, 30.0, 20.0, 20.0, 20.0)
+REEM_COLOUR = (214, 214, 210)
+
+# The dustpan, whose length and slope `motion/pick_up.py` has. Chosen.
+PAN_LIP = 4e-4
+PAN_WIDTH = 0.16
+PAN_WALL, PAN_WALL_HEIGHT = 4e-3, 0.025
+PAN_FRICTION = 0.3
+PAN_MASS = 0.05  # of each of its four parts
+PAN_GAP = 2e-4  # below it while it stands on the surface
+PAN_LEAN = 0.35  # rad: the lip is raised so far while it is carried,
+PAN_LEANS = (0.15, 0.60, 0.30)  # at least, at most, and to either side
+PAN_HOLD = 0.6  # seconds that it stays tipped
+PAN_COLOUR = (70, 140, 90)

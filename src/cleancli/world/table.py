@@ -36,6 +36,7 @@ class Truth:
 
     on_table: int
     in_container: int
+    in_dustpan: int
     on_floor: int
     total: int
     positions: _Array
@@ -138,11 +139,14 @@ class PybulletTable:
         inside = np.all((places >= low) & (places <= high), axis=1)
         half = np.array((self._scene.surface.width, self._scene.surface.depth)) / 2
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
-        contained, remaining = int(inside.sum()), int(above.sum())
+        held = self._drive.holds(places) & ~inside
+        above &= ~held
+        contained, carried, remaining = int(inside.sum()), int(held.sum()), int(above.sum())
         return Truth(
             on_table=remaining,
             in_container=contained,
-            on_floor=len(places) - remaining - contained,
+            in_dustpan=carried,
+            on_floor=len(places) - remaining - carried - contained,
             total=len(places),
             positions=places,
             left=places[above],

@@ -1,0 +1,65 @@
+"""The path of picking up (§3.2.2): a dustpan waits on the left of the dirt, the rag pushes from the right,
+and the dustpan is emptied into the container."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cleancli.motion.ellipse import Point, boundary
+from cleancli.motion.pace import LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
+from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
+from cleancli.perception.area import Ellipse
+from cleancli.scene.model import Scene
+
+PAN_LENGTH = 0.16  # from its lip back to where it is held; chosen
+PAN_SLOPE = 0.12  # measured: at 0.25 nothing climbs it
+ONTO_PAN = 0.05  # the rag goes so far onto it
+RAG_GAP = 2e-3  # and so far above it, so that the cloth does not push it away
+CLEARANCE = 0.02  # the rag comes down this far behind the dirt; the lip lies half as far before it
+TIP_HEIGHT = 0.12  # of the held end, while it is tipped
+CARRY_HEIGHT = 0.06  # and when it is lifted
+TIP_BEYOND = 0.03  # the tipped lip is so far past the table's edge
+TIP = -1.0  # rad: lentils slide down
+
+
+def pick_up(area: Ellipse, scene: Scene) -> ToolPath:
+    """The rag's path, and with it where the dustpan stands and where it is emptied.
+
+    Left and right are those of the robot, which looks at the surface from behind the container.
+    """
+    out = _outwards(scene)
+    left = np.array((out[1], -out[0]))
+    points = boundary(area)
+    begin, end = points[np.argmin(points @ left)], points[np.argmax(points @ left)]
+    way = (end - begin) / np.linalg.norm(end - begin)
+    yaw = float(np.arctan2(way[1], way[0]))
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2 - 0.005
+    first, lip = np.clip(begin - CLEARANCE * way, -half, half), end + CLEARANCE / 2 * way
+    last, top = lip + ONTO_PAN * way, PAN_SLOPE * ONTO_PAN + RAG_GAP
+    (x0, y0), (x1, y1) = scene.mouth()
+    middle = np.array(((x0 + x1) / 2, (y0 + y1) / 2))
+    empty = middle + (TIP_BEYOND - PAN_LENGTH * np.cos(TIP)) * out
+    back = float(np.arctan2(-out[1], -out[0]))
+    place = _at(lip + PAN_LENGTH * way, 0.0, yaw, VERTICAL_SPEED)
+    return ToolPath(
+        (
+            _at(first, LIFT, yaw, TRANSIT_SPEED),
+            _at(first, 0.0, yaw, VERTICAL_SPEED),
+            _at(lip, 0.0, yaw, STRAIGHT_SPEED),
+            _at(last, top, yaw, STRAIGHT_SPEED),
+            _at(last, top + LIFT, yaw, VERTICAL_SPEED),
+        ),
+        Interpolation.STRAIGHT,
+        Dustpan(place, _at(empty, TIP_HEIGHT, back, TRANSIT_SPEED), TIP),
+    )
+
+
+def _at(
+    point: Point | np.ndarray[tuple[int], np.dtype[np.float64]], z: float, yaw: float, speed: float
+) -> Waypoint:
+    return Waypoint(float(point[0]), float(point[1]), z, yaw, speed)
+
+
+def _outwards(scene: Scene) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    compass = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0)}
+    return np.array(compass[scene.container.edge])

@@ -1,0 +1,138 @@
+"""REEM (§6): two arms on a torso behind the container, the rag in its right hand, a dustpan in its left."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.motion.arm import Arm, Capsule
+from cleancli.motion.clearance import SELF_GAP, hull_ends, segment_gaps
+from cleancli.motion.pace import TRANSIT_SPEED
+from cleancli.motion.path import ToolPath, Unreachable
+from cleancli.scene.model import Scene
+from cleancli.world import parameters as par
+from cleancli.world import robots
+from cleancli.world.arm_drive import ArmDrive, Build, rag_for
+from cleancli.world.dustpan import PanDrive, dustpan_for
+from cleancli.world.physics import Engine
+
+_Array = NDArray[np.float64]
+
+
+class Reem:
+    """A drive (`Drive`) with fourteen joints: seven of the right arm, then seven of the left."""
+
+    def __init__(self, engine: Engine, scene: Scene, rng: np.random.Generator) -> None:
+        right, left = arm_for(scene, 1), arm_for(scene, -1)
+        self._arms = right, left
+        self._right = ArmDrive(engine, right, build_for(1), rag_for(engine, right, scene.rag, rng))
+        self._left = PanDrive(engine, left, build_for(-1), dustpan_for(engine))
+
+    def place(self) -> None:
+        """Stand at rest at once; only before the clock starts."""
+        self._right.place()
+        self._left.place()
+
+    def follow(self, path: ToolPath, offset: _Array) -> _Array:
+        """(k, 14) joints along the rag's path and back to rest in between where the dustpan takes part."""
+        right, left = self._right.joints(), self._left.joints()
+        if path.dustpan is None:
+            return self._checked(_one(self._right.planned(path, offset, right), left))
+        lower = self._left.put_down(path.dustpan, left)
+        push = self._right.planned(path, offset, right)
+        rest = np.array(build_for(1).rest)
+        back = self._right.through_air(push[-1], rest, TRANSIT_SPEED)
+        away = self._left.emptied(path.dustpan, lower[-1])
+        return self._checked(
+            np.concatenate(
+                (_other(lower, right), _one(np.concatenate((push, back)), lower[-1]), _other(away, rest))
+            )
+        )
+
+    def withdraw(self) -> _Array:
+        """(k, 14) joints of a way to rest, the right arm first."""
+        right = self._right.withdraw()
+        here = self._left.joints()
+        left = self._left.withdraw()
+        rest = right[-1] if len(right) else self._right.joints()
+        return self._checked(np.concatenate((_one(right, here), _other(left, rest))))
+
+    def lift(self) -> _Array:
+        """(k, 14) joints straight up, the rag and then the dustpan."""
+        here = self._left.joints()
+        right = self._right.lift()
+        above = right[-1] if len(right) else self._right.joints()
+        return np.concatenate((_one(right, here), _other(self._left.lift(), above)))
+
+    def command(self, joints: _Array) -> None:
+        """Be at `joints` (14,) after the next step, as far as the joints' torques allow."""
+        self._right.command(joints[:7])
+        self._left.command(joints[7:])
+
+    def tool(self) -> _Array:
+        """Where the rag is: x, y, z and yaw, (4,)."""
+        return self._right.tool()
+
+    def stray(self) -> float:
+        """How far the tool that strayed farther is from where it was commanded to be, metres."""
+        return max(self._right.stray(), self._left.stray())
+
+    def flaps(self) -> _Array:
+        """(n, 3) middles of the rag's flaps, metres."""
+        return self._right.flaps()
+
+    def holds(self, points: _Array) -> NDArray[np.bool_]:
+        """(n,) which of `points` (n, 3) lie in the dustpan."""
+        return self._left.holds(points)
+
+    def _checked(self, joints: _Array) -> _Array:
+        """The same joints, if the two arms keep clear of each other; looked at every twentieth of a
+        second."""
+        some = joints[:: max(1, round(0.05 / par.STEP))]
+        ends = hull_ends(self._arms[0], some[:, :7]), hull_ends(self._arms[1], some[:, 7:])
+        for i, first in enumerate(self._arms[0].hulls):
+            for k, second in enumerate(self._arms[1].hulls):
+                gaps = segment_gaps(ends[0][:, i], ends[1][:, k]) - first.radius - second.radius
+                if len(gaps) and gaps.min() < SELF_GAP:
+                    x, y, _ = ends[0][gaps.argmin(), -1, 1]
+                    raise Unreachable(float(x), float(y), "the arms would touch each other")
+        return joints
+
+
+def arm_for(scene: Scene, side: int) -> Arm:
+    """The right (1) or left (-1) arm, seen by who stands behind the container and looks at the surface."""
+    out = np.array({"north": (0, 1), "east": (1, 0), "south": (0, -1), "west": (-1, 0)}[scene.container.edge])
+    right = np.array((-out[1], out[0]))
+    half = abs(out @ (scene.surface.width, scene.surface.depth)) / 2
+    base = np.eye(4)
+    base[:2, 0], base[:2, 1] = -out, -right
+    base[:2, 3] = (half - robots.REEM_INWARDS) * out + side * robots.REEM_SHOULDERS * right
+    base[:2, 3] += scene.container.offset * np.abs(right)
+    base[2, 3] = robots.REEM_ABOVE
+    return Arm(
+        offsets=robots.REEM_OFFSETS,
+        lengths=robots.REEM_LENGTHS,
+        low=robots.REEM_LOW,
+        high=robots.REEM_HIGH,
+        speed=robots.REEM_SPEED,
+        acceleration=robots.REEM_ACCELERATION,
+        posture=robots.REEM_POSTURE,
+        base=tuple(tuple(row) for row in base.tolist()),
+        tool=robots.REEM_TOOL,
+        hulls=tuple(Capsule(*hull) for hull in robots.REEM_HULLS),
+        apart=robots.REEM_APART,
+    )
+
+
+def build_for(side: int) -> Build:
+    """What an arm is made of; the left one rests as the right one's mirror image."""
+    rest = robots.REEM_REST if side > 0 else robots.REEM_LEFT_REST
+    return Build(robots.REEM_MASSES, robots.REEM_TORQUE, rest, robots.REEM_COLOUR)
+
+
+def _one(right: _Array, left: _Array) -> _Array:
+    return np.column_stack((right, np.tile(left, (len(right), 1))))
+
+
+def _other(left: _Array, right: _Array) -> _Array:
+    return np.column_stack((np.tile(right, (len(left), 1)), left))

@@ -1,0 +1,103 @@
+"""Two arms: picking up takes lentils from the table into the dustpan and from there into the container."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from cleancli.motion.actions import tool_path
+from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.pick_up import PAN_LENGTH
+from cleancli.perception.area import Ellipse
+from cleancli.scene.model import Group, Scene
+from cleancli.world.dustpan import within
+from cleancli.world.reem import Reem
+from cleancli.world.robot import Robot, Status
+from cleancli.world.table import PybulletTable
+
+MakeScene = Callable[..., Scene]
+Finish = Callable[[Robot], Status]
+
+AREA = Ellipse((-0.02, 0.03), (0.03, 0.03), 0.0)
+LOW_RAG = 3  # a seed whose first stroke comes down low, so that no lentil slips under the rag
+
+
+def desk(scene: MakeScene) -> Scene:
+    return scene(Group(12, AREA.centre, 0.025), edge="south", robot="reem", size=(0.50, 0.40))
+
+
+@pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
+def test_the_dustpan_waits_on_the_left_and_the_rag_comes_from_the_right(scene: MakeScene, edge: str) -> None:
+    path = tool_path("pickUp", (Ellipse((0, 0), (0.05, 0.05), 0),), scene(edge=edge, robot="reem"))
+    left = {"south": (-1, 0), "north": (1, 0), "east": (0, -1), "west": (0, 1)}[edge]
+    assert path.dustpan is not None
+    first, lip = path.waypoints[1], path.waypoints[2]
+    np.testing.assert_allclose((first.x, first.y), -0.07 * np.array(left), atol=1e-6)
+    np.testing.assert_allclose((lip.x, lip.y), 0.06 * np.array(left), atol=1e-6)
+    place = path.dustpan.place
+    np.testing.assert_allclose((place.x, place.y), (0.06 + PAN_LENGTH) * np.array(left), atol=1e-6)
+    assert path.waypoints[0].z > 0
+    assert path.waypoints[-1].z > 0
+
+
+def test_picking_up_takes_most_lentils_over_the_dustpan_into_the_container(scene: MakeScene) -> None:
+    setting = desk(scene)
+    most = 0
+    with closing(PybulletTable(setting, LOW_RAG)) as table:
+        table.start(tool_path("pickUp", (AREA,), setting))
+        assert table.failure == ""
+        while (status := table.poll()) is Status.RUNNING:
+            if round(table.clock * 60) % 20 == 0:
+                truth = table.truth()
+                most = max(most, truth.in_dustpan)
+                assert truth.on_table + truth.in_container + truth.in_dustpan + truth.on_floor == 12
+                assert (truth.positions[:, 2] < 0.3).all()
+        assert status is Status.DONE
+        truth = table.truth()
+    assert most >= 8
+    assert truth.in_container >= 8
+    assert truth.in_dustpan == 0
+
+
+def test_the_right_arm_pushes_as_one_arm_does(scene: MakeScene, finish: Finish) -> None:
+    setting = desk(scene)
+    with closing(PybulletTable(setting, LOW_RAG)) as table:
+        table.start(tool_path("moveToContainerStraight", (AREA,), setting))
+        assert finish(table) is Status.DONE
+        assert table.truth().in_container >= 6
+        table.withdraw()
+        assert finish(table) is Status.DONE
+
+
+def test_arms_that_would_touch_do_not_move(scene: MakeScene) -> None:
+    setting = desk(scene)
+    with closing(PybulletTable(setting, 1)) as table:
+        drive = table._drive
+        assert isinstance(drive, Reem)
+        here = np.concatenate((drive._right.joints(), drive._left.joints()))
+        drive._checked(here[None])
+        crossed = np.concatenate((drive._right.joints(), drive._left.joints()))
+        crossed[[0, 7]] = 1.2, -1.2
+        with pytest.raises(Exception, match="touch each other"):
+            drive._checked(crossed[None])
+
+
+def test_what_the_rag_can_not_reach_fails_with_a_reason(scene: MakeScene) -> None:
+    corners = [(-0.6, 0.5, 0.05), (-0.6, 0.5, 0.0), (-0.5, 0.5, 0.0), (-0.5, 0.5, 0.05)]
+    with closing(PybulletTable(desk(scene), 1)) as table:
+        table.start(
+            ToolPath(tuple(Waypoint(*corner, 0.0, 0.1) for corner in corners), Interpolation.STRAIGHT)
+        )
+        assert table.poll() is Status.FAILED
+        assert "too far" in table.failure
+        assert table.clock == 0
+
+
+def test_a_dustpan_holds_what_is_between_its_walls() -> None:
+    frame = np.eye(4)
+    frame[:3, 3] = 0.1, 0.2, 0.3
+    points = np.array([(-0.05, 0, 0.02), (0.05, 0, 0.02), (-0.05, 0.2, 0.02), (-0.05, 0, 0.2)]) + frame[:3, 3]
+    assert within(frame, points).tolist() == [True, False, False, False]
