@@ -150,7 +150,7 @@ def _truth(truth: Truth) -> dict[str, object]:
         "in_dustpan": truth.in_dustpan,
         "on_floor": truth.on_floor,
         "ink_left": round(truth.ink_left, 4),
-        "left_on_table_at": [[round(x, 4), round(y, 4)] for x, y, _ in truth.left],
+        "left_on_table_at": [[round(float(x), 4), round(float(y), 4)] for x, y, _ in truth.left],
     }
 
 

@@ -27,7 +27,7 @@ from cleancli.scene.model import (
 from cleancli.scene.settings import SLACK, Settings, centimetres
 
 EDGES = ("north", "east", "south", "west")
-DRIVES = ("gantry", "wam")
+DRIVES = ("gantry", "wam", "reem")
 SECTIONS = ("surface", "container", "robot", "grasp", "rag", "camera", "light", "dirt", "symbols")
 MOST_FLAPS = 60
 """More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
