@@ -55,6 +55,13 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
     return float(values[0, 0]), choose
 
 
+def few_states(prepared: Prepared, limit: int, steps: int) -> bool:
+    """Whether no more than `limit` states can be reached within so many steps."""
+    steps = min(steps, max(prepared.task.horizon, 0))
+    graph = _reachable().reachable(prepared.process, prepared.task.initial, limit, steps)
+    return graph is not None
+
+
 def load(prepared: Prepared) -> None:
     """Makes numba load or compile what `optimum` runs."""
     module, process = _reachable(), prepared.process

@@ -41,7 +41,7 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
     A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
     """
     task, times = prepared.task, [time.perf_counter()]
-    _ = prepared.tables, prepared.process, prepared.forgetful.process
+    _ = prepared.tables, prepared.process
     times.append(time.perf_counter())
     _load(prepared)
     times.append(time.perf_counter())
@@ -59,7 +59,12 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
 
 
 def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
-    """The likeliest course and the value of the best policy; None where more states can be reached."""
+    """The likeliest course and the value of the best policy; None where more states can be reached.
+
+    More within two steps are enough to know, before time is spent on what could be forgotten.
+    """
+    if not exact.few_states(prepared, limit, 2):
+        return None
     known = prepared.forgetful
     try:
         value, choose = exact.optimum(known, limit)
@@ -116,7 +121,7 @@ def _load(prepared: Prepared) -> None:
     """Makes numba load or compile what will run."""
     _annealing().chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1))
-    exact.load(prepared.forgetful)
+    exact.load(prepared)
 
 
 def _annealing() -> ModuleType:
