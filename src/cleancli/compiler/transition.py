@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import Assignment, GroundRule, Task, holds
 
 SUPPORT_LIMIT = 100_000
@@ -116,6 +117,12 @@ def payment(task: Task, action: int) -> float:
     """What a step's reward by the action is multiplied by: it comes when the action ends, so an action that
     takes longer than a step (`by_time`) earns less; 1 where steps discount."""
     return task.discounts[action] / task.discount if task.discount else 1.0
+
+
+def idle_worth(discount: float, steps: int) -> Floats:
+    """What a reward of 1 in each of 0 to `steps` steps (none if negative) is worth at their start, a number
+    for each; that is what standing still is paid by, up to the horizon."""
+    return np.concatenate([[0.0], np.cumsum(discount ** np.arange(max(steps, 0)))])
 
 
 def _changed(assignment: Assignment, effects: Sequence[tuple[int, int]]) -> Assignment:

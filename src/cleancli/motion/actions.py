@@ -92,7 +92,7 @@ def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]
         return start, _past_edge(start, crossing, scene)
     # Too slanting to cross the mouth within its width: go in front of its middle first.
     middle = _mouth_middle(scene)
-    out = _outwards(scene)
+    out = scene.outwards()
     inset = scene.rag.width
     front = middle[0] - inset * out[0], middle[1] - inset * out[1]
     return start, front, _past_edge(front, middle, scene)
@@ -139,7 +139,7 @@ def _crossing(start: Point, scene: Scene) -> Point | None:
     points = west + shares[:, None] * (east - west)
     ways = points - np.array(start)
     distances = np.linalg.norm(ways, axis=1)
-    straightness = ways @ np.array(_outwards(scene)) / np.maximum(distances, 1e-9)
+    straightness = ways @ np.array(scene.outwards()) / np.maximum(distances, 1e-9)
     footprint = scene.rag.width / 2 / np.maximum(straightness, 1e-9)
     fits = (mouth * np.minimum(shares, 1 - shares) >= footprint) & (
         straightness >= np.cos(np.radians(GREATEST_SLANT))
@@ -153,7 +153,7 @@ def _crossing(start: Point, scene: Scene) -> Point | None:
 def _past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
     """Where a push from `start` over `crossing` ends, with the rag's hindmost end past the edge as well."""
     x, y = _direction(start, crossing)
-    out = _outwards(scene)
+    out = scene.outwards()
     straightness = x * out[0] + y * out[1]
     hindmost = scene.rag.width / 2 * abs(x * out[1] - y * out[0])
     beyond = min(hindmost + OVERSHOOT, scene.container.depth) / straightness
@@ -202,12 +202,6 @@ def _distinct(corners: tuple[Point, ...]) -> tuple[Point, ...]:
 def _mouth_middle(scene: Scene) -> Point:
     (x0, y0), (x1, y1) = scene.mouth()
     return (x0 + x1) / 2, (y0 + y1) / 2
-
-
-def _outwards(scene: Scene) -> Point:
-    """The unit vector from the surface over the container's edge."""
-    compass = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0)}
-    return compass[scene.container.edge]
 
 
 def _direction(begin: Point, end: Point) -> Point:

@@ -27,7 +27,7 @@ def pick_up(area: Ellipse, scene: Scene) -> ToolPath:
 
     Left and right are those of the robot, which looks at the surface from behind the container.
     """
-    out = _outwards(scene)
+    out = np.array(scene.outwards())
     left = np.array((out[1], -out[0]))
     points = boundary(area)
     begin, end = points[np.argmin(points @ left)], points[np.argmax(points @ left)]
@@ -58,8 +58,3 @@ def _at(
     point: Point | np.ndarray[tuple[int], np.dtype[np.float64]], z: float, yaw: float, speed: float
 ) -> Waypoint:
     return Waypoint(float(point[0]), float(point[1]), z, yaw, speed)
-
-
-def _outwards(scene: Scene) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    compass = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0)}
-    return np.array(compass[scene.container.edge])

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.ragged import Ints
+from cleancli.compiler.transition import idle_worth
 from cleancli.planning import sequences
 from cleancli.planning.prepared import Prepared
 
@@ -31,7 +32,7 @@ def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed
         sequences.Scratch(current, trial),
         length,
         best,
-        _idle(prepared),
+        idle_worth(prepared.task.discount, prepared.task.horizon),
         moves if prepared.task.actions else 0,
         HEAT,
         np.uint64(seed % 2**64),
@@ -47,7 +48,7 @@ def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
         runs,
         luck,
         np.asarray(actions, dtype=np.int32),
-        _idle(prepared),
+        idle_worth(prepared.task.discount, prepared.task.horizon),
         np.uint64(seed % 2**64),
     )
     return worth
@@ -67,9 +68,3 @@ def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Lu
     state: Ints = np.asarray(prepared.task.initial, dtype=np.int32)
     sequences.begin(process, runs, luck, state)
     return runs, luck
-
-
-def _idle(prepared: Prepared) -> Floats:
-    """What a reward of 1 in each of so many last steps is worth at their start (horizon + 1,)."""
-    steps = np.arange(max(prepared.task.horizon, 0))
-    return np.concatenate([[0.0], np.cumsum(prepared.task.discount**steps)])

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import Assignment
-from cleancli.planning.prepared import Prepared
+from cleancli.compiler.transition import idle_worth
 from cleancli.planning.reachable import EDGE_LIMIT, Enumeration, Graph, backward
-from cleancli.planning.states import sequence_value
 
 
 def best_sequence(
@@ -24,7 +21,7 @@ def best_sequence(
     they are paid if nothing is done any more (of equals the first).
     """
     enumeration = Enumeration(process, initial, EDGE_LIMIT)
-    idle = np.concatenate([[0.0], np.cumsum(discount ** np.arange(steps))])
+    idle = idle_worth(discount, steps)
     paid, factor = np.zeros(1), np.ones(1)
     for step in range(steps):
         layer = enumeration.frontier
@@ -68,18 +65,3 @@ def _ways(
     new_paid[after[order]] = value[order]  # the last that is written stays: the best
     new_factor[after[order]] = (factor[source] * process.discount[action])[order]
     return new_paid, new_factor
-
-
-def sampled_value(prepared: Prepared, actions: Sequence[int], runs: int, seed: int) -> float:
-    """Mean discounted reward of a sequence over drawn runs from the task's state."""
-    task, process = prepared.task, prepared.process
-    idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(max(task.horizon, 0)))])
-    mean, _ = sequence_value(
-        process,
-        np.asarray(task.initial, dtype=np.int32),
-        np.asarray(actions, dtype=np.int32),
-        idle,
-        runs,
-        np.uint64(seed % 2**64),
-    )
-    return float(mean)

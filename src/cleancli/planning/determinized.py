@@ -9,6 +9,7 @@ from types import ModuleType
 from cleancli.compiler.process import lower_process
 from cleancli.compiler.task import Task
 from cleancli.planning.course import course_plan
+from cleancli.planning.evaluate import sampled
 from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
@@ -42,13 +43,13 @@ def _determinized(
     beam, horizon = _beam(), max(task.horizon, 0)
     # Makes numba load or compile what it will run.
     beam.best_sequence(process, task.initial, task.discount, steps=1, width=1)
-    beam.sampled_value(prepared, (), 1, options.seed)
+    sampled(prepared, (), options.seed, 1)
     times.append(time.perf_counter())
     sequence = beam.best_sequence(
         process, task.initial, task.discount, steps=horizon, width=max(options.width, 1)
     )
     course = tuple(origins[action] for action in sequence)
-    value = beam.sampled_value(prepared, course, RUNS, options.seed)
+    value = sampled(prepared, course, options.seed, RUNS).value
     times.append(time.perf_counter())
     return course_plan(name, task, course, value, times=times, measure="sampled", samples=RUNS)
 

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.transition import SUPPORT_LIMIT, SupportTooLargeError
+from cleancli.compiler.transition import SUPPORT_LIMIT, SupportTooLargeError, idle_worth
 from cleancli.planning.forecast import exact_course
 from cleancli.planning.plan import Options
 from cleancli.planning.prada import plan_value
@@ -69,7 +69,7 @@ def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT
 def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = RUNS) -> Sampled:
     """The mean over runs that depend on the seed alone, so sequences are compared on the same draws."""
     task = prepared.task
-    idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(max(task.horizon, 0)))])
+    idle = idle_worth(task.discount, task.horizon)
     mean, square = _states().sequence_value(
         prepared.process,
         np.array(task.initial, dtype=np.int32),

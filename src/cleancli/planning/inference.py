@@ -13,6 +13,7 @@ import numpy as np
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.tables import Indices, Tables
 from cleancli.compiler.task import Assignment
+from cleancli.compiler.transition import idle_worth
 from cleancli.planning import kernel
 
 PORTION = 1000
@@ -45,7 +46,7 @@ def best_sequence(
         _state(tables, state),
         threshold,
         np.uint64(seed % 2**64),
-        _worth(discount, horizon),
+        idle_worth(discount, horizon),
         ceiling(tables, discount, horizon),
     )
     best, value, drawn = np.zeros(0, dtype=np.int32), -np.inf, 0
@@ -79,16 +80,11 @@ def _best_of(
     return worth, best[:length]
 
 
-def _worth(discount: float, steps: int) -> Floats:
-    """What a reward of 1 in each of so many steps is worth at their start (steps + 1,)."""
-    return np.concatenate([[0.0], np.cumsum(discount ** np.arange(steps))])
-
-
 def ceiling(t: Tables, discount: float, steps: int) -> Floats:
     """What so many steps can pay at most, at their start (steps + 1,)."""
     standing = float(t.constant[0]) + float(np.maximum(t.state, 0).sum())
     step = max(standing, float(np.max(t.payment * (t.most + standing), initial=0.0)), 0.0)
-    return step * _worth(float(np.max(t.discount, initial=discount)), steps) * (1 + ROUNDING) + ROUNDING
+    return step * idle_worth(float(np.max(t.discount, initial=discount)), steps) * (1 + ROUNDING) + ROUNDING
 
 
 def step_rewards(

@@ -12,6 +12,7 @@ from numba import njit
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
+from cleancli.compiler.transition import idle_worth
 from cleancli.planning.states import apply, changing, draw, rewarded
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
@@ -80,7 +81,7 @@ def look_ahead(
     rows[0] = initial
     counts = np.zeros((depth + 1, int(np.diff(process.outcome_start).max(initial=0))), dtype=np.int32)
     best = np.full(depth + 1, -1, dtype=np.int32)
-    idle = np.concatenate([[0.0], np.cumsum(discount ** np.arange(max(horizon, 0)))])
+    idle = idle_worth(discount, horizon)
     stream = np.uint64(seed % 2**64)  # compiled functions return their uint64 as int, which is another type
     value = _look_ahead(process, rows, counts, best, idle, branching, 0, stream)
     return float(value), int(best[0])

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
+from cleancli.compiler.transition import idle_worth
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.reachable import change, digit, enter, find
 from cleancli.planning.states import changing, draw, rewarded, step
@@ -200,7 +201,7 @@ class Search:
         horizon = max(task.horizon, 0)
         self.played = 0
         self._nodes, self._exploration, self._seed = 1, exploration, np.uint64(seed % 2**64)
-        self._idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(horizon))])
+        self._idle = idle_worth(task.discount, horizon)
         choices = len(task.actions) + 1
         self._tree = _room(len(task.variables) + 1, 256, 256 + 2 * choices, horizon)
         paying = (*self._process.decrease, *self._process.state)

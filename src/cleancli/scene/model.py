@@ -153,6 +153,11 @@ class Scene:
     grasps: tuple[Grasp, ...] = ()
     light: Light = LIGHT
 
+    def outwards(self) -> tuple[float, float]:
+        """The unit vector from the surface over the container's edge."""
+        compass = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0)}
+        return compass[self.container.edge]
+
     def mouth(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The two ends of the stretch of table edge below which the container stands, as (x, y) points."""
         half, offset = self.container.width / 2, self.container.offset

@@ -101,7 +101,7 @@ class Reem:
 
 def arm_for(scene: Scene, side: int) -> Arm:
     """The right (1) or left (-1) arm, seen by who stands behind the container and looks at the surface."""
-    out = np.array({"north": (0, 1), "east": (1, 0), "south": (0, -1), "west": (-1, 0)}[scene.container.edge])
+    out = np.array(scene.outwards())
     right = np.array((-out[1], out[0]))
     half = abs(out @ (scene.surface.width, scene.surface.depth)) / 2
     base = np.eye(4)

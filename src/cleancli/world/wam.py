@@ -14,7 +14,7 @@ BUILD = Build(robots.WAM_MASSES, robots.WAM_TORQUE, robots.WAM_REST, robots.WAM_
 
 def arm_for(scene: Scene) -> Arm:
     """The arm beside the surface, on the left of who looks over the container's edge, facing the middle."""
-    out = np.array({"north": (0, 1), "east": (1, 0), "south": (0, -1), "west": (-1, 0)}[scene.container.edge])
+    out = np.array(scene.outwards())
     left = np.array((-out[1], out[0]))
     half = abs(left @ (scene.surface.width, scene.surface.depth)) / 2
     beside = max(robots.WAM_BESIDE, half + robots.WAM_GAP)
