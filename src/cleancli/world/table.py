@@ -17,6 +17,7 @@ from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
 from cleancli.world.drives import ROBOTS
+from cleancli.world.finish import Finish
 from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
 from cleancli.world.robot import Status
@@ -61,6 +62,7 @@ class PybulletTable:
         self._stroke_noise, self._image_noise = strokes, images
         self._top = furniture.build(self._engine, scene)
         self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
+        self._finish = Finish(scene, self._ink)
         self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
         self._drive.place()
         self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
@@ -90,7 +92,7 @@ class PybulletTable:
     def observe(self) -> Frame:
         """One noisy RGB-D image of the table, and of the tool if it is in the way. Takes no robot time."""
         return camera.photograph(
-            self._engine, self._camera, self._scene.light, self._ink, self.clock, self._image_noise
+            self._engine, self._camera, self._scene.light, self._finish, self.clock, self._image_noise
         )
 
     @property
@@ -162,7 +164,9 @@ class PybulletTable:
 
     def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
-        return camera.onlook(self._engine, self._scene.surface, self._scene.light, self._ink, width, height)
+        return camera.onlook(
+            self._engine, self._scene.surface, self._scene.light, self._finish, width, height
+        )
 
     def _draw_noise(self, push: float) -> _Array:
         """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""
