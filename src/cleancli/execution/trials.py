@@ -14,8 +14,8 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.loop import FRAMES_PER_LOOK
 from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.table_cell import FRAMES_PER_LOOK
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.ellipses import contains
