@@ -104,7 +104,7 @@ def run(arguments: Sequence[str]) -> int:
 
 def _print_refused(refused: Refused) -> None:
     """Imported here because most runs never need the renderer."""
-    from cleancli.cli.report import echo_refused
+    from cleancli.cli.echo import echo_refused
 
     echo_refused(refused)
 
