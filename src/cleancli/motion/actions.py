@@ -6,7 +6,7 @@ tool comes down straight, just behind the dirt, stands perpendicular to the moti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, hypot
@@ -69,17 +69,27 @@ def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath
     if action == PICK_UP:
         return pick_up(areas[0], scene)
     skill = SKILLS[action]
-    corners = _distinct(skill.stroke(areas, scene))
+    return path_along(skill.stroke(areas, scene), scene, skill.speed, skill.interpolation)
+
+
+def path_along(
+    corners: Sequence[Point],
+    scene: Scene,
+    speed: float = STRAIGHT_SPEED,
+    interpolation: Interpolation = Interpolation.STRAIGHT,
+) -> ToolPath:
+    """The path of a stroke with these corners, two at least: down behind the first, and up after the last."""
+    corners = _distinct(corners)
     stroke = _turning((_behind(corners, scene), *corners[1:]))
     first, last = stroke[0], stroke[-1]
     return ToolPath(
         (
             Waypoint(first[0], first[1], LIFT, first[2], TRANSIT_SPEED),
             Waypoint(first[0], first[1], 0.0, first[2], VERTICAL_SPEED),
-            *(Waypoint(x, y, 0.0, yaw, skill.speed) for x, y, yaw in stroke[1:]),
+            *(Waypoint(x, y, 0.0, yaw, speed) for x, y, yaw in stroke[1:]),
             Waypoint(last[0], last[1], LIFT, last[2], VERTICAL_SPEED),
         ),
-        skill.interpolation,
+        interpolation,
     )
 
 
@@ -190,7 +200,7 @@ def _turning(corners: tuple[Point, ...]) -> tuple[tuple[float, float, float], ..
     return tuple(poses)
 
 
-def _distinct(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+def _distinct(corners: Sequence[Point]) -> tuple[Point, ...]:
     """The corners without those that stand where the one before stands; two remain even of one point."""
     kept = [corners[0]]
     for corner in corners[1:]:
