@@ -15,6 +15,7 @@ PACKAGE = ROOT / "src" / "cleancli"
 HEAVY = {
     "av",
     "lark",
+    "networkx",
     "numba",
     "cv2",
     "scipy",
@@ -122,6 +123,7 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
     assert askers == {
         "cli/execute.py",
         "environment/clean_table.py",
+        "execution/site.py",
         "execution/trials.py",
         "report/account.py",  # of run.json, after the run
     }

@@ -11,7 +11,18 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.status import Status
 
-from cleancli.execution.events import Ended, Event, Looked, Moved, Planned, Started, StrokeEnded
+from cleancli.execution.events import (
+    Decided,
+    Ended,
+    Event,
+    Failed,
+    Looked,
+    Moved,
+    Purpose,
+    Started,
+    StrokeEnded,
+)
+from cleancli.execution.state import Situation
 
 SLOW = 2.0
 """Seconds after which a person wonders what is going on."""
@@ -40,6 +51,22 @@ def show(quiet: bool) -> Iterator[View]:
         yield _Lines(console, status)
 
 
+def _seen(situation: Situation) -> str:
+    """The areas seen, those hidden in brackets; in the symbolic world, how many facts hold."""
+    if situation.areas:
+        names = (a.name if a.name not in situation.unseen else f"({a.name})" for a in situation.areas)
+        return ", ".join(names)
+    return f"{len(situation.state)} facts" if situation.state else "no dirt"
+
+
+_LOOKS = {
+    Purpose.FIRST: "",
+    Purpose.AFTER: "",
+    Purpose.EXTRA: " with the arm out of view",
+    Purpose.LEARNING: " with the arm out of view, to learn",
+}
+
+
 class _Silent:
     def write(self, event: Event) -> None:
         """Show nothing."""
@@ -50,31 +77,32 @@ class _Lines:
 
     def __init__(self, console: Console, status: Status | None) -> None:
         self._console, self._status = console, status
-        self._doing = "withdrawing the tool"
+        self._doing = "looking"
 
     def write(self, event: Event) -> None:
         """Show one event."""
         match event:
-            case Looked(situation, seconds):
-                areas = ", ".join(area.name for area in situation.areas) or "no dirt"
-                self._line(f"looked: {areas} ({seconds:.2f} s)")
+            case Looked(situation, _, seconds, purpose):
+                self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
                 self._now("planning")
-            case Planned(_, plan, seconds):
-                steps = ", ".join(str(action) for action in plan.actions[:3])
-                more = f" and {len(plan.actions) - 3} more" if len(plan.actions) > 3 else ""
-                self._line(f"planned: {steps}{more}; value {plan.value:.2f} ({seconds:.2f} s)")
-                if (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
+            case Decided(_, moves, plan, seconds):
+                chosen = ", ".join(str(move) for move in moves) or "nothing"
+                value = "" if plan is None else f"; value {plan.value:.2f}, {len(plan.actions)} actions"
+                self._line(f"decided: {chosen}{value} ({seconds:.2f} s)")
+                if plan is not None and (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
                     self._line(
                         f"(and {compiling:.0f} s for compiling the planner, which only the first run does)"
                     )
-            case Started(number, action, arguments):
-                self._now(f"{number}. {action}({', '.join(arguments)})")
+            case Started(number, move):
+                self._now(f"{number}. {move}")
+            case Failed(number, move, reason):
+                self._line(f"  {number}. {move} failed: {reason}")
             case Moved(clock):
                 if self._status is not None:
                     self._status.update(f"{self._doing}, {clock:.1f} s of robot time")
             case StrokeEnded(_, clock):
                 self._line(f"  {self._doing}, done at {clock:.1f} s of robot time")
-                self._now("withdrawing the tool")
+                self._now("looking")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:

@@ -30,7 +30,8 @@ def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
 
     The world and its eyes are imported here: a written problem needs neither.
     """
-    from cleancli.execution.loop import look_once, within_reach
+    from cleancli.execution.setup import within_reach
+    from cleancli.execution.table_cell import look_once
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:

@@ -17,22 +17,18 @@ from cleancli.compiler.task import holds
 from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
-from cleancli.execution.events import Situation
-from cleancli.execution.loop import FRAMES_PER_LOOK, problem_of, within_reach
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.setup import EpisodeOptions, within_reach
+from cleancli.execution.site import Site, table_site, usual_job
+from cleancli.execution.state import Move, Situation
+from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
-from cleancli.motion.actions import path_along, tool_path
-from cleancli.motion.path import ToolPath
-from cleancli.perception.area import Area
-from cleancli.perception.perceive import perceive
+from cleancli.motion.actions import path_along
 from cleancli.perception.symbols import symbolize
-from cleancli.perception.tracking import Stroke, track
+from cleancli.perception.tracking import Stroke
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.shipped import find
-from cleancli.world.robot import Status
-from cleancli.world.table import PybulletTable
 
 Info = dict[str, Any]
 IMPOSSIBLE = "no area stands in that slot, or no rule covers the action"
@@ -76,7 +72,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         self.observation_space = observation_space(self.domain, self.scene, slots, image)
         self._image, self._tells_truth = image, truth
         self._empty: Slots = (None,) * slots
-        self._table: PybulletTable | None = None
+        self._site: Site | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Arrays, Info]:
         """Lay the dirt anew and look. With a seed, the table is that of `cleancli execute --seed`; without
@@ -84,12 +80,11 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         super().reset(seed=seed)
         chosen = int(self.np_random.integers(2**31)) if seed is None else seed
         self.close()
-        self._table = PybulletTable(self.scene, derived(chosen, Purpose.WORLD))
-        self._rng = np.random.default_rng(derived(chosen, Purpose.PERCEPTION))
-        self._areas: tuple[Area, ...] = ()
-        self._slots, self._named = self._empty, 0
-        self._withdraw()
-        self._look(None)
+        self._site = table_site(self.domain, self.scene, EpisodeOptions(seed=chosen))
+        _done(self._site.cell.withdraw())
+        self._slots = self._empty
+        self._looks, self._sight = 0, self._site.cell.look(None, None, 0, 0)
+        self._tell()
         return self._observation(), self._info(0.0, "") | {"seed": chosen}
 
     def step(self, action: Any) -> tuple[Arrays, float, bool, bool, Info]:
@@ -100,112 +95,89 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         the robot fails at, is no error: `info["failure"]` says why. Raises ValueError for what is no action
         of the action space; a push may exceed it, and is cut off.
         """
-        table = self._running()
-        before, started = len(self._areas), table.clock
-        path, pushed = self._meant(action)
-        failure = IMPOSSIBLE
-        if path is not None:
-            failure = self._carry_out(path)
-            on_surface = tuple((w.x, w.y) for w in path.waypoints if w.z <= 0)
-            self._look(Stroke(pushed, on_surface, self.scene.rag.width / 2))
-        if not self._areas:
+        cell = self._running().cell
+        before, started = self._sight.situation, cell.clock
+        move, failure = self._meant(action), IMPOSSIBLE
+        if move is not None:
+            motions = _done(cell.carry_out(1, move, cell.path(move, before)))
+            failure = motions.failure
+            _done(cell.withdraw())
+            self._look(motions.stroke)
+        if not self._sight.situation.areas:
             self._look(None)
-        reward = float(before - len(self._areas))
-        return self._observation(), reward, not self._areas, False, self._info(started, failure)
+        after = self._sight.situation
+        reward = float(len(before.areas) - len(after.areas))
+        return self._observation(), reward, not after.areas, False, self._info(started, failure)
 
     def render(self) -> NDArray[np.uint8] | None:
         """The table as an onlooker sees it now, (480, 640, 3) RGB; None without `render_mode`."""
-        return None if self.render_mode is None else self._running().picture()
+        picture = self._running().picture
+        return None if self.render_mode is None or picture is None else picture(640, 480)
 
     def close(self) -> None:
         """Free the simulated table; `reset` makes another one."""
-        if self._table is not None:
-            self._table.close()
-            self._table = None
+        if self._site is not None:
+            self._site.close()
+            self._site = None
 
-    def _running(self) -> PybulletTable:
-        if self._table is None:
+    def _running(self) -> Site:
+        if self._site is None:
             raise gymnasium.error.ResetNeeded("call reset() first")
-        return self._table
+        return self._site
 
-    def _meant(self, action: Any) -> tuple[ToolPath | None, tuple[str, ...]]:
-        """The tool's path, and which areas it is to push; no path for what the mask forbids."""
+    def _meant(self, action: Any) -> Move | None:
+        """The move that is asked for; None for what the mask forbids."""
         if not self.choices:
-            return path_along(ends(action, self.scene), self.scene), ()
+            return Move("push", (), path_along(ends(action, self.scene), self.scene))
         if action not in self.action_space:
             raise ValueError(f"an action is a number from 0 to {len(self.choices) - 1}, not {action!r}")
         name, places = self.choices[int(action)]
         if not self._mask()[int(action)]:
-            return None, ()
-        ellipses = {area.name: area.ellipse for area in self._areas}
-        names = tuple(str(self._slots[place]) for place in places)
-        return tool_path(name, tuple(ellipses[each] for each in names), self.scene), names
-
-    def _carry_out(self, path: ToolPath) -> str:
-        """Returns why the robot failed, or nothing; either way the tool is out of the camera's view then."""
-        table = self._running()
-        table.start(path)
-        while (status := table.poll()) is Status.RUNNING:
-            pass
-        failure = table.failure if status is Status.FAILED else ""
-        if failure:
-            table.stop()
-        self._withdraw()
-        return failure
-
-    def _withdraw(self) -> None:
-        table = self._running()
-        table.withdraw()
-        while table.poll() is Status.RUNNING:
-            pass
+            return None
+        return Move(name, tuple(str(self._slots[place]) for place in places))
 
     def _look(self, stroke: Stroke | None) -> None:
-        """See the table, name its areas as what has become of those before, and give them slots."""
-        frames = [self._running().observe() for _ in range(FRAMES_PER_LOOK)]
-        seen = perceive(frames, self.scene, self._rng).areas
-        self._areas = track(self._areas, seen, stroke, self._named + 1)
-        self._named = max([self._named, *(int(area.name[1:]) for area in self._areas)])
-        self._slots = filled(self._slots, self._areas)
-        told = [area for area in self._areas if area.name in self._slots]
-        objects, state = symbolize(told, self.scene, self.domain)
-        self._situation = Situation(frames[-1], self._areas, objects, state)
+        """See the table; areas are what has become of those before."""
+        self._looks += 1
+        last = self._sight
+        self._sight = self._running().cell.look(last.situation, stroke, self._looks, last.named)
+        self._tell()
+
+    def _tell(self) -> None:
+        """Give slots to the areas seen; the agent is told of those that have one."""
+        seen = self._sight.situation.areas
+        self._slots = filled(self._slots, seen)
+        areas = tuple(area for area in seen if area.name in self._slots)
+        self._told = Situation(areas, *symbolize(areas, self.scene, self.domain))
 
     def _observation(self) -> Arrays:
         space = self.observation_space
         assert isinstance(space, spaces.Dict)
-        situation = self._situation
-        arrays = observed(self.domain, self._slots, situation.areas, situation.state, space)
+        told = self._told
+        arrays = observed(self.domain, self._slots, told.areas, told.state, space)
         if self._image:
-            arrays["image"] = situation.frame.colour.copy()
+            arrays["image"] = _colour(self._sight).copy()
         return arrays
 
     def _info(self, started: float, failure: str) -> Info:
         """What is no observation: robot time, names, and which actions make sense now."""
-        table = self._running()
+        site = self._running()
         info: Info = {
-            "seconds": table.clock - started,
-            "clock": table.clock,
+            "seconds": site.cell.clock - started,
+            "clock": site.cell.clock,
             "failure": failure,
-            "areas": [area.name for area in self._areas],
+            "areas": [area.name for area in self._sight.situation.areas],
             "slots": list(self._slots),
         }
         if self.choices:
             info["action_mask"] = self._mask()
         if self._tells_truth:
-            truth = table.truth()
-            info["truth"] = {
-                "particles": truth.total,
-                "on_table": truth.on_table,
-                "in_container": truth.in_container,
-                "in_dustpan": truth.in_dustpan,
-                "on_floor": truth.on_floor,
-                "ink_left": truth.ink_left,
-            }
+            info["truth"] = dict(site.truth())
         return info
 
     def _mask(self) -> NDArray[np.int8]:
         """1 for each choice that a rule of the domain covers now, as the planners see it."""
-        task = ground(self.domain, problem_of(self.scene, self.domain, self._situation))
+        task = ground(self.domain, self._running().cell.problem(self._told))
         covered = {task.actions[r.action] for r in task.rules if holds(r.condition, task.initial)}
         possible = {(action.name, action.objects) for action in covered}
         asked = ((name, tuple(self._slots[place] for place in places)) for name, places in self.choices)
@@ -219,6 +191,21 @@ def _opened(scene_name: str, domain_name: str | None) -> tuple[Scene, Domain]:
     scene = load_scene(read_source(path))
     beside = path.parent / f"{scene.domain}.nid"
     named = domain_name or (str(beside) if beside.is_file() else scene.domain)
-    domain = within_reach(load_domain(read_source(find(named, "domains"))), scene.robot)
+    domain = load_domain(read_source(find(named, "domains")))
     symbolize((), scene, domain)  # refuses what perception can't tell
-    return scene, domain
+    return scene, within_reach(domain, scene.robot, usual_job(scene))
+
+
+def _done(motion: Motion) -> Motions:
+    """How a motion went, at its end."""
+    while True:
+        try:
+            next(motion)
+        except StopIteration as end:
+            went: Motions = end.value
+            return went
+
+
+def _colour(sight: Sight) -> NDArray[np.uint8]:
+    assert sight.frame is not None, "a table is looked at with a camera"
+    return sight.frame.colour

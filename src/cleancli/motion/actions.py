@@ -94,9 +94,13 @@ def path_along(
 
 
 def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """From the point farthest from the container straight over the nearest point of its mouth (§3.2.1)."""
+    """From the point farthest from the container (§3.2.1) into it."""
     (area,) = areas
-    start = farthest_from_stretch(area, scene.mouth())
+    return into_container(farthest_from_stretch(area, scene.mouth()), scene)
+
+
+def into_container(start: Point, scene: Scene) -> tuple[Point, ...]:
+    """The corners of a stroke from `start` straight over the nearest point of the container's mouth."""
     crossing = _crossing(start, scene)
     if crossing is not None:
         return start, _past_edge(start, crossing, scene)
@@ -108,16 +112,18 @@ def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]
     return start, front, _past_edge(front, middle, scene)
 
 
-def _join2(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """Dirt of the first ellipse goes to the near side of the second (§3.2.3)."""
-    first, second = areas
-    return farthest(first, second), *nearest(first, second)
+def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
+    """The corners of a stroke from behind the first ellipse to the near side of the next, and so on to the
+    last without stopping (§3.2.3)."""
+    corners = [farthest(areas[0], areas[1])]
+    for first, second in pairwise(areas):
+        corners += nearest(first, second)
+    return tuple(corners)
 
 
-def _join3(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """As joining two, and on to the third without stopping (§3.2.3)."""
-    first, second, third = areas
-    return *_join2((first, second), scene), *nearest(second, third)
+def _join(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """Joining two or three (§3.2.3)."""
+    return gathering(areas)
 
 
 def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
@@ -133,8 +139,8 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
     {
         "moveToContainerFast": Skill(1, _to_container, FAST_SPEED, Interpolation.JOINT),
         "moveToContainerStraight": Skill(1, _to_container, STRAIGHT_SPEED, Interpolation.STRAIGHT),
-        "join2": Skill(2, _join2, STRAIGHT_SPEED, Interpolation.STRAIGHT),
-        "join3": Skill(3, _join3, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join2": Skill(2, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join3": Skill(3, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
     }
 )

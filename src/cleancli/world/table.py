@@ -94,6 +94,12 @@ class PybulletTable:
         )
 
     @property
+    def tool(self) -> tuple[float, float, float]:
+        """Where the rag's lower middle is, by the robot's joints: x, y, z in metres."""
+        x, y, z, _ = self._drive.tool().tolist()
+        return x, y, z
+
+    @property
     def failure(self) -> str:
         """Why the last motion FAILED, or nothing."""
         return self._failure
