@@ -98,6 +98,7 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 )
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
 @click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 def command(
     domain: str,
     problem: str,
@@ -113,6 +114,7 @@ def command(
     runs: Path,
     video: bool,
     as_data: bool,
+    quiet: bool,
 ) -> int:
     """Carry PROBLEM out with the rules of DOMAIN: look, decide, act, until nothing is left to do.
 
@@ -142,7 +144,7 @@ def command(
             located_in(*sources),
             planning_refused(sources),
             Recorder(folder, _header(options, site.setup.job, *sources), site.picture, video) as recorder,
-            show(as_data) as view,
+            show(as_data or quiet, site.setup.scene, lambda: site.cell.tool, options.max_actions) as view,
         ):
             for event in clean(site.setup, site.cell):
                 recorder.write(event)
@@ -152,7 +154,7 @@ def command(
         recorder.finish(truth)
     if as_data:
         click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
-    else:
+    elif not quiet:
         click.echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
