@@ -21,6 +21,7 @@ from cleancli.execution.journal import (
     Looked,
     Planned,
     Record,
+    Spent,
     Started,
     StepEntry,
     encode,
@@ -57,16 +58,24 @@ def plan(*calls: tuple[str, str]) -> Planned:
 FAST, STRAIGHT = "moveToContainerFast", "moveToContainerStraight"
 RECORDS: tuple[Record, ...] = (
     looked(0.0, "a1", "a2"),
+    Spent({"perceiving": 0.2, "transits": 0.0}),
     plan((FAST, "a1"), (FAST, "a2")),
+    Spent({"planning": 0.3}),
     Started(1, FAST, ("a1",), EXPECTED),
     looked(9.0, "a2"),
     Acted(1, FAST, ("a1",), 9.0, {"transits": 3.0, "actions": 6.0}, "fast_medium", 0, GONE.effects),
+    Spent({"perceiving": 0.2, "transits": 3.0, "actions": 6.0}),
     Started(2, FAST, ("a2",), EXPECTED),
     Failed(2, FAST, ("a2",), 11.0, {"transits": 2.0}, "it can't reach <there> & back"),
+    Spent({"transits": 2.0}),
     plan((STRAIGHT, "a2")),
+    Spent({"planning": 0.6}),
     Started(3, STRAIGHT, ("a2",), EXPECTED),
     looked(34.0),
     Acted(3, STRAIGHT, ("a2",), 34.0, {"transits": 6.5, "actions": 15.0}, "fast_medium", None, ()),
+    Spent({"transits": 6.5, "actions": 15.0, "perceiving": 0.4}),
+    looked(34.75),
+    Spent({"extra_perceptions": 2.25}),
     Ended(34.75, "no dirt is seen any more", True, 3, SECONDS),
 )
 

@@ -87,7 +87,7 @@ def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, run_folde
 
 def test_runs_side_by_side(browser: Browser, tmp_path: Path) -> None:
     one = write_run(tmp_path / "one", pictures=0)
-    two = write_run(tmp_path / "two", RECORDS[:6], 0, episode=None, truth=None)
+    two = write_run(tmp_path / "two", RECORDS[:8], 0, episode=None, truth=None)
     assert run(["report", str(one), str(two), "--html", str(tmp_path / "both.html")]) == 0
     page, wrong = opened(browser, tmp_path / "both.html", 600)
     assert wrong == []

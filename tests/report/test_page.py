@@ -59,7 +59,7 @@ def test_one_run_is_written_into_its_folder(run_folder: Path, capsys: pytest.Cap
 
 def test_several_runs_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     one = write_run(tmp_path / "one", pictures=0)
-    two = write_run(tmp_path / "two", RECORDS[:6], 0, episode=None, truth=None)
+    two = write_run(tmp_path / "two", RECORDS[:8], 0, episode=None, truth=None)
     assert run(["report", str(one), str(two), "--html", str(tmp_path / "both.html")]) == ExitCode.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split()[:5] == ["run", "strategy", "seed", "ended", "actions"]

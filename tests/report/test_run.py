@@ -32,7 +32,7 @@ def test_steps_tell_what_was_expected_and_what_happened() -> None:
 
 
 def test_an_action_that_a_crash_cut_short_is_told_as_such() -> None:
-    (*_, last) = steps_of(RECORDS[:3])
+    (*_, last) = steps_of(RECORDS[:5])
     assert not last.finished
     assert last.chance is None
     assert last.expected.rule == "fast_medium"
@@ -52,7 +52,9 @@ def test_time_follows_time_and_areas_are_counted() -> None:
     assert all(a.start + a.seconds == pytest.approx(b.start) for a, b in pairwise(stretches))
     assert {s.number for s in stretches if s.kind in ("transits", "actions")} == {1, 2, 3}
     assert {s.number for s in stretches if s.kind == "planning"} == {0}
-    assert [count.areas for count in counts] == [2, 1, 0]
+    for kind, seconds in SECONDS.items():
+        assert sum(s.seconds for s in stretches if s.kind == kind) == pytest.approx(seconds)
+    assert [count.areas for count in counts] == [2, 1, 0, 0]
 
 
 def test_a_row_is_what_run_json_says(run_folder: Path) -> None:
@@ -64,7 +66,7 @@ def test_a_row_is_what_run_json_says(run_folder: Path) -> None:
 
 
 def test_a_run_cut_short_has_the_time_of_its_journal(tmp_path: Path) -> None:
-    folder = write_run(tmp_path / "cut", RECORDS[:6], episode=None, truth=None)
+    folder = write_run(tmp_path / "cut", RECORDS[:8], episode=None, truth=None)
     with (folder / "journal.jsonl").open("a", encoding="utf-8") as journal:
         journal.write('{"event": "act')
     row = row_of(read_run(folder))

@@ -12,9 +12,10 @@ from rich.table import Table
 
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.language.edit import replace_file
-from cleancli.report.account import Row, in_order, name_of, row_of
+from cleancli.report.account import Row, name_of, row_of
 from cleancli.report.page import comparison_page, run_page
 from cleancli.report.run import Run, read_run
+from cleancli.report.timeline import in_order
 
 PAGE = "report.html"
 

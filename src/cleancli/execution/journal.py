@@ -69,18 +69,24 @@ class StepEntry:
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """The table was looked at. `seconds` of perception, `clock` of robot time at the look."""
+    """The table was looked at. `seconds` of perception, `clock` of robot time at the look.
+
+    `purpose`: first, after (an action, the arm being where that left it), extra or learning (the arm having
+    left the view).
+    """
 
     clock: float
     seconds: float
     areas: tuple[AreaEntry, ...]
     objects: Mapping[str, str]
     facts: tuple[FactEntry, ...]
+    purpose: str = "first"
 
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A plan was made. `seconds` of grounding and planning; `value` is whose `measure` says."""
+    """It was decided what to do. `seconds` of grounding and planning; `value` is whose `measure` says. A
+    strategy that plans nothing ahead has an empty `planner` and `measure`, and expects nothing."""
 
     planner: str
     seconds: float
@@ -132,6 +138,14 @@ class Failed:
 
 
 @dataclass(frozen=True, slots=True)
+class Spent:
+    """Seconds by kind that whoever waits for the robot has waited since the last such line: they add up to
+    what `ended` tells."""
+
+    seconds: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Resumed:
     """The run went on from its checkpoint after so many actions; `dropped` lines that came after it are not
     in the journal any more."""
@@ -158,7 +172,7 @@ class Ended:
     seconds: Mapping[str, float]
 
 
-Record = Looked | Planned | Started | Acted | Failed | Resumed | Interrupted | Ended
+Record = Looked | Planned | Started | Acted | Failed | Spent | Resumed | Interrupted | Ended
 
 EVENTS: Mapping[str, type[Record]] = {
     "looked": Looked,
@@ -166,6 +180,7 @@ EVENTS: Mapping[str, type[Record]] = {
     "started": Started,
     "acted": Acted,
     "failed": Failed,
+    "spent": Spent,
     "resumed": Resumed,
     "interrupted": Interrupted,
     "ended": Ended,

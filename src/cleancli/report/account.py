@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 from cleancli.execution.journal import Looked
 from cleancli.report.run import Run
-
-KINDS = ("planning", "perceiving", "extra_perceptions", "transits", "actions", "learning")
-"""What time is spent on, in the order in which it is told; a record may know others."""
+from cleancli.report.timeline import KINDS, in_order
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +49,6 @@ def row_of(run: Run) -> Row:
         left=truth.get("on_table"),
         on_floor=truth.get("on_floor"),
     )
-
-
-def in_order(seconds: Mapping[str, float]) -> dict[str, float]:
-    """Seconds by kind, the known kinds first."""
-    known = [kind for kind in KINDS if kind in seconds]
-    return {kind: seconds[kind] for kind in (*known, *(k for k in seconds if k not in KINDS))}
 
 
 def name_of(kind: str) -> str:

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import jinja2
 
 from cleancli.execution.journal import Planned
-from cleancli.report.account import Row, colour_of, in_order, name_of, row_of
+from cleancli.report.account import Row, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import Run
-from cleancli.report.steps import Step, call, chance_text, facts_text, likeliest, step_text, steps_of
-from cleancli.report.timeline import Count, Stretch, timeline
+from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
+from cleancli.report.timeline import Count, Stretch, in_order, timeline
 
 CURVE_HEIGHT = 100.0
 TICKS = 8  # at most about so many along the axis of time
@@ -44,12 +44,14 @@ class Possible:
 
 @dataclass(frozen=True, slots=True)
 class StepView:
-    """A step with its picture and texts; `surprise` is empty where the likeliest outcome came."""
+    """A step with its picture and texts. `changed`: the facts whose symbols rules set, `changed_too`: all
+    others. `surprise` is empty where the likeliest outcome came."""
 
     step: Step
     picture: str | None
     outcomes: tuple[Possible, ...]
     changed: str
+    changed_too: str
     surprise: str
     spent: tuple[Bar, ...]
 
@@ -85,7 +87,7 @@ def run_page(run: Run) -> str:
             curve=_curve(counts, axis),
             most_areas=max((count.areas for count in counts), default=0),
             first=data_uri(run.picture(0)),
-            steps=[_view(step, run) for step in steps],
+            steps=[_view(step, run, _settable(steps)) for step in steps],
             kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(run.spent())],
         )
     )
@@ -145,9 +147,11 @@ def _seconds_text(seconds: float) -> str:
 
 
 def _measure(plan: Planned) -> str:
-    """What a plan was found to be worth, and how."""
+    """What a plan was found to be worth, how, and by whom; of a strategy that does not plan, nothing."""
+    if not plan.measure:
+        return "of a strategy that looks no further"
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.2g}"
-    return f"value {plan.value:.2f} ({plan.measure}{coverage})"
+    return f"value {plan.value:.2f} ({plan.measure}{coverage}), by {plan.planner}"
 
 
 def _verdict(run: Run) -> tuple[str, str]:
@@ -197,7 +201,13 @@ def _curve(counts: Iterable[Count], axis: float) -> str:
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
-def _view(step: Step, run: Run) -> StepView:
+def _settable(steps: Iterable[Step]) -> frozenset[str]:
+    """The symbols that some outcome would set."""
+    outcomes = (outcome for step in steps for outcome in step.expected.outcomes)
+    return frozenset(effect.symbol for outcome in outcomes for effect in outcome.effects)
+
+
+def _view(step: Step, run: Run, settable: frozenset[str]) -> StepView:
     best = likeliest(step.expected)
     outcomes = tuple(
         Possible(outcome.probability, chance_text(outcome), number == best, number == step.outcome)
@@ -207,7 +217,8 @@ def _view(step: Step, run: Run) -> StepView:
         step,
         data_uri(run.picture(step.number)),
         outcomes,
-        facts_text(step.changed) or "nothing",
+        facts_text([fact for fact in step.changed if fact.symbol in settable]),
+        facts_text([fact for fact in step.changed if fact.symbol not in settable]),
         _surprise(step, best),
         bars(step.seconds),
     )
@@ -220,6 +231,6 @@ def _surprise(step: Step, best: int | None) -> str:
         return f"failed: {step.failure}"
     if not step.expected.outcomes:
         return "no rule says what to expect"
-    if step.outcome is None:
-        return "none of the outcomes explains what was seen"
+    if step.outcome is None or step.expected.outcomes[step.outcome].kind == NOISE:
+        return "none of the modelled outcomes"
     return "" if step.outcome == best else "not the likeliest outcome"

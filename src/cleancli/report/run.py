@@ -12,9 +12,8 @@ from typing import Any
 
 import msgspec
 
-from cleancli.execution.journal import JOURNAL, Acted, Failed, Record, read_journal
+from cleancli.execution.journal import JOURNAL, Acted, Failed, Record, Spent, read_journal
 from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.report.timeline import spent_on
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +77,7 @@ class Run:
             return {kind: s for kind, s in self.header.episode.seconds.items() if kind != "total"}
         spent: dict[str, float] = {}
         for record in self.records:
-            for kind, seconds in spent_on(record):
+            for kind, seconds in record.seconds.items() if isinstance(record, Spent) else ():
                 spent[kind] = spent.get(kind, 0.0) + seconds
         return spent
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from cleancli.execution.journal import Acted, Failed, Looked, Planned, Record
+from cleancli.execution.journal import Acted, Failed, Looked, Record, Spent
+
+KINDS = ("planning", "transits", "actions", "perceiving", "extra_perceptions", "learning")
+"""What time is spent on, in the order in which it is told; a record may know others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,24 +34,26 @@ def timeline(records: Iterable[Record]) -> tuple[tuple[Stretch, ...], tuple[Coun
     """How time went by, one thing after the other, and how many dirty areas were seen meanwhile."""
     stretches: list[Stretch] = []
     counts: list[Count] = []
-    now = 0.0
+    now, number = 0.0, 0
+    seen: int | None = None
     for record in records:
-        number = record.number if isinstance(record, Acted | Failed) else 0
-        for kind, seconds in spent_on(record):
-            if seconds > 0:
-                stretches.append(Stretch(kind, now, seconds, number))
-                now += seconds
-        if isinstance(record, Looked):
-            counts.append(Count(now, len(record.areas)))
+        match record:
+            case Acted() | Failed():
+                number = record.number
+            case Looked():
+                seen = len(record.areas)
+            case Spent(spent):
+                for kind, seconds in in_order({k: s for k, s in spent.items() if s > 0}).items():
+                    stretches.append(Stretch(kind, now, seconds, number))
+                    now += seconds
+                number = 0
+        if seen is not None and isinstance(record, Spent):
+            counts.append(Count(now, seen))
+            seen = None
     return tuple(stretches), tuple(counts)
 
 
-def spent_on(record: Record) -> Iterator[tuple[str, float]]:
-    """What an event took, by kind: planning and perception are real time, all else is the robot's."""
-    match record:
-        case Looked(_, seconds):
-            yield "perceiving", seconds
-        case Planned(_, seconds):
-            yield "planning", seconds
-        case Acted() | Failed():
-            yield from record.seconds.items()
+def in_order(seconds: Mapping[str, float]) -> dict[str, float]:
+    """Seconds by kind, the known kinds first."""
+    known = [kind for kind in KINDS if kind in seconds]
+    return {kind: seconds[kind] for kind in (*known, *(k for k in seconds if k not in KINDS))}
