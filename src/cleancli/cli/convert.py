@@ -8,8 +8,8 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli.echo import echo_refused
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.report import echo_refused
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import Change, write_all

@@ -13,11 +13,11 @@ import click
 from cleancli.cli.calls import Call, read_actions
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.live import working
 from cleancli.cli.plan_answer import echo_comparison, echo_evaluation, echo_plan
 from cleancli.cli.plan_job import Job, numbered, with_calls
 from cleancli.cli.plan_options import planner_named, planner_options, planners_named
 from cleancli.cli.plan_picture import check_picture, draw_picture
+from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import look
 from cleancli.compiler.ground import ground
