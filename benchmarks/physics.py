@@ -6,7 +6,7 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 - path: the WAM's fast and straight pushes (§3.2.1), and what of their difference is path and what speed;
 - ink: how much ink a pass takes.
 
-All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
+All of it takes more than an hour of CPU. With --keep every trial is written to a file as soon as it is done,
 and trials that stand there already are not done again. `--quick` tries little of everything.
 """
 
@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -82,6 +82,9 @@ Row = Mapping[str, str | int | float | list[float]]
 """What a try is worth keeping: numbers and words, by name."""
 
 
+PathOf = Callable[[str, tuple[Ellipse, ...], Scene], ToolPath]
+
+
 @dataclass(frozen=True, slots=True)
 class Run:
     """How often to try what, how many tries at a time, and the file that keeps them, if any."""
@@ -121,8 +124,8 @@ def trial(scene: Scene, action: str, seed: int) -> Row:
 
 
 def actions(run: Run, names: Sequence[str], kinds: Sequence[str], grasps: Sequence[str]) -> Iterator[str]:
-    """Shares of outcomes by grasp. `from wide`: how likely chance makes a grasp differ from the first so much;
-    `p`: how likely it makes all of them."""
+    """Shares of outcomes by grasp. `from wide`: how likely chance makes a grasp differ from the first so
+    much; `p`: how likely it makes all of them."""
     yield (
         "| action | lentils | grasp | none left | some left | spread out | trials | failed | left | seconds"
         " | from wide | p |"
@@ -176,10 +179,8 @@ def bowed(way: str, kind: str, seed: int) -> Row:
 
     def path_of(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
         path = push(way, action, areas, scene)
-        try:
+        with suppress(Unreachable):  # the trial will fail, and say why
             bows.append(bow(path, scene))
-        except Unreachable:
-            pass  # the trial will fail, and say why
         return path
 
     return {**_row(scene, "moveToContainerStraight", seed, path_of), "bow": bows}
@@ -198,7 +199,7 @@ def paths(run: Run, kinds: Sequence[str]) -> Iterator[str]:
         middle = np.median([b for row in rows for b in row["bow"]])
         yield f"| {kind} | {way} | {_shares(rows)} | {_means(rows)} | {1000 * middle:.0f} mm |"
     yield ""
-    yield "| lentils | first | second | pairs | left by first | by second | p | only first cleared | only second | p |"
+    yield "| lentils | first | second | pairs | first left | second | p | only first cleared | second | p |"
     yield "|---|---|---|---|---|---|---|---|---|---|"
     for kind, (one, other) in product(kinds, PAIRS):
         yield f"| {kind} | {one} | {other} | {_compared(found[kind, one], found[kind, other])} |"
@@ -215,7 +216,8 @@ PAIRS = (
 
 
 def _compared(first: Sequence[Row], second: Sequence[Row]) -> str:
-    """Shares of dirt left, with Wilcoxon's signed-rank test; how often one alone cleared all, with McNemar's."""
+    """Shares of dirt left, with Wilcoxon's signed-rank test; how often one alone cleared all, with
+    McNemar's."""
     both = [(a, b) for a, b in zip(first, second, strict=True) if _done(a) and _done(b)]
     left = np.array([[row["left"] / max(1, row["targets"]) for row in pair] for pair in both]).reshape(-1, 2)
     cleared = left == 0
@@ -229,9 +231,8 @@ def _compared(first: Sequence[Row], second: Sequence[Row]) -> str:
 
 def passes(grasp: str, seed: int) -> Row:
     """How much of a line of ink, 6 cm across the rag's way, is left after each pass of one table."""
-    scene = replace(
-        BASE, dirt=(Ink(((-0.10, -0.03), (-0.10, 0.03)), 0.008),), rag=Rag(SHIPPED[grasp], SHIPPED[grasp].width)
-    )
+    held, line = SHIPPED[grasp], Ink(((-0.10, -0.03), (-0.10, 0.03)), 0.008)
+    scene = replace(BASE, dirt=(line,), rag=Rag(held, held.width))
     area = Ellipse((-0.10, 0.0), (0.034, 0.004), np.pi / 2)
     left = []
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
@@ -257,9 +258,7 @@ def ink(run: Run, grasps: Sequence[str]) -> Iterator[str]:
         yield f"| {grasp} | {took.size} | {(took < 0.05).mean():.0%} | {(took > 0.5).mean():.0%} | {means} |"
 
 
-def _row(
-    scene: Scene, action: str, seed: int, path_of: Callable[[str, tuple[Ellipse, ...], Scene], ToolPath] = tool_path
-) -> Row:
+def _row(scene: Scene, action: str, seed: int, path_of: PathOf = tool_path) -> Row:
     done = attempt(scene, action, (), seed, path_of)
     return {
         "outcome": done.outcome.value,
@@ -297,7 +296,7 @@ def _means(rows: Sequence[Row]) -> str:
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--repeat", type=int, default=40, help="trials of each kind (of paths, three times as many)")
+    parser.add_argument("--repeat", type=int, default=40, help="trials of each kind")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--part", choices=("actions", "path", "ink"), help="[default: all of them]")

@@ -14,10 +14,10 @@ import numpy as np
 from cleancli.cli.completion import problems
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
-from cleancli.execution.events import Situation
 from cleancli.execution.overlay import reach_map
 from cleancli.execution.pictures import step_picture, write_png
 from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.state import Situation
 from cleancli.perception.area import Area
 from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import BadFrame, perceive
@@ -64,8 +64,8 @@ def command(
         frames = load_frames(recorded) if recorded else tuple(table.observe() for _ in range(FRAMES))
         areas = _seen(frames, setting, seed, recorded)
         if out is not None:
-            situation = Situation(frames[-1], areas, (), frozenset())
-            write_png(out, step_picture(situation, None, table.picture()))
+            situation = Situation(areas, (), frozenset())
+            write_png(out, step_picture(frames[-1], situation, None, table.picture()))
         if saved is not None:
             save_frames(frames, saved)
         if reached is not None:

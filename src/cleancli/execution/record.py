@@ -17,17 +17,21 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.execution import journal
+from cleancli.execution.entries import Entries
 from cleancli.execution.events import (
     Acted,
+    Checkpoint,
+    Decided,
     Ended,
     Event,
+    Failed,
     Looked,
     Moved,
-    Planned,
-    Situation,
     Started,
     StrokeEnded,
 )
+from cleancli.execution.journal import JOURNAL
 from cleancli.execution.pictures import Video, step_picture, write_png
 from cleancli.language.edit import replace_file
 from cleancli.learning.experience import encode
@@ -54,23 +58,27 @@ def free_folder(parent: Path, stem: str) -> Path:
 
 class Recorder:
     """Writes a run's events into its folder; `snapshot` makes a picture of the room, of some width
-    and height, for people to look at."""
+    and height, for people to look at; a world without a room has none."""
 
     def __init__(
         self,
         folder: Path,
         header: Mapping[str, object],
-        snapshot: Callable[[int, int], Picture],
+        snapshot: Callable[[int, int], Picture] | None,
         video: bool,
+        entries: Entries,
     ) -> None:
         self._folder, self._header, self._snapshot = folder, dict(header), snapshot
         self._totals: dict[str, object] = {}
-        self._situation: Situation | None = None
+        self._last: Looked | None = None
+        self._before: Looked | None = None
         self._started: Started | None = None
         self._room: Picture | None = None
         self._write_run()
         self._experience: IO[str] = (folder / "experience.jsonl").open("a", encoding="utf-8")
-        self._video = Video(folder / "video.mp4") if video else None
+        self._journal: IO[str] = (folder / JOURNAL).open("a", encoding="utf-8")
+        self._entries = entries
+        self._video = Video(folder / "video.mp4") if video and snapshot is not None else None
 
     def __enter__(self) -> Self:
         return self
@@ -79,33 +87,41 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._experience.close()
+        self._journal.close()
         if self._video is not None:
             self._video.close()
 
     def write(self, event: Event) -> None:
         """Record one event."""
+        for record in self._entries.of(event):
+            self._journal.write(journal.encode(record) + "\n")
+            self._journal.flush()
         match event:
-            case Looked(situation):
-                if self._situation is None:
-                    self._situation = situation
-                    self._picture(0, situation, None, self._snapshot(*STEP_SIZE))
+            case Looked():
+                if self._last is None:
+                    self._room = self._photographed()
+                    self._picture(0, event)
+                self._last = event
             case Started():
-                self._started = event
+                self._started, self._before = event, self._last
             case Moved(clock):
-                if self._video is not None and self._video.wants(clock):
+                if self._video is not None and self._snapshot is not None and self._video.wants(clock):
                     self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption())
-            case StrokeEnded():
-                self._room = self._snapshot(*STEP_SIZE)
+            case StrokeEnded() | Failed():
+                self._room = self._photographed()
             case Acted():
                 self._acted(event)
             case Ended():
+                seconds = event.spent.by_kind()
                 self._totals["episode"] = {
                     "reason": event.reason,
                     "clean": event.clean,
                     "actions": event.actions,
-                    "seconds": {**event.seconds, "total": sum(event.seconds.values())},
+                    "seconds": {**seconds, "total": event.spent.total},
+                    "robot_clock": event.clock,
+                    "loading": event.loading,
                 }
-            case Planned():
+            case Decided() | Checkpoint():
                 pass
 
     def finish(self, truth: Mapping[str, object]) -> None:
@@ -114,24 +130,25 @@ class Recorder:
         self._write_run()
 
     def _acted(self, event: Acted) -> None:
-        extra = {"number": event.number, "seconds": round(event.seconds, 3)}
-        self._experience.write(encode(event.transition, extra) + "\n")
-        self._experience.flush()
-        os.fsync(self._experience.fileno())
-        assert self._situation is not None, "an episode looks before it acts"
-        assert self._started is not None
-        assert self._room is not None
-        self._picture(event.number, self._situation, self._started, self._room)
-        self._situation, self._started = event.situation, None
+        if event.transition is not None and event.seen:
+            extra = {"number": event.number, "seconds": round(event.seconds, 3)}
+            self._experience.write(encode(event.transition, extra) + "\n")
+            self._experience.flush()
+            os.fsync(self._experience.fileno())
+        assert self._before is not None, "an episode looks before it acts"
+        self._picture(event.number, self._before)
+        self._started = None
 
-    def _picture(self, number: int, situation: Situation, started: Started | None, room: Picture) -> None:
-        picture = step_picture(situation, started, room)
-        write_png(self._folder / f"step-{number:03d}.png", picture)
+    def _photographed(self) -> Picture | None:
+        return None if self._snapshot is None else self._snapshot(*STEP_SIZE)
+
+    def _picture(self, number: int, before: Looked) -> None:
+        if before.frame is not None and self._room is not None:
+            picture = step_picture(before.frame, before.situation, self._started, self._room)
+            write_png(self._folder / f"step-{number:03d}.png", picture)
 
     def _caption(self) -> str:
-        if self._started is None:
-            return "looking"
-        return f"{self._started.number}. {self._started.action}({', '.join(self._started.arguments)})"
+        return "looking" if self._started is None else f"{self._started.number}. {self._started.move}"
 
     def _write_run(self) -> None:
         text = json.dumps({**self._header, **self._totals}, indent=2, ensure_ascii=False) + "\n"

@@ -31,6 +31,16 @@ class Stroke:
     points: tuple[tuple[float, float], ...]
     half_width: float
 
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """The names of the areas that it was meant to push away; the target of a join stays."""
+        return self.pushed[:-1] if len(self.pushed) > 1 else self.pushed
+
+    def swept(self, point: tuple[float, float], beside: float = 0.0) -> bool:
+        """Whether the cloth went over a point, or passed within `beside` metres of it."""
+        pieces = pairwise(self.points) if len(self.points) > 1 else ((p, p) for p in self.points)
+        return any(_distance(point, *piece) <= self.half_width + beside for piece in pieces)
+
 
 def track(
     before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, next_number: int
@@ -42,7 +52,7 @@ def track(
     its name to the largest area left that lies along the stroke or where it lay before. A name without an
     area is gone; an area without a name becomes `a<next_number>`, and so on.
     """
-    pushed = () if stroke is None else stroke.pushed[:-1] if len(stroke.pushed) > 1 else stroke.pushed
+    pushed = () if stroke is None else stroke.moved
     names = _standing([area for area in before if area.name not in pushed], after)
     if stroke is not None:
         names |= _pushed(before, after, stroke, names)
@@ -88,17 +98,9 @@ def _largest_reached(indices: Iterable[int], after: Sequence[Area], old: Area, s
     reached = [
         index
         for index in indices
-        if _in_strip(after[index], stroke) or gap(old.ellipse, after[index].ellipse) <= GATE
+        if stroke.swept(after[index].ellipse.centre, GATE) or gap(old.ellipse, after[index].ellipse) <= GATE
     ]
     return max(reached, key=lambda index: after[index].covered, default=None)
-
-
-def _in_strip(area: Area, stroke: Stroke) -> bool:
-    """Whether the area's centre lies where the cloth swept, or within the gate of it."""
-    reach = stroke.half_width + GATE
-    if len(stroke.points) == 1:
-        return dist(area.ellipse.centre, stroke.points[0]) <= reach
-    return any(_distance(area.ellipse.centre, *piece) <= reach for piece in pairwise(stroke.points))
 
 
 def _distance(point: tuple[float, float], start: tuple[float, float], end: tuple[float, float]) -> float:
