@@ -11,6 +11,7 @@ import av
 import cv2
 import pytest
 
+from cleancli.execution.entries import Entries
 from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, Moved
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
@@ -46,7 +47,8 @@ def episode(
     folder = free_folder(tmp_path_factory.mktemp("runs"), "run")
     events = []
     with closing(table_site(domain, scene, EpisodeOptions(samples=2000))) as site:
-        with Recorder(folder, {"seed": 1}, site.picture, video=True) as recorder:
+        entries = Entries(site.setup.domain, lambda: site.cell.clock)
+        with Recorder(folder, {"seed": 1}, site.picture, True, entries) as recorder:
             for event in clean(site.setup, site.cell):
                 recorder.write(event)
                 events.append(event)

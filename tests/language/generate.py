@@ -469,7 +469,7 @@ def scene(rng: Random) -> Generated:
         _section("rag", rng, width=_length(rng, 40, 200)),
         _section("camera", rng, height=_length(rng, 900, 1200), image=["640", "x", "480"]),
         ["grasp", "own", *_section("", rng, sweep=_angle(rng), skew=_angle(rng), gain=["0.2"])[1:]],
-        _section("light", rng, direction=["(", *_angle(rng), ",", "60", "deg", ")"], ambient=["0.5"]),
+        _section("light", rng, direction=["(", *_angle(rng), ",", "60", "deg", ")"], gradient=["0.3"]),
         _section("symbols", rng, near=_length(rng, 100, 300), link=_length(rng, 10, 90)),
     ]
     del blocks[rng.choice((3, 4))]

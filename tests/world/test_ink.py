@@ -45,7 +45,7 @@ def test_cameras_and_perception_see_it(scene: MakeScene) -> None:
     setting = scene(LINE)
     with closing(PybulletTable(setting, 1)) as table:
         eye = camera.overhead(setting.camera)
-        colour, _ = camera.render(table._engine, eye, setting.light, table._ink)
+        colour, _ = camera.render(table._engine, eye, setting.light, table._finish)
         (area,) = perceive([table.observe()], setting, np.random.default_rng(1)).areas
         onlooker = table.picture().astype(int)
     blue = np.argwhere(np.abs(colour.astype(int) - par.INK_COLOUR).max(axis=2) < 3)

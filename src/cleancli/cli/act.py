@@ -17,7 +17,7 @@ import numpy as np
 
 from cleancli.cli.completion import problems
 from cleancli.cli.inputs import open_scene
-from cleancli.cli.live import counting
+from cleancli.cli.progress import counting
 from cleancli.execution.overlay import overlay
 from cleancli.execution.pictures import write_png
 from cleancli.execution.trials import Outcome, Trial, attempt, wilson

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +17,8 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import show
 from cleancli.cli.refusal import planning_refused
+from cleancli.cli.report import write_page
+from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
@@ -98,6 +100,7 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 )
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
 @click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 def command(
     domain: str,
     problem: str,
@@ -113,6 +116,7 @@ def command(
     runs: Path,
     video: bool,
     as_data: bool,
+    quiet: bool,
 ) -> int:
     """Carry PROBLEM out with the rules of DOMAIN: look, decide, act, until nothing is left to do.
 
@@ -141,8 +145,14 @@ def command(
         with (
             located_in(*sources),
             planning_refused(sources),
-            Recorder(folder, _header(options, site.setup.job, *sources), site.picture, video) as recorder,
-            show(as_data) as view,
+            Recorder(
+                folder,
+                _header(options, site.setup.job, _copied(sources, folder)),
+                site.picture,
+                video,
+                Entries(model, lambda: site.cell.clock),
+            ) as recorder,
+            show(as_data or quiet, site.setup.scene, lambda: site.cell.tool, options.max_actions) as view,
         ):
             for event in clean(site.setup, site.cell):
                 recorder.write(event)
@@ -150,9 +160,10 @@ def command(
         assert isinstance(event, Ended), "an episode's last event closes it"
         truth = site.truth()
         recorder.finish(truth)
+    write_page(folder)
     if as_data:
         click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
-    else:
+    elif not quiet:
         click.echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
@@ -177,9 +188,24 @@ def _by_time(objective: str | None, domain: Domain) -> bool:
     return objective == "time" or (objective is None and not unknown)
 
 
-def _header(options: EpisodeOptions, job: Job, *sources: Source) -> dict[str, object]:
+def _copied(sources: Sequence[Source], folder: Path) -> list[dict[str, str]]:
+    """Copy the texts into the folder, and say which is which."""
+    (folder / "files").mkdir()
+    entries, taken = [], set[str]()
+    for number, source in enumerate(sources):
+        name = Path(source.path).name
+        name = name if name not in taken else f"{number}-{name}"
+        taken.add(name)
+        (folder / "files" / name).write_bytes(source.text.encode())
+        sha = hashlib.sha256(source.text.encode()).hexdigest()
+        entries.append({"path": source.path, "sha256": sha, "copy": f"files/{name}"})
+    return entries
+
+
+def _header(options: EpisodeOptions, job: Job, files: list[dict[str, str]]) -> dict[str, object]:
     """What another person needs to run the same again."""
     return {
+        "format": 1,
         "versions": {
             "cleancli": __version__,
             "python": platform.python_version(),
@@ -196,7 +222,7 @@ def _header(options: EpisodeOptions, job: Job, *sources: Source) -> dict[str, ob
             "max_actions": options.max_actions,
             "max_seconds": options.max_seconds,
         },
-        "files": {s.path: hashlib.sha256(s.text.encode()).hexdigest() for s in sources},
+        "files": files,
     }
 
 
@@ -208,7 +234,7 @@ def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: boo
     ]
     if "particles" in truth:
         lines += _left(truth)
-    lines.append(f"record: {folder}/" + ("  pictures: step-*.png  video: video.mp4" if video else ""))
+    lines.append(f"record: {folder}/  page: report.html" + ("  video: video.mp4" if video else ""))
     return "\n".join(lines)
 
 

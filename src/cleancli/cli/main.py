@@ -29,6 +29,7 @@ SUMMARIES = {
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
+    "report": "A run as a page, or several runs compared.",
     "scene": "What a scene holds, how it looks, what its robot reaches.",
     "act": "Try one action many times, and count how it truly ends.",
     "learn": "Improve a domain's probabilities from recorded experience.",
@@ -104,7 +105,7 @@ def run(arguments: Sequence[str]) -> int:
 
 def _print_refused(refused: Refused) -> None:
     """Imported here because most runs never need the renderer."""
-    from cleancli.cli.report import echo_refused
+    from cleancli.cli.echo import echo_refused
 
     echo_refused(refused)
 

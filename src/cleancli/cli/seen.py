@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.live import working
+from cleancli.cli.progress import working
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain, Problem

@@ -38,6 +38,8 @@ def _length(meaning: str) -> KeyWords:
     return KeyWords(meaning, LENGTHS)
 
 
+_COLOUR = KeyWords("red, green and blue from 0 to 255", values=("rgb(205, 198, 184)",))
+
 TOP = ""
 """The place outside of all sections."""
 
@@ -50,8 +52,10 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "width": _length("the surface's extent along x"),
         "depth": _length("the surface's extent along y"),
         "friction": KeyWords("the friction coefficient, above 0 and at most 2"),
-        "colour": KeyWords("red, green and blue from 0 to 255", values=("rgb(205, 198, 184)",)),
+        "colour": _COLOUR,
         "tilt": KeyWords("how far it rises towards east and north", ANGLES, ("(0 deg, 0 deg)",)),
+        "texture": KeyWords("how much its brightness varies, a share from 0 to 0.3 (standard deviation)"),
+        "grain": _length("how far apart its lighter and darker places lie"),
     },
     "container": {
         "edge": KeyWords("the edge of the surface below which the container stands", values=EDGES),
@@ -79,12 +83,15 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "height": _length("the camera's height above the surface"),
         "image": KeyWords("the picture's size in pixels", values=("640 x 480",)),
         "focal": KeyWords("the focal length in pixels"),
+        "at": KeyWords("above which place it hangs; it looks at the middle", LENGTHS, ("(0 cm, -50 cm)",)),
+        "calibration": KeyWords("the file that `cleancli calibrate` wrote", values=('"table.json"',)),
     },
     "light": {
         "direction": KeyWords(
             "where light comes from: angle from x, angle above the surface", ANGLES, ("(-50 deg, 69 deg)",)
         ),
         "ambient": KeyWords("the share of light that comes from all around, above 0 and at most 1"),
+        "gradient": KeyWords("how much more light falls on the side of the lamp, a share from 0 to 0.9"),
     },
     "dirt": {},
     "group": {
@@ -92,16 +99,19 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "of": KeyWords("what they are", values=PARTICLES),
         "at": KeyWords("the group's middle", LENGTHS, ("(0 cm, 0 cm)",)),
         "radius": _length("the circle that they lie in"),
+        "colour": _COLOUR,
     },
     "scattered": {
         "count": KeyWords("how many particles"),
         "of": KeyWords("what they are", values=PARTICLES),
         "from": KeyWords("the rectangle's south-west corner", LENGTHS, ("(-10 cm, -10 cm)",)),
         "to": KeyWords("the rectangle's north-east corner", LENGTHS, ("(10 cm, 10 cm)",)),
+        "colour": _COLOUR,
     },
     "ink": {
         "along": KeyWords("the points of the line", LENGTHS, ("((0 cm, 0 cm), (10 cm, 5 cm))",)),
         "width": _length("the line's width"),
+        "colour": _COLOUR,
     },
     "symbols": {
         "link": _length("dirt closer than this is one area"),

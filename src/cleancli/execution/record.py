@@ -17,6 +17,8 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.execution import journal
+from cleancli.execution.entries import Entries
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -29,6 +31,7 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
+from cleancli.execution.journal import JOURNAL
 from cleancli.execution.pictures import Video, step_picture, write_png
 from cleancli.language.edit import replace_file
 from cleancli.learning.experience import encode
@@ -63,6 +66,7 @@ class Recorder:
         header: Mapping[str, object],
         snapshot: Callable[[int, int], Picture] | None,
         video: bool,
+        entries: Entries,
     ) -> None:
         self._folder, self._header, self._snapshot = folder, dict(header), snapshot
         self._totals: dict[str, object] = {}
@@ -72,6 +76,8 @@ class Recorder:
         self._room: Picture | None = None
         self._write_run()
         self._experience: IO[str] = (folder / "experience.jsonl").open("a", encoding="utf-8")
+        self._journal: IO[str] = (folder / JOURNAL).open("a", encoding="utf-8")
+        self._entries = entries
         self._video = Video(folder / "video.mp4") if video and snapshot is not None else None
 
     def __enter__(self) -> Self:
@@ -81,11 +87,15 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._experience.close()
+        self._journal.close()
         if self._video is not None:
             self._video.close()
 
     def write(self, event: Event) -> None:
         """Record one event."""
+        for record in self._entries.of(event):
+            self._journal.write(journal.encode(record) + "\n")
+            self._journal.flush()
         match event:
             case Looked():
                 if self._last is None:

@@ -37,8 +37,7 @@ def table_site(domain: Domain, scene: Scene, options: EpisodeOptions, job: Job |
 
     Raises what `PybulletTable` does.
     """
-    if job is None:
-        job = Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
+    job = usual_job(scene) if job is None else job
     table = PybulletTable(scene, derived(options.seed, Purpose.WORLD))
     return Site(
         Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),
@@ -47,6 +46,11 @@ def table_site(domain: Domain, scene: Scene, options: EpisodeOptions, job: Job |
         lambda: truth_of(table.truth()),
         table.close,
     )
+
+
+def usual_job(scene: Scene) -> Job:
+    """What the scene's robot does unless told otherwise."""
+    return Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
 
 
 def symbolic_site(domain: Domain, problem: Problem, options: EpisodeOptions) -> Site:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, pi
+from math import atan2, ceil, pi
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from cleancli.perception import geometry
 from cleancli.perception.area import Area, Ellipse
@@ -14,34 +15,49 @@ from cleancli.perception.frame import Camera
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.perception.surface import Mask
 
-LEAST_PATCH = 5.5e-6
-"""Square metres below which a patch is no dirt: half of a grain of rice."""
-
 ROUNDS = 40
 """Rounds of Titterington's iteration; the ellipse is then within 2 % of the smallest one's axes."""
+
+CELL = 0.002
+"""Metres: width of the cells of the surface between which gaps are measured."""
 
 _CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
-def group(dirt: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, link: float) -> tuple[Area, ...]:
-    """The dirty areas, unnamed, from west to east; dirt with a gap below `link` metres is one area."""
-    pixel_areas = seen_as.pixel_areas(camera.focal)
-    patches = _without_small_patches(dirt, pixel_areas)
-    if not patches.any():
-        return ()
-    to_dirt = cv2.distanceTransform((~patches).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    # Half a link around every patch: those that touch are linked. Distances between pixel middles are a pixel
-    # longer than the gap between the pixels.
-    reach = (link * camera.focal / seen_as.depth + 1) / 2
-    _, labels = cv2.connectedComponents((to_dirt <= reach).view(np.uint8), connectivity=8)
+def group(patches: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, link: float) -> tuple[Area, ...]:
+    """The dirty areas, unnamed, from west to east; patches with a gap below `link` metres are one area."""
     rows, columns = np.nonzero(patches)
-    owners = labels[rows, columns]
+    if not len(rows):
+        return ()
+    pixel_areas = seen_as.pixel_areas[rows, columns].astype(np.float64)
+    middles = np.column_stack([seen_as.x[rows, columns], seen_as.y[rows, columns]]).astype(np.float64)
+    owners = linked(middles, pixel_areas, link)
+    covered = np.bincount(owners, pixel_areas)
     pixels = np.column_stack([columns, rows]).astype(np.float64)
-    covered = np.bincount(owners, pixel_areas[rows, columns])
-    present = np.unique(owners)
-    ellipses = enclosing_ellipses([_outline(pixels[owners == owner], camera, plane) for owner in present])
-    areas = [Area(ellipse, float(covered[owner])) for ellipse, owner in zip(ellipses, present, strict=True)]
+    ellipses = enclosing_ellipses(
+        [_outline(pixels[owners == owner], camera, plane) for owner in range(len(covered))]
+    )
+    areas = [Area(ellipse, float(share)) for ellipse, share in zip(ellipses, covered, strict=True)]
     return tuple(sorted(areas, key=lambda area: area.ellipse.centre))
+
+
+def linked(middles: Points, sizes: Points, link: float) -> NDArray[np.int64]:
+    """The number, from 0, of the group of each piece of the surface: gaps below `link` do not divide one.
+
+    `middles` (n, 2) in metres, `sizes` (n) square metres of the pieces.
+    """
+    low = middles.min(axis=0) - link
+    cells = np.floor((middles - low) / CELL).astype(int)
+    columns, rows = cells.max(axis=0) + ceil(link / CELL) + 1
+    empty = np.ones((rows, columns), np.uint8)
+    empty[cells[:, 1], cells[:, 0]] = 0
+    to_dirt = cv2.distanceTransform(empty, cv2.DIST_L2, cv2.DIST_MASK_5) * CELL
+    # Half a link around every piece: those that touch are linked. Distances between middles are a piece's
+    # width longer than the gaps.
+    reach = (link + np.sqrt(sizes.mean())) / 2
+    _, labels = cv2.connectedComponents((to_dirt <= reach).view(np.uint8), connectivity=8)
+    _, owners = np.unique(labels[cells[:, 1], cells[:, 0]], return_inverse=True)
+    return np.asarray(owners, np.int64)
 
 
 def enclosing_ellipses(outlines: Sequence[Points]) -> list[Ellipse]:
@@ -72,14 +88,6 @@ def enclosing_ellipses(outlines: Sequence[Points]) -> list[Ellipse]:
 def _half_turn(angle: float) -> float:
     """The same undirected angle in (-pi/2, pi/2]."""
     return angle - pi if angle > pi / 2 else angle + pi if angle <= -pi / 2 else angle
-
-
-def _without_small_patches(dirt: Mask, pixel_areas: geometry.Depth) -> Mask:
-    _, labels = cv2.connectedComponents(dirt.view(np.uint8), connectivity=8)
-    sizes = np.bincount(labels[dirt], pixel_areas[dirt], minlength=1)
-    large = sizes >= LEAST_PATCH
-    large[0] = False
-    return np.asarray(large.take(np.asarray(labels, np.int32)))
 
 
 def _outline(pixels: Points, camera: Camera, plane: Plane) -> Points:

@@ -14,88 +14,115 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.perception.geometry import Depth
 from cleancli.perception.surface import Mask
+from cleancli.scene.calibration import Thresholds
 
 Image = NDArray[np.uint8]
 
-GRADIENT = 0.045
-"""Change of brightness from one pixel to the next, as a share of it, below which a region grows on."""
-
-BACKGROUND = 400
-"""Pixels above which a region is background."""
-
 NEIGHBOURHOOD = 31
-"""Pixels (width of a square) over which the background's brightness is averaged."""
+"""Pixels (width of a square) over which the background's colour is averaged."""
 
-CONTRAST = 0.10
-"""A pixel that differs from the background around it by a smaller share of its brightness belongs to it."""
+DARKEST = 8.0
+"""Brightness, of 255, below which everything is noise: dividing by less would make gradients of nothing."""
 
-AGREEMENT = 2 / 3
-"""The share of the frames showing a pixel in which it must be dirty to be believed so."""
+CORE = 5
+"""Pixels (width of a square) of a region around each pixel that counts for its size. A line of ink may be
+long; the background is wide, too."""
+
+_MEAN = np.full((1, 3), 1 / 3, np.float32)
 
 
 @dataclass(frozen=True, slots=True)
 class Subtraction:
     """What is left of the surface without its background, (height, width) both.
 
-    `left`: the pixels that no background region took in. `contrast`: how far each pixel's brightness is from
-    that of the background around it, as a share of it.
+    `left`: the pixels that no background region took in. `contrast`: how far each pixel's colour is from that
+    of the background around it, as a share of the brightness (root of the mean square of the channels).
+    `background`: the mean colour of the background around each pixel, (height, width, 3); 0 where none is.
     """
 
     left: Mask
     contrast: NDArray[np.float32]
+    background: NDArray[np.float32]
 
 
-def subtract_background(colour: Image, surface: Mask) -> Subtraction:
-    """Grow regions over relative gradients within `surface`, and take away the large ones."""
-    grey = cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY).astype(np.float32)
-    background = _background(grey, surface)
-    return Subtraction(surface & ~background, _contrast(grey, background))
+def subtract_background(
+    colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Thresholds
+) -> Subtraction:
+    """Grow regions over relative gradients within `surface`, and take away those with a large area.
+
+    `pixel_areas`: square metres of the surface behind each pixel.
+    """
+    background = _background(colour, surface, pixel_areas, thresholds)
+    contrast, mean = _contrast(colour, background)
+    return Subtraction(surface & ~background, contrast, mean)
 
 
-def without_specks(subtraction: Subtraction) -> Mask:
+def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
     """What is left after a 3 x 3 median filter, without the rims that look like the background.
 
     A gradient reaches one pixel beyond the dirt that causes it. Those rims go only after the filter, which
     would eat up a lentil without them.
     """
     filtered = cv2.medianBlur(subtraction.left.view(np.uint8), 3).view(np.bool_)
-    # A pixel that dirt covers by half has half of the contrast of its darkest neighbour.
+    # A pixel that dirt covers by half has half of the contrast of its strongest neighbour.
     strongest = cv2.dilate(subtraction.contrast, np.ones((3, 3), np.uint8))
-    return np.asarray(filtered & (subtraction.contrast > np.maximum(CONTRAST, strongest / 2)))
+    least = np.maximum(np.float32(thresholds.contrast), strongest / 2)
+    return np.asarray(filtered & (subtraction.contrast > least))
 
 
-def believed(dirty_masks: Sequence[Mask], seen_masks: Sequence[Mask]) -> tuple[Mask, Mask]:
-    """The pixels believed dirty, and those that were seen often enough to believe anything about them.
-
-    Masks are those of successive frames. A pixel counts as seen if at least half of the frames show it, and
-    as dirty if it is dirty in two thirds of those.
-    """
-    dirt = np.sum(dirty_masks, axis=0, dtype=np.uint8)
-    shown = np.sum(seen_masks, axis=0, dtype=np.uint8)
-    seen = shown >= ceil(len(seen_masks) / 2)
-    needed = np.array([max(ceil(AGREEMENT * n), 1) for n in range(len(seen_masks) + 1)], np.uint8)
-    return np.asarray(seen & (dirt >= needed[shown])), np.asarray(seen)
-
-
-def _background(grey: NDArray[np.float32], surface: Mask) -> Mask:
-    across = cv2.Sobel(grey, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8)
-    down = cv2.Sobel(grey, cv2.CV_32F, 0, 1, ksize=3, scale=1 / 8)
-    # Brightness below 8 of 255 is noise; dividing by it would make gradients of nothing.
-    brightness = np.maximum(cv2.blur(grey, (3, 3)), 8)
-    smooth = surface & (cv2.magnitude(across, down) < GRADIENT * brightness)
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(smooth.view(np.uint8), connectivity=4)
-    large = statistics[:, cv2.CC_STAT_AREA] > BACKGROUND
+def without_small_patches(dirt: Mask, pixel_areas: Depth, thresholds: Thresholds) -> Mask:
+    """The patches of dirt that are large enough."""
+    _, labels = cv2.connectedComponents(dirt.view(np.uint8), connectivity=8)
+    sizes = np.bincount(labels[dirt], pixel_areas[dirt], minlength=1)
+    large = sizes >= thresholds.patch
     large[0] = False
     return np.asarray(large.take(np.asarray(labels, np.int32)))
 
 
-def _contrast(grey: NDArray[np.float32], background: Mask) -> NDArray[np.float32]:
+def believed(
+    dirty_masks: Sequence[Mask], seen_masks: Sequence[Mask], thresholds: Thresholds
+) -> tuple[Mask, Mask]:
+    """The pixels believed dirty, and those that were seen often enough to believe anything about them.
+
+    Masks are those of successive frames. A pixel counts as seen if at least half of the frames show it, and
+    as dirty if it is dirty in a large enough share of those.
+    """
+    dirt = np.sum(dirty_masks, axis=0, dtype=np.uint8)
+    shown = np.sum(seen_masks, axis=0, dtype=np.uint8)
+    seen = shown >= ceil(len(seen_masks) / 2)
+    needed = [max(ceil(thresholds.agreement * n - 1e-9), 1) for n in range(len(seen_masks) + 1)]
+    return np.asarray(seen & (dirt >= np.array(needed, np.uint8)[shown])), np.asarray(seen)
+
+
+def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Thresholds) -> Mask:
+    squares = _squares(cv2.Sobel(colour, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8))
+    squares += _squares(cv2.Sobel(colour, cv2.CV_32F, 0, 1, ksize=3, scale=1 / 8))
+    brightness = np.maximum(cv2.blur(cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), (3, 3)), np.uint8(DARKEST))
+    limit = np.float32(thresholds.gradient) * brightness
+    smooth = surface & (squares < limit * limit)
+    number, labels = cv2.connectedComponents(smooth.view(np.uint8), connectivity=4)
+    core = cv2.erode(smooth.view(np.uint8), np.ones((CORE, CORE), np.uint8)).view(np.bool_)
+    sizes = np.bincount(labels[core], pixel_areas[core], minlength=number)
+    large = sizes > thresholds.background
+    large[0] = False
+    return np.asarray(large.take(np.asarray(labels, np.int32)))
+
+
+def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
+    """The mean square of three channels. Noise in it is as rare as in one channel's."""
+    return np.asarray(cv2.transform(cv2.multiply(channels, channels), _MEAN), np.float32)
+
+
+def _contrast(colour: Image, background: Mask) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """1, the contrast of black, where there is no background near enough to compare with."""
-    size = (NEIGHBOURHOOD, NEIGHBOURHOOD)
-    weight = background.astype(np.float32)
-    share = cv2.blur(weight, size)
-    mean = cv2.blur(grey * weight, size) / np.maximum(share, 1e-6)
-    contrast = np.asarray(np.abs(grey - mean) / np.maximum(mean, 8), np.float32)
-    contrast[share < 1e-3] = 1
-    return contrast
+    size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)
+    shown = cv2.bitwise_and(colour, colour, mask=weight)
+    number = cv2.boxFilter(weight, cv2.CV_32F, size, normalize=False)
+    total = cv2.boxFilter(shown, cv2.CV_32F, size, normalize=False)
+    mean = total / np.maximum(number, np.float32(1))[:, :, None]
+    brightness = np.maximum(cv2.transform(mean, _MEAN), np.float32(DARKEST))
+    contrast = np.sqrt(_squares(colour - mean)) / brightness
+    contrast[number < 1] = 1
+    return np.asarray(contrast, np.float32), np.asarray(mean, np.float32)

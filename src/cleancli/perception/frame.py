@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 @dataclass(frozen=True, slots=True)
 class Camera:
     """Pinhole camera. `pose` (4, 4) maps camera coordinates (x right, y down, z forward, metres) to the
-    scene's; focal length and principal point in pixels."""
+    scene's; focal length and principal point in pixels. Where nobody knows where the camera stands, it is not
+    `located`: then its own coordinates serve as the scene's."""
 
     width: int
     height: int
     focal: float
     centre: tuple[float, float]
     pose: NDArray[np.float64]
+    located: bool = True
 
 
 @dataclass(frozen=True, slots=True)

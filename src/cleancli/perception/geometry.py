@@ -1,8 +1,13 @@
-"""Between pixels and the surface: a pinhole camera looking at a plane, both given in scene coordinates."""
+"""Between pixels and the surface: a pinhole camera looking at a plane, both given in scene coordinates.
+
+The surface has coordinates of its own: x and y in metres on it, z above it. Where the surface lies as the
+scene says, they are the scene's.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +16,39 @@ from cleancli.perception.frame import Camera
 
 Points = NDArray[np.float64]
 Depth = NDArray[np.float32]
+Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """The points p with normal · p = offset, in metres; `normal` (3,) has length 1 and points up."""
+    """The points p with normal · p = offset, in metres, and the surface's coordinates on it.
 
-    normal: NDArray[np.float64]
+    `normal` (3,) has length 1 and points to the side that the camera sees. `origin` (3,) is where x and y are
+    0, `east` (3,) the direction of x, with length 1; that of y is normal × east.
+    """
+
+    normal: Vector
     offset: float
+    origin: Vector
+    east: Vector
+
+    @classmethod
+    def below(cls, place: Vector, normal: Vector, offset: float, east: Vector) -> Self:
+        """The plane with its origin perpendicularly below a place, and x along `east` as far as it can be."""
+        flat = east - (normal @ east) * normal
+        return cls(normal, offset, place - (normal @ place - offset) * normal, flat / np.linalg.norm(flat))
+
+    @property
+    def north(self) -> Vector:
+        """The direction of y, (3,)."""
+        return np.cross(self.normal, self.east)
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """(4, 4): from the surface's coordinates to the scene's."""
+        pose = np.eye(4)
+        pose[:3, :] = np.column_stack([self.east, self.north, self.normal, self.origin])
+        return pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +57,8 @@ class PlaneView:
 
     Arrays are (height, width). `cosine`: normal · ray for the ray with depth 1 through each pixel, negative
     where the upper side is seen. `distance`: metres from the camera to the plane, along the normal. `depth`:
-    metres along the optical axis to the plane itself. `x`, `y`: scene coordinates of the plane behind each
-    pixel.
+    metres along the optical axis to the plane itself, 0 where the ray never meets it. `x`, `y`: where on the
+    surface it does. `pixel_areas`: square metres of the plane behind each pixel.
     """
 
     cosine: Depth
@@ -36,14 +66,11 @@ class PlaneView:
     depth: Depth
     x: Depth
     y: Depth
+    pixel_areas: Depth
 
     def height_of(self, depth: Depth) -> Depth:
         """Metres above the plane of what is seen at `depth`."""
         return np.asarray(depth * self.cosine + np.float32(self.distance), np.float32)
-
-    def pixel_areas(self, focal: float) -> Depth:
-        """Square metres of the plane behind each pixel."""
-        return np.asarray(self.depth**3 / np.float32(self.distance * focal**2), np.float32)
 
 
 def view(camera: Camera, plane: Plane) -> PlaneView:
@@ -51,7 +78,7 @@ def view(camera: Camera, plane: Plane) -> PlaneView:
     columns = ((np.arange(camera.width) - camera.centre[0]) / camera.focal).astype(np.float32)[None, :]
     rows = ((np.arange(camera.height) - camera.centre[1]) / camera.focal).astype(np.float32)[:, None]
 
-    def along(direction: NDArray[np.float64]) -> Depth:
+    def along(direction: Vector) -> Depth:
         """The component of each pixel's ray along a scene direction."""
         right, down, forward = (direction @ camera.pose[:3, :3]).astype(np.float32)
         return np.asarray(right * columns + (down * rows + forward))
@@ -59,10 +86,22 @@ def view(camera: Camera, plane: Plane) -> PlaneView:
     eye = camera.pose[:3, 3]
     cosine = along(plane.normal)
     distance = float(plane.normal @ eye - plane.offset)
-    depth = np.asarray(np.float32(-distance) / cosine)
-    east, north = np.eye(3)[:2]
-    x, y = (np.float32(eye @ axis) + depth * along(axis) for axis in (east, north))
-    return PlaneView(cosine, distance, depth, x, y)
+    # Rays that run along the plane, or away from it, meet it nowhere.
+    depth = np.asarray(np.float32(distance) / np.maximum(-cosine, np.float32(1e-6)), np.float32)
+    depth[cosine > -1e-3] = 0
+    from_origin = eye - plane.origin
+    x, y = (
+        np.asarray(np.float32(from_origin @ axis) + depth * along(axis), np.float32)
+        for axis in (plane.east, plane.north)
+    )
+    areas = depth * depth * depth * np.float32(1 / (max(distance, 1e-6) * camera.focal**2))
+    areas = np.asarray(areas, np.float32)
+    return PlaneView(cosine, distance, depth, x, y, areas)
+
+
+def relative_to(plane: Plane, camera: Camera) -> Camera:
+    """The camera with a pose in the surface's coordinates, in which the surface is z = 0."""
+    return replace(camera, pose=np.linalg.inv(plane.pose) @ camera.pose)
 
 
 def rays(camera: Camera, pixels: Points) -> Points:
@@ -72,11 +111,12 @@ def rays(camera: Camera, pixels: Points) -> Points:
 
 
 def on_plane(camera: Camera, plane: Plane, pixels: Points) -> Points:
-    """Scene x, y in metres where the rays through `pixels` (n, 2) meet the plane; (n, 2)."""
+    """x, y in metres on the surface where the rays through `pixels` (n, 2) meet the plane; (n, 2)."""
     directions = rays(camera, pixels)
     eye = camera.pose[:3, 3]
     depth = (plane.offset - plane.normal @ eye) / (directions @ plane.normal)
-    return np.asarray((eye + depth[:, None] * directions)[:, :2])
+    met = eye - plane.origin + depth[:, None] * directions
+    return np.column_stack([met @ plane.east, met @ plane.north])
 
 
 def project(camera: Camera, points: Points) -> Points:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cleancli.perception import areas, dirt, geometry, surface
+from cleancli.perception import areas, dirt, fit, geometry, outline, surface
 from cleancli.perception.area import Area
 from cleancli.perception.frame import Camera, Frame
 from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.perception.surface import Mask
+from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Scene
 
 RIM = 0.010
@@ -39,7 +41,9 @@ class Observation:
     """What was seen: unnamed `areas` from west to east, and the `plane` on which they lie.
 
     `hidden`: share of the surface, its outermost centimetre aside, about which nothing is known;
-    `hidden_mask` shows where in the image. `seconds` of computing, by step.
+    `hidden_mask` shows where in the image. `seconds` of computing, by step. `camera`: the frames' camera with
+    its pose in the coordinates of the surface, as those of the areas are. `doubts`: what speaks against the
+    scene's calibration, for people; nothing, if there is none.
     """
 
     areas: tuple[Area, ...]
@@ -48,6 +52,8 @@ class Observation:
     hidden: float
     hidden_mask: Mask
     seconds: Mapping[str, float]
+    camera: Camera
+    doubts: tuple[str, ...] = field(default=())
 
 
 class _Watch:
@@ -66,50 +72,38 @@ class _Watch:
 def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) -> Observation:
     """Find the dirty areas that most of `frames` show; all frames are taken by one camera that stands still.
 
-    Raises BadFrame and NoSurface. `rng` draws RANSAC's triples.
+    Thresholds are those of the scene's calibration, or the defaults. Raises BadFrame and NoSurface. `rng`
+    draws RANSAC's triples.
     """
-    camera = _common_camera(frames)
+    camera = checked_camera(frames)
+    thresholds = Thresholds() if scene.calibration is None else scene.calibration.thresholds
     watch = _Watch()
-    plane = surface.find_plane(frames[0], scene.surface, rng)
+    plane = find_surface(frames[0], scene, thresholds, rng)
     seen_as = geometry.view(camera, plane)
     extent = surface.extent_mask(seen_as, scene.surface)
     watch.lap("plane")
     steps: list[Steps] = []
     for frame in frames:
-        steps.append(_segmented(frame, seen_as, extent, watch))
-    believed, seen = dirt.believed([s.without_specks for s in steps], [s.without_edges for s in steps])
+        step, background = _segmented(frame, seen_as, extent, thresholds, watch)
+        steps.append(step)
+    believed, seen = dirt.believed(
+        [s.without_specks for s in steps], [s.without_edges for s in steps], thresholds
+    )
+    believed = dirt.without_small_patches(believed, seen_as.pixel_areas, thresholds)
     watch.lap("belief")
     found = areas.group(believed, camera, plane, seen_as, scene.symbols.link)
     watch.lap("ellipses")
-    last = steps[-1]
-    shown = Steps(last.surface, last.without_edges, last.dirty, last.without_specks, believed)
-    hidden, hidden_mask = _hidden(seen, camera, seen_as, scene)
+    hidden, hidden_mask = _hidden(seen, seen_as, scene)
     watch.lap("hidden")
-    return Observation(found, plane, shown, hidden, hidden_mask, watch.seconds)
+    doubts = _doubts(background, plane, seen_as, camera, scene)
+    watch.lap("doubts")
+    shown = replace(steps[-1], believed=believed)
+    relative = geometry.relative_to(plane, camera)
+    return Observation(found, plane, shown, hidden, hidden_mask, watch.seconds, relative, doubts)
 
 
-def _segmented(frame: Frame, seen_as: PlaneView, extent: Mask, watch: _Watch) -> Steps:
-    """One frame's masks; what is believed after it alone is what it shows."""
-    on_surface = surface.surface_mask(frame, seen_as, extent)
-    watch.lap("surface")
-    trusted = surface.without_edges(on_surface, surface.object_mask(frame, seen_as))
-    watch.lap("edges")
-    subtraction = dirt.subtract_background(frame.colour, trusted)
-    watch.lap("background")
-    filtered = dirt.without_specks(subtraction)
-    watch.lap("median")
-    return Steps(on_surface, trusted, subtraction.left, filtered, filtered)
-
-
-def _hidden(seen: Mask, camera: Camera, seen_as: PlaneView, scene: Scene) -> tuple[float, Mask]:
-    """Measured in square metres, so that a part of the surface outside the image counts as hidden too."""
-    inner = surface.extent_mask(seen_as, scene.surface, RIM)
-    whole = (scene.surface.width - 2 * RIM) * (scene.surface.depth - 2 * RIM)
-    visible = float(seen_as.pixel_areas(camera.focal)[seen & inner].sum())
-    return max(0.0, 1 - visible / whole), inner & ~seen
-
-
-def _common_camera(frames: Sequence[Frame]) -> Camera:
+def checked_camera(frames: Sequence[Frame]) -> Camera:
+    """The one camera of frames that fit it. Raises BadFrame."""
     if not frames:
         raise BadFrame("there is no frame")
     camera = frames[0].camera
@@ -125,3 +119,42 @@ def _common_camera(frames: Sequence[Frame]) -> Camera:
     if min(size) < 2 * surface.STRIDE:
         raise BadFrame(f"an image of {size[1]} x {size[0]} pixels is too small")
     return camera
+
+
+def find_surface(frame: Frame, scene: Scene, thresholds: Thresholds, rng: np.random.Generator) -> Plane:
+    """Surface segmentation's first half: where the surface is. Raises NoSurface."""
+    find = surface.find_plane if frame.camera.located else outline.find_by_outline
+    return find(frame, scene.surface, thresholds, rng)
+
+
+def _segmented(
+    frame: Frame, seen_as: PlaneView, extent: Mask, thresholds: Thresholds, watch: _Watch
+) -> tuple[Steps, NDArray[np.float32]]:
+    """One frame's masks, and the background's colours; what is believed after it alone is what it shows."""
+    on_surface = surface.surface_mask(frame, seen_as, extent, thresholds)
+    watch.lap("surface")
+    objects = surface.object_mask(frame, seen_as, thresholds)
+    trusted = surface.without_edges(on_surface, objects, thresholds)
+    watch.lap("edges")
+    subtraction = dirt.subtract_background(frame.colour, trusted, seen_as.pixel_areas, thresholds)
+    watch.lap("background")
+    filtered = dirt.without_specks(subtraction, thresholds)
+    watch.lap("median")
+    return Steps(on_surface, trusted, subtraction.left, filtered, filtered), subtraction.background
+
+
+def _hidden(seen: Mask, seen_as: PlaneView, scene: Scene) -> tuple[float, Mask]:
+    """Measured in square metres, so that a part of the surface outside the image counts as hidden too."""
+    inner = surface.extent_mask(seen_as, scene.surface, RIM)
+    whole = (scene.surface.width - 2 * RIM) * (scene.surface.depth - 2 * RIM)
+    visible = float(seen_as.pixel_areas[seen & inner].sum())
+    return max(0.0, 1 - visible / whole), inner & ~seen
+
+
+def _doubts(
+    background: NDArray[np.float32], plane: Plane, seen_as: PlaneView, camera: Camera, scene: Scene
+) -> tuple[str, ...]:
+    if scene.calibration is None:
+        return ()
+    colours = fit.colours_of(background, seen_as, scene.surface)
+    return fit.doubts(colours, fit.tilt_of(plane, camera.pose[:3, 2]), scene.calibration.appearance)

@@ -1,10 +1,12 @@
 """Surface segmentation and edges removal (§3.1): which pixels show the surface, and can be trusted to.
 
-The frames have been checked: shapes fit the camera. Calibration tells where on the plane the surface lies, so
+The frames have been checked: shapes fit the camera. The scene tells where on the plane the surface lies, so
 that neither the floor nor the inside of the container is searched for dirt.
 """
 
 from __future__ import annotations
+
+from math import acos, degrees
 
 import cv2
 import numpy as np
@@ -14,35 +16,32 @@ from cleancli.perception import geometry
 from cleancli.perception.frame import Frame
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.scene import model as scene_model
+from cleancli.scene.calibration import Thresholds
 
 Mask = NDArray[np.bool_]
 
 STRIDE = 6
 """Every sixth pixel of every sixth row is enough to find a plane."""
 
-TRIPLES = 60
-"""Planes tried; with 60 % of the points on the surface, all miss it with a chance of 1e-6."""
+TRIPLES = 150
+"""Planes tried; with half of the points on the surface, all miss it with a chance of 2e-9."""
 
-TOLERANCE = 0.008
-"""Metres from the plane up to which a point belongs to it: over six times the depth noise at 0.9 m."""
-
-HEAP = 0.015
-"""Metres above the plane up to which a point still belongs to it: dirt lies in heaps."""
+JUDGES = 1000
+"""Points, drawn at random, that tell which of the planes is best."""
 
 LEAST_SHARE = 0.3
 """The plane must hold this share of the points within the surface's extent."""
 
-MISPLACED = 0.05
-"""Metres at the scene's origin by which the plane found may be off the calibrated surface."""
+MISPLACED = 0.3
+"""Metres at the scene's origin by which the plane found may be off the place that the scene states."""
+
+MOST_TILT = 45.0
+"""Degrees by which it may slant against what the scene states."""
 
 HOLE = 5
 """Width in pixels of a square that holes of unknown depth must not contain to be closed."""
 
-EDGE_OF_OBJECTS = 9
-"""Pixels (width of a square) around what stands on the surface whose colour may be the object's."""
-
-EDGE_OF_SURFACE = 5
-"""The same around whatever else is no surface: the floor beyond the rim, unknown depth."""
+_UP = np.array([0.0, 0.0, 1.0])
 
 
 class NoSurface(Exception):
@@ -53,58 +52,102 @@ class NoSurface(Exception):
         super().__init__(f"no surface found: {reason}")
 
 
-def find_plane(frame: Frame, extent: scene_model.Surface, rng: np.random.Generator) -> Plane:
-    """The plane of the surface by RANSAC and a least-squares refit. Raises NoSurface."""
-    points = _samples(frame, extent)
+def find_plane(
+    frame: Frame, extent: scene_model.Surface, thresholds: Thresholds, rng: np.random.Generator
+) -> Plane:
+    """The plane of the surface, in any pose up to `MOST_TILT` and `MISPLACED` from the one expected.
+
+    Its origin is perpendicularly below the scene's, and its x runs as far along the scene's as it can: for a
+    surface where it should be they agree. Raises NoSurface.
+    """
+    points = sampled_points(frame)
+    inside = (np.abs(points[:, 0]) < extent.width / 2) & (np.abs(points[:, 1]) < extent.depth / 2)
+    points = points[inside]
     if len(points) < 100:
         raise NoSurface(f"depth is known at {len(points)} of the pixels sampled where it should be")
-    first, second, third = points[rng.integers(0, len(points), (TRIPLES, 3))].transpose(1, 0, 2)
-    normals = np.cross(second - first, third - first)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals /= np.maximum(lengths, 1e-12)
-    offsets = np.einsum("ij,ij->i", normals, first)
-    close = np.abs(points @ normals.T - offsets) < TOLERANCE
-    # Three points on a line, or the same one twice, are close to everything.
-    support = np.where(lengths[:, 0] > 1e-6, close.sum(axis=0), 0)
-    best = int(support.argmax())
-    if support[best] < LEAST_SHARE * len(points):
-        raise NoSurface(f"the largest plane holds {support[best] / len(points):.0%} of what is seen there")
-    plane = _fitted(points[close[:, best]])
-    height = plane.offset / plane.normal[2] if plane.normal[2] > 0.1 else np.inf
+    normal, offset, close = largest_plane(points, frame.camera.pose[:3, 3], thresholds.tolerance, rng)
+    if close.mean() < LEAST_SHARE:
+        raise NoSurface(f"the largest plane holds {close.mean():.0%} of what is seen there")
+    tilt = degrees(acos(min(1.0, float(normal @ _UP))))
+    if tilt > MOST_TILT:
+        raise NoSurface(f"the largest plane slants by {tilt:.0f} degrees against what the scene says")
+    height = offset / normal[2]
     if abs(height) > MISPLACED:
         raise NoSurface(f"the largest plane passes {100 * height:.0f} cm from where the surface should be")
-    return plane
+    return Plane.below(np.zeros(3), normal, offset, np.array([1.0, 0.0, 0.0]))
+
+
+def sampled_points(frame: Frame) -> Points:
+    """Scene points (n, 3) of every sixth pixel whose depth is known."""
+    depth = frame.depth[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE]
+    rows, columns = np.nonzero(np.isfinite(depth) & (depth > 0))
+    pixels = np.column_stack([columns, rows]).astype(np.float64) * STRIDE + STRIDE // 2
+    directions = geometry.rays(frame.camera, pixels)
+    return np.asarray(frame.camera.pose[:3, 3] + depth[rows, columns, None].astype(float) * directions)
+
+
+def largest_plane(
+    points: Points, eye: Points, tolerance: float, rng: np.random.Generator
+) -> tuple[Points, float, Mask]:
+    """RANSAC (Fischler and Bolles, 1981) and two least-squares fits: normal, offset, which of `points` (n, 3)
+    are close. The normal points towards `eye`. No library at hand fits planes so."""
+    reach = tolerance * ((points - eye) ** 2).sum(axis=1)
+    first, second, third = points[rng.integers(0, len(points), (TRIPLES, 3))].transpose(1, 0, 2)
+    normals = np.cross(second - first, third - first)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(lengths, 1e-12)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, first)
+    judges = rng.integers(0, len(points), min(JUDGES, len(points)))
+    close = np.abs(points[judges] @ normals.T - offsets) < reach[judges, None]
+    # Three points on a line, or the same one twice, are close to everything.
+    support = np.where(lengths > 1e-6, close.sum(axis=0), 0)
+    best = int(support.argmax())
+    normal, offset = normals[best], offsets[best]
+    for _ in range(2):
+        held = np.abs(points @ normal - offset) < reach
+        normal, offset = _fitted(points[held], eye)
+    return normal, offset, np.abs(points @ normal - offset) < reach
 
 
 def extent_mask(seen_as: PlaneView, extent: scene_model.Surface, inset: float = 0.0) -> Mask:
     """The pixels behind which the surface would lie if nothing stood on it, `inset` metres within its rim."""
     wide, deep = extent.width / 2 - inset, extent.depth / 2 - inset
-    return np.asarray((np.abs(seen_as.x) < wide) & (np.abs(seen_as.y) < deep))
+    return np.asarray((np.abs(seen_as.x) < wide) & (np.abs(seen_as.y) < deep) & (seen_as.depth > 0))
 
 
-def surface_mask(frame: Frame, seen_as: PlaneView, extent: Mask) -> Mask:
+def surface_mask(frame: Frame, seen_as: PlaneView, extent: Mask, thresholds: Thresholds) -> Mask:
     """The pixels whose depth lies on the plane, within the surface's extent; small holes are closed."""
     known = known_depth(frame)
     height = seen_as.height_of(frame.depth)
-    on_plane = known & (height > -TOLERANCE) & (height < HEAP) & extent
+    reach = np.float32(thresholds.tolerance) * seen_as.depth * seen_as.depth
+    on_plane = known & (height > -reach) & (height < np.maximum(reach, np.float32(thresholds.heap))) & extent
     # A dropout of a few pixels must not blind its whole neighbourhood when edges are removed.
     closed = cv2.morphologyEx(on_plane.view(np.uint8), cv2.MORPH_CLOSE, np.ones((HOLE, HOLE), np.uint8))
-    return on_plane | (closed.view(np.bool_) & ~known & extent)
+    return np.asarray(on_plane | (closed.view(np.bool_) & ~known & extent))
 
 
-def object_mask(frame: Frame, seen_as: PlaneView) -> Mask:
-    """The pixels that show something standing above the surface: the tool, a hand."""
-    return known_depth(frame) & (seen_as.height_of(frame.depth) >= HEAP)
+def object_mask(frame: Frame, seen_as: PlaneView, thresholds: Thresholds) -> Mask:
+    """The pixels that show something standing on the surface, the tool or a hand, down to its foot.
+
+    What is higher than a heap of dirt is an object; what is raised at all, and adjoins one, is its foot.
+    """
+    height = seen_as.height_of(frame.depth)
+    known = known_depth(frame)
+    reach = np.float32(thresholds.tolerance) * seen_as.depth * seen_as.depth
+    tall = known & (height >= np.maximum(reach, np.float32(thresholds.heap)))
+    if not tall.any():
+        return np.asarray(tall)
+    raised = known & (height >= np.minimum(reach, np.float32(thresholds.heap)))
+    _, labels = cv2.connectedComponents(raised.view(np.uint8), connectivity=8)
+    objects = np.zeros(int(labels.max()) + 1, np.bool_)
+    objects[labels[tall]] = True
+    objects[0] = False
+    return np.asarray(objects[labels])
 
 
-def without_edges(surface: Mask, objects: Mask) -> Mask:
+def without_edges(surface: Mask, objects: Mask, thresholds: Thresholds) -> Mask:
     """The surface without the pixels whose colour may be that of something else (§3.1, "Edges removal")."""
-    return ~_widened(objects, EDGE_OF_OBJECTS) & ~_widened(~surface, EDGE_OF_SURFACE)
-
-
-def _widened(mask: Mask, width: int) -> Mask:
-    """The mask and half of `width` pixels around it; the image's border is no edge."""
-    return cv2.dilate(mask.view(np.uint8), np.ones((width, width), np.uint8)).view(np.bool_)
+    return ~_widened(objects, thresholds.object_edge) & ~_widened(~surface, thresholds.surface_edge)
 
 
 def known_depth(frame: Frame) -> Mask:
@@ -112,21 +155,15 @@ def known_depth(frame: Frame) -> Mask:
     return np.asarray(np.isfinite(frame.depth) & (frame.depth > 0))
 
 
-def _samples(frame: Frame, extent: scene_model.Surface) -> Points:
-    """Scene points (n, 3) of every sixth pixel, as far as they lie above or below the surface's extent."""
-    sampled = np.zeros(frame.depth.shape, np.bool_)
-    sampled[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE] = True
-    rows, columns = np.nonzero(sampled & known_depth(frame))
-    pixels = np.column_stack([columns, rows]).astype(np.float64)
-    depth = frame.depth[rows, columns].astype(np.float64)
-    points = frame.camera.pose[:3, 3] + depth[:, None] * geometry.rays(frame.camera, pixels)
-    inside = (np.abs(points[:, 0]) < extent.width / 2) & (np.abs(points[:, 1]) < extent.depth / 2)
-    return np.asarray(points[inside])
+def _widened(mask: Mask, pixels: int) -> Mask:
+    """The mask and what is up to so many pixels beside it; the image's border is no edge."""
+    size = 2 * pixels + 1
+    return cv2.dilate(mask.view(np.uint8), np.ones((size, size), np.uint8)).view(np.bool_)
 
 
-def _fitted(points: Points) -> Plane:
-    """The plane with the least squared distances to `points` (n, 3), its normal upwards."""
+def _fitted(points: Points, eye: Points) -> tuple[Points, float]:
+    """Normal and offset of the plane with the least squared distances to `points` (n, 3)."""
     middle = points.mean(axis=0)
     _, directions = np.linalg.eigh(np.cov((points - middle).T))
-    normal = directions[:, 0] if directions[2, 0] > 0 else -directions[:, 0]
-    return Plane(normal, float(normal @ middle))
+    normal = directions[:, 0] if directions[:, 0] @ (eye - middle) > 0 else -directions[:, 0]
+    return normal, float(normal @ middle)

@@ -11,11 +11,11 @@ from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.findings import Findings
 from cleancli.language.load import parse_as
 from cleancli.language.syntax import SceneNode, Section
+from cleancli.scene.check_camera import check_camera
 from cleancli.scene.check_dirt import check_dirt
 from cleancli.scene.grasps import SHIPPED, WIDE, named
 from cleancli.scene.model import (
     LIGHT,
-    CameraSetup,
     Container,
     Grasp,
     Light,
@@ -61,12 +61,24 @@ def check_scene(node: SceneNode, findings: Findings) -> Scene:
     drive.refuse_others()
     grasps = _grasps(node, findings)
     rag = _rag(settings("rag"), container, named((*SHIPPED.values(), *grasps)), findings)
-    camera = _camera(settings("camera"), surface, findings)
+    camera, calibration = check_camera(settings("camera"), surface, findings)
     light = _light(settings("light"))
     symbols = _symbols(settings("symbols"), findings)
     dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)
     return Scene(
-        node.name.text, surface, container, robot, rag, camera, dirt, symbols, seed, domain, grasps, light
+        node.name.text,
+        surface,
+        container,
+        robot,
+        rag,
+        camera,
+        dirt,
+        symbols,
+        seed,
+        domain,
+        grasps,
+        light,
+        calibration,
     )
 
 
@@ -100,6 +112,8 @@ def _surface(settings: Settings) -> Surface:
         settings.number("friction", 0.45, 0, 2),
         settings.colour("colour", (205, 198, 184)),
         settings.angles("tilt", (0.0, 0.0), (-10, 10), (-10, 10)),
+        settings.number("texture", 0.0, 0, 0.3, including=True),
+        settings.length("grain", 0.01),
     )
     settings.refuse_others()
     return surface
@@ -180,27 +194,14 @@ def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], f
 
 def _light(settings: Settings) -> Light:
     azimuth, elevation = settings.angles("direction", (LIGHT.azimuth, LIGHT.elevation), (-360, 360), (5, 90))
-    light = Light(azimuth, elevation, settings.number("ambient", LIGHT.ambient, 0, 1))
+    light = Light(
+        azimuth,
+        elevation,
+        settings.number("ambient", LIGHT.ambient, 0, 1),
+        settings.number("gradient", LIGHT.gradient, 0, 0.9, including=True),
+    )
     settings.refuse_others()
     return light
-
-
-def _camera(settings: Settings, surface: Surface, findings: Findings) -> CameraSetup:
-    height = settings.length("height", 0.9)
-    width, depth = settings.image("image", (640, 480))
-    focal = settings.number("focal", 525.0, 0)
-    settings.refuse_others()
-    seen = width * height / focal, depth * height / focal
-    if seen[0] + SLACK < surface.width or seen[1] + SLACK < surface.depth:
-        findings.error(
-            "E510",
-            "the camera does not see the whole surface",
-            settings.span("height"),
-            f"it sees {centimetres(seen[0])} x {centimetres(seen[1])}",
-            f"the surface is {centimetres(surface.width)} x {centimetres(surface.depth)}: "
-            "raise the camera, or shorten `focal`",
-        )
-    return CameraSetup(height, width, depth, focal)
 
 
 def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:

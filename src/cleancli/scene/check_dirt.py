@@ -49,10 +49,11 @@ def _group(section: Section, surface: Surface, findings: Findings) -> Group:
     of = settings.word("of", "lentils", PARTICLES, "kind of particle")
     centre = settings.point("at")
     radius = settings.length("radius", None)
+    colour = settings.own_colour("colour")
     settings.refuse_others()
     if not _on_surface(centre, radius, surface):
         findings.error("E508", "this dirt lies off the surface", settings.span("at"), help=_extent(surface))
-    return Group(count, centre, radius, of)
+    return Group(count, centre, radius, of, colour)
 
 
 def _scattered(section: Section, surface: Surface, findings: Findings) -> Scattered:
@@ -60,6 +61,7 @@ def _scattered(section: Section, surface: Surface, findings: Findings) -> Scatte
     count = settings.whole("count", None, 1, MOST_PARTICLES)
     of = settings.word("of", "lentils", PARTICLES, "kind of particle")
     low, high = settings.point("from"), settings.point("to")
+    colour = settings.own_colour("colour")
     settings.refuse_others()
     for key, corner in (("from", low), ("to", high)):
         if not _on_surface(corner, 0.0, surface):
@@ -68,12 +70,16 @@ def _scattered(section: Section, surface: Surface, findings: Findings) -> Scatte
             )
     if low[0] >= high[0] or low[1] >= high[1]:
         findings.error("E511", "`to` must lie north-east of `from`", settings.span("to"))
-    return Scattered(count, low, high, of)
+    return Scattered(count, low, high, of, colour)
 
 
 def _ink(section: Section, surface: Surface, findings: Findings) -> Ink:
     settings = Settings(section.name, section.entries, findings)
-    ink = Ink(settings.points("along", MOST_POINTS), settings.length("width", 0.008))
+    ink = Ink(
+        settings.points("along", MOST_POINTS),
+        settings.length("width", 0.008),
+        settings.own_colour("colour"),
+    )
     settings.refuse_others()
     if not all(_on_surface(point, ink.width / 2, surface) for point in ink.along):
         findings.error("E508", "this ink lies off the surface", settings.span("along"), help=_extent(surface))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cleancli.language.format import print_float
-from cleancli.scene.model import Dirt, Grasp, Group, Ink, Scattered, Scene
+from cleancli.scene.model import Colour, Dirt, Grasp, Group, Ink, Scattered, Scene
 
 
 def print_scene(scene: Scene) -> str:
@@ -16,16 +16,17 @@ def print_scene(scene: Scene) -> str:
         f"seed = {scene.seed}",
         f"surface {{ width = {_m(surface.width)}  depth = {_m(surface.depth)}"
         f"  friction = {print_float(surface.friction)}  colour = rgb({red}, {green}, {blue})"
-        f"  tilt = ({_rad(surface.tilt[0])}, {_rad(surface.tilt[1])}) }}",
+        f"  tilt = ({_rad(surface.tilt[0])}, {_rad(surface.tilt[1])})"
+        f"  texture = {print_float(surface.texture)}  grain = {_m(surface.grain)} }}",
         f"container {{ edge = {container.edge}  offset = {_m(container.offset)}"
         f"  width = {_m(container.width)}  depth = {_m(container.depth)} }}",
         f"robot {{ drive = {scene.robot} }}",
         *(_grasp(grasp) for grasp in scene.grasps),
         f"rag {{ grasp = {scene.rag.grasp.name}  width = {_m(scene.rag.width)} }}",
         f"camera {{ height = {_m(camera.height)}  image = {camera.image_width} x {camera.image_height}"
-        f"  focal = {print_float(camera.focal)} }}",
+        f"  focal = {print_float(camera.focal)}  at = {_point(camera.at)}{_calibration(scene)} }}",
         f"light {{ direction = ({_rad(light.azimuth)}, {_rad(light.elevation)})"
-        f"  ambient = {print_float(light.ambient)} }}",
+        f"  ambient = {print_float(light.ambient)}  gradient = {print_float(light.gradient)} }}",
         "dirt {",
         *(f"  {_dirt(dirt)}" for dirt in scene.dirt),
         "}",
@@ -47,12 +48,23 @@ def _grasp(grasp: Grasp) -> str:
 
 def _dirt(dirt: Dirt) -> str:
     match dirt:
-        case Group(count, centre, radius, of):
-            return f"group {{ count = {count}  of = {of}  at = {_point(centre)}  radius = {_m(radius)} }}"
-        case Scattered(count, low, high, of):
-            return f"scattered {{ count = {count}  of = {of}  from = {_point(low)}  to = {_point(high)} }}"
-        case Ink(along, width):
-            return f"ink {{ along = ({', '.join(map(_point, along))})  width = {_m(width)} }}"
+        case Group(count, centre, radius, of, colour):
+            where = f"at = {_point(centre)}  radius = {_m(radius)}"
+            return f"group {{ count = {count}  of = {of}  {where}{_colour(colour)} }}"
+        case Scattered(count, low, high, of, colour):
+            where = f"from = {_point(low)}  to = {_point(high)}"
+            return f"scattered {{ count = {count}  of = {of}  {where}{_colour(colour)} }}"
+        case Ink(along, width, colour):
+            points = ", ".join(map(_point, along))
+            return f"ink {{ along = ({points})  width = {_m(width)}{_colour(colour)} }}"
+
+
+def _colour(colour: Colour | None) -> str:
+    return "" if colour is None else f"  colour = rgb{colour}"
+
+
+def _calibration(scene: Scene) -> str:
+    return "" if scene.calibration is None else f'  calibration = "{scene.calibration.path}"'
 
 
 def _point(point: tuple[float, float]) -> str:

@@ -6,20 +6,31 @@ The origin is the middle of the surface; x points east, y north, z up from the s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot, sqrt
+
+from cleancli.scene.calibration import Calibration
+
+Colour = tuple[int, int, int]
+"""Red, green and blue from 0 to 255."""
+
+Axis = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """A rectangular table top: extent along x and y, friction coefficient, RGB colour 0..255.
+    """A rectangular table top: extent along x and y, friction coefficient, colour.
 
-    `tilt`: angles by which it rises towards east and towards north. z stays perpendicular to it.
+    `tilt`: angles by which it rises towards east and towards north. z stays perpendicular to it. `texture`:
+    standard deviation of its brightness, as a share of it; it changes over a length of about `grain`.
     """
 
     width: float
     depth: float
     friction: float
-    colour: tuple[int, int, int]
+    colour: Colour
     tilt: tuple[float, float] = (0.0, 0.0)
+    texture: float = 0.0
+    grain: float = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +75,16 @@ class Rag:
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """Light from afar: where it comes from, as the angle from x and the angle above the surface; `ambient` is
-    the share that a place gets which the light doesn't reach."""
+    """Where light comes from, as the angle from x and the angle above the surface.
+
+    `ambient`: the share of it that a place gets which the lamp doesn't reach. `gradient`: how much more light
+    than its middle the surface's corner towards the lamp gets, as a share; the far one gets as much less.
+    """
 
     azimuth: float
     elevation: float
     ambient: float
+    gradient: float = 0.0
 
 
 LIGHT = Light(-0.8727, 1.2043, 0.62)
@@ -78,40 +93,63 @@ LIGHT = Light(-0.8727, 1.2043, 0.62)
 
 @dataclass(frozen=True, slots=True)
 class CameraSetup:
-    """An RGB-D camera straight above the middle of the surface; image size and focal length in pixels."""
+    """An RGB-D camera that looks at the middle of the surface, `height` above the place `at` of it.
+
+    Image size and focal length in pixels. The picture's x points as far east as it can.
+    """
 
     height: float
     image_width: int
     image_height: int
     focal: float
+    at: tuple[float, float] = (0.0, 0.0)
+
+    def axes(self) -> tuple[Axis, Axis, Axis]:
+        """Where the picture's x and y and the optical axis point, as unit vectors of the scene."""
+        x, y = self.at
+        far = hypot(x, y, self.height)
+        ahead = -x / far, -y / far, -self.height / far
+        # East, without what of it points along the optical axis.
+        side = sqrt(1 - ahead[0] ** 2)
+        right = side, -ahead[0] * ahead[1] / side, -ahead[0] * ahead[2] / side
+        down = (
+            ahead[1] * right[2] - ahead[2] * right[1],
+            ahead[2] * right[0] - ahead[0] * right[2],
+            ahead[0] * right[1] - ahead[1] * right[0],
+        )
+        return right, down, ahead
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Particles dropped within `radius` of `centre`; `of` says what they are ("lentils")."""
+    """Particles dropped within `radius` of `centre`; `of` says what they are ("lentils"), `colour` which
+    colour they have, if not one of their kind's."""
 
     count: int
     centre: tuple[float, float]
     radius: float
     of: str = "lentils"
+    colour: Colour | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Scattered:
-    """Particles spread evenly over the rectangle between two corners."""
+    """Particles spread evenly over the rectangle between two corners; `of` and `colour` as in `Group`."""
 
     count: int
     low: tuple[float, float]
     high: tuple[float, float]
     of: str = "lentils"
+    colour: Colour | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """A line of ink drawn on the surface along points, `width` wide."""
+    """A line of ink drawn on the surface along points, `width` wide; blue, unless `colour` says otherwise."""
 
     along: tuple[tuple[float, float], ...]
     width: float
+    colour: Colour | None = None
 
 
 Dirt = Group | Scattered | Ink
@@ -138,7 +176,8 @@ class SymbolThresholds:
 @dataclass(frozen=True, slots=True)
 class Scene:
     """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
-    that of the domain whose actions clean it, `grasps` are those that the scene itself defines."""
+    that of the domain whose actions clean it, `grasps` are those that the scene itself defines. Without a
+    `calibration`, perception works with the default thresholds."""
 
     name: str
     surface: Surface
@@ -152,6 +191,7 @@ class Scene:
     domain: str = "cleaning"
     grasps: tuple[Grasp, ...] = ()
     light: Light = LIGHT
+    calibration: Calibration | None = None
 
     def outwards(self) -> tuple[float, float]:
         """The unit vector from the surface over the container's edge."""

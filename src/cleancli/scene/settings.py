@@ -14,6 +14,7 @@ from cleancli.language.syntax import (
     Pair,
     Points,
     Quantity,
+    Quoted,
     Section,
     Setting,
     SettingValue,
@@ -65,15 +66,17 @@ class Settings:
             metres = None
         return (default or 0.0) if metres is None else metres
 
-    def number(self, key: str, default: float, low: float, high: float = math.inf) -> float:
-        """A plain number between `low` (excluded) and `high`."""
+    def number(
+        self, key: str, default: float, low: float, high: float = math.inf, including: bool = False
+    ) -> float:
+        """A plain number from `low`, which is excluded unless `including` says otherwise, to `high`."""
         value = self._take(key, default)
         if value is None:
             return default
         number = self._plain(value)
-        if number is not None and not low < number <= high:
+        if number is not None and not (low < number <= high or (including and number == low)):
             top = "" if high == math.inf else f" and at most {high:g}"
-            self._range(value, f"must be above {low:g}{top}")
+            self._range(value, f"must be {'at least' if including else 'above'} {low:g}{top}")
             number = None
         return default if number is None else number
 
@@ -103,11 +106,11 @@ class Settings:
             return default
         return value.text
 
-    def point(self, key: str) -> tuple[float, float]:
-        """A required point `(x, y)`, in metres."""
-        value = self._take(key, None)
+    def point(self, key: str, default: tuple[float, float] | None = None) -> tuple[float, float]:
+        """A point `(x, y)` in metres, required where there is no default."""
+        value = self._take(key, default)
         if value is None:
-            return 0.0, 0.0
+            return default or (0.0, 0.0)
         if not isinstance(value, Pair):
             self._wrong(value, "a point such as `(10 cm, -5 cm)`")
             return 0.0, 0.0
@@ -145,6 +148,18 @@ class Settings:
         (first, second) = bounds
         read = self._radians(value.x, *first), self._radians(value.y, *second)
         return default if read[0] is None or read[1] is None else (read[0], read[1])
+
+    def path(self, key: str) -> str | None:
+        """A path in quotation marks, as it is written; None where the key is missing."""
+        value = self._take(key, "")
+        if value is not None and not isinstance(value, Quoted):
+            self._wrong(value, 'a path in quotation marks, such as `"table.json"`')
+        return value.text if isinstance(value, Quoted) else None
+
+    def own_colour(self, key: str) -> tuple[int, int, int] | None:
+        """As `colour`; None where the key is missing."""
+        self._asked.add(key)
+        return self.colour(key, (0, 0, 0)) if key in self._settings else None
 
     def colour(self, key: str, default: tuple[int, int, int]) -> tuple[int, int, int]:
         """`rgb(red, green, blue)`, each a whole number from 0 to 255."""

@@ -13,17 +13,19 @@ from numpy.typing import NDArray
 from cleancli.perception.frame import Camera, Frame
 from cleancli.scene.model import CameraSetup, Light, Surface
 from cleancli.world import parameters as par
-from cleancli.world.ink import InkLayer
+from cleancli.world.finish import Finish
 from cleancli.world.physics import Engine
 
 _Image = NDArray[np.uint8]
 _Depth = NDArray[np.float32]
+_Places = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 def overhead(setup: CameraSetup) -> Camera:
-    """The camera straight above the middle of the surface; its x points east, its y south."""
-    pose = np.diag([1.0, -1.0, -1.0, 1.0])
-    pose[2, 3] = setup.height
+    """The camera above the surface as the scene places it; straight above the middle its y points south."""
+    pose = np.eye(4)
+    pose[:3, :3] = np.transpose(setup.axes())
+    pose[:3, 3] = *setup.at, setup.height
     # Where the renderer puts the optical axis, in pixel middles (tests/world/test_camera.py measures it).
     centre = setup.image_width / 2, setup.image_height / 2 - 1
     return Camera(setup.image_width, setup.image_height, setup.focal, centre, pose)
@@ -33,17 +35,17 @@ def photograph(
     engine: Engine,
     camera: Camera,
     light: Light,
-    ink: InkLayer | None,
+    finish: Finish,
     clock: float,
     rng: np.random.Generator,
 ) -> Frame:
     """One frame with the noise of a Kinect."""
-    colour, depth = render(engine, camera, light, ink)
+    colour, depth = render(engine, camera, light, finish)
     return Frame(noisy_colour(colour, rng), noisy_depth(depth, rng), camera, clock)
 
 
 def render(
-    engine: Engine, camera: Camera, light: Light, ink: InkLayer | None = None
+    engine: Engine, camera: Camera, light: Light, finish: Finish | None = None
 ) -> tuple[_Image, _Depth]:
     """What an ideal camera would see: colour (height, width, 3), and depth (height, width) in metres."""
     eye = camera.pose[:3, 3]
@@ -51,20 +53,18 @@ def render(
     view = engine.computeViewMatrix(eye.tolist(), ahead.tolist(), up.tolist())
     opening = 2 * np.degrees(atan(camera.height / 2 / camera.focal))
     projection = engine.computeProjectionMatrixFOV(opening, camera.width / camera.height, par.NEAR, par.FAR)
-    colour, buffer = _draw(engine, camera.width, camera.height, view, projection, light, ink)
+    colour, buffer = _draw(engine, camera.width, camera.height, view, projection, light, finish)
     depth = par.FAR * par.NEAR / (par.FAR - (par.FAR - par.NEAR) * buffer)
     return colour, depth.astype(np.float32)
 
 
-def onlook(
-    engine: Engine, surface: Surface, light: Light, ink: InkLayer | None, width: int, height: int
-) -> _Image:
+def onlook(engine: Engine, surface: Surface, light: Light, finish: Finish, width: int, height: int) -> _Image:
     """The table from above its south-east corner, (height, width, 3) uint8 RGB."""
     eye = [0.85 * surface.width, -1.35 * surface.depth, 0.75]
     view = engine.computeViewMatrix(eye, [0.02, 0.0, -0.05], [0, 0, 1])
     opening = float(np.degrees(par.PICTURE_FIELD))
     projection = engine.computeProjectionMatrixFOV(opening, width / height, par.NEAR, par.FAR)
-    return _draw(engine, width, height, view, projection, light, ink)[0]
+    return _draw(engine, width, height, view, projection, light, finish)[0]
 
 
 def noisy_depth(depth: _Depth, rng: np.random.Generator) -> _Depth:
@@ -99,7 +99,7 @@ def _draw(
     view: list[float],
     projection: list[float],
     light: Light,
-    ink: InkLayer | None,
+    finish: Finish | None,
 ) -> tuple[_Image, NDArray[np.float64]]:
     level = cos(light.elevation)
     direction = level * cos(light.azimuth), level * sin(light.azimuth), sin(light.elevation)
@@ -118,14 +118,14 @@ def _draw(
     )
     image = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3])
     depth = np.asarray(buffer, dtype=np.float64).reshape(height, width)
-    if ink is not None:
-        _paint(image, depth, _matrix(projection) @ _matrix(view), ink)
+    if finish is not None and finish.changes:
+        finish.put_on(image, *_places(depth, _matrix(projection) @ _matrix(view)))
     return image, depth
 
 
-def _paint(image: _Image, buffer: NDArray[np.float64], projected: NDArray[np.float64], ink: InkLayer) -> None:
-    """Blend ink into the pixels that show the surface; `projected` (4, 4) takes the scene to the renderer's
-    cube."""
+def _places(buffer: NDArray[np.float64], projected: NDArray[np.float64]) -> _Places:
+    """x, y and z of what each pixel shows, (height, width) each; `projected` (4, 4) takes the scene to the
+    renderer's cube."""
     height, width = buffer.shape
     rows, columns = np.indices(buffer.shape)
     # The optical axis is where `overhead` says: in the middle of the columns, a pixel above that of the rows.
@@ -133,11 +133,7 @@ def _paint(image: _Image, buffer: NDArray[np.float64], projected: NDArray[np.flo
         (2 * columns / width - 1, 1 - 2 * (rows + 1) / height, 2 * buffer - 1, np.ones_like(buffer))
     )
     x, y, z, w = np.einsum("ij,jhw->ihw", np.linalg.inv(projected), cube)
-    share = ink.share_at(x / w, y / w) * (np.abs(z / w) < par.INK_HEIGHT)
-    covered = share > 0
-    # Ink takes as much light as the surface around it, whose brightness is not known here: it is dark anyway.
-    mixed = image[covered] + share[covered, None] * (np.array(par.INK_COLOUR) - image[covered])
-    image[covered] = np.round(mixed).astype(np.uint8)
+    return x / w, y / w, z / w
 
 
 def _matrix(columns: list[float]) -> NDArray[np.float64]:

@@ -18,19 +18,28 @@ _Array = NDArray[np.float64]
 
 
 class InkLayer:
-    """How much ink each cell of the surface holds, 0 to 1: `amount` (rows, columns), from the south-west."""
+    """How much ink each cell of the surface holds, 0 to 1: `amount` (rows, columns), from the south-west.
+
+    `flaps` (n, 3) is where the rag's flaps were after the control period before, None before the first.
+    """
 
     def __init__(self, scene: Scene) -> None:
         self.amount = drawn(scene)
+        lines = [dirt for dirt in scene.dirt if isinstance(dirt, Ink)]
+        self._colours = [line.colour or par.INK_COLOUR for line in lines]
+        # The line whose ink is on each cell, by number: of those that cross, the last one drawn.
+        self._lines = np.zeros(self.amount.shape, np.int64)
+        for number, line in enumerate(lines):
+            self._lines[_covered(line, scene.surface)] = number
         self._all = max(float(self.amount.sum()), 1.0)
         self._surface = scene.surface
         self._half = scene.rag.width / max(1, round(scene.rag.width / scene.rag.grasp.flap)) / 2
-        self._was: _Array | None = None
+        self.flaps: _Array | None = None
 
     def rub(self, engine: Engine, top: int, flaps: _Array) -> None:
         """Take ink away after a control period; `top` is the table's body, `flaps` (n, 3) their middles."""
-        moved = 0.0 if self._was is None else float(np.linalg.norm((flaps - self._was).mean(axis=0)[:2]))
-        self._was = flaps
+        moved = 0.0 if self.flaps is None else float(np.linalg.norm((flaps - self.flaps).mean(axis=0)[:2]))
+        self.flaps = flaps
         pressed: dict[tuple[int, int], list[tuple[tuple[float, float, float], float]]] = {}
         for contact in engine.getContactPoints(bodyA=top):
             body, link, place, force = contact[2], contact[4], contact[5], contact[9]
@@ -62,6 +71,14 @@ class InkLayer:
         found[on] = self.amount[row[on].astype(int), column[on].astype(int)]
         return found
 
+    def colour_at(self, x: _Array, y: _Array) -> _Array:
+        """(n, 3) red, green and blue of the ink at places with ink on them."""
+        row, column = (
+            np.floor((place + side / 2) / par.INK_CELL).astype(int)
+            for place, side in ((y, self._surface.depth), (x, self._surface.width))
+        )
+        return np.asarray(np.array(self._colours, np.float64)[self._lines[row, column]])
+
     def _fade(self, middle: _Array, along: _Array, moved: float) -> None:
         """Fade what lies below a flap's lower edge, which runs along a direction through `middle`."""
         along = along / np.linalg.norm(along)
@@ -77,13 +94,21 @@ class InkLayer:
 
 def drawn(scene: Scene) -> NDArray[np.float32]:
     """(rows, columns) 1 where a line of ink covers a cell's middle, 0 elsewhere."""
-    x, y = np.meshgrid(*_middles(scene.surface))
-    inked = np.zeros(x.shape, np.bool_)
+    x, y = _middles(scene.surface)
+    inked = np.zeros((len(y), len(x)), np.bool_)
     for ink in scene.dirt:
         if isinstance(ink, Ink):
-            for begin, end in pairwise((*ink.along, ink.along[-1])):
-                inked |= _distances(x, y, begin, end) <= ink.width / 2
+            inked |= _covered(ink, scene.surface)
     return inked.astype(np.float32)
+
+
+def _covered(ink: Ink, surface: Surface) -> NDArray[np.bool_]:
+    """(rows, columns) whether a line covers a cell's middle."""
+    x, y = np.meshgrid(*_middles(surface))
+    inked = np.zeros(x.shape, np.bool_)
+    for begin, end in pairwise((*ink.along, ink.along[-1])):
+        inked |= _distances(x, y, begin, end) <= ink.width / 2
+    return inked
 
 
 def _distances(x: _Array, y: _Array, begin: tuple[float, float], end: tuple[float, float]) -> _Array:

@@ -52,12 +52,16 @@ SETTLED_SPEED = 2e-3  # chosen
 
 # Ink, chosen. A pass of the rag that presses hard enough takes INK_PASS of the ink, a lighter one less.
 INK_CELL = 2e-3
-INK_COLOUR = (44, 62, 128)
+INK_COLOUR = (44, 62, 128)  # unless the scene says otherwise
 INK_PASS = 0.75
 INK_BAND = 6e-3  # how far along its way a flap's lower edge touches the surface
 INK_FORCE = 0.02  # newtons on a flap from which on it takes no more
 INK_HEIGHT = 3e-4  # what the renderer shows within this of z = 0 is the surface
 INK_SEEN = 0.15  # amount of ink in a cell below which perception can't tell it from the surface
+
+# The surface's texture, chosen.
+TEXTURE_CELL = 1e-3
+TEXTURE_SEED = 1
 
 # Furniture, chosen. The container reaches under the table: measured, a gap of 5 mm loses lentils.
 TABLE_HEIGHT = 0.70

@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.scene.model import Dirt, Group, Ink, Scattered
+from cleancli.scene.model import Colour, Dirt, Group, Ink, Scattered
 from cleancli.world import parameters as par
 from cleancli.world.physics import Engine
 
@@ -22,10 +22,12 @@ _ROUND_RINGS = tuple((float(np.cos(a)), float(np.sin(a))) for a in np.radians((6
 
 @dataclass(frozen=True, slots=True)
 class Drops:
-    """Where particles are dropped: `spots` (n, 2) in metres, and what each is, `kinds` (n)."""
+    """Where particles are dropped: `spots` (n, 2) in metres, what each is, `kinds` (n), and its colour, if it
+    is not one of its kind's."""
 
     spots: _Array
     kinds: tuple[str, ...]
+    colours: tuple[Colour | None, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +38,11 @@ class _Shapes:
 
 def drop(engine: Engine, drops: Drops, rng: np.random.Generator) -> tuple[int, ...]:
     """Bodies of particles just above the surface, stacked where spots are too close."""
-    shapes = {kind: _shapes(engine, par.PARTICLES[kind]) for kind in sorted(set(drops.kinds))}
+    looks = tuple(zip(drops.kinds, drops.colours, strict=True))
+    shapes = {look: _shapes(engine, par.PARTICLES[look[0]], look[1]) for look in dict.fromkeys(looks)}
     bodies = []
-    for (x, y), kind, height in zip(drops.spots, drops.kinds, _heights(drops), strict=True):
-        particle, shape = par.PARTICLES[kind], shapes[kind]
+    for (x, y), look, height in zip(drops.spots, looks, _heights(drops), strict=True):
+        particle, shape = par.PARTICLES[look[0]], shapes[look]
         body = engine.createMultiBody(
             baseMass=particle.mass,
             baseCollisionShapeIndex=shape.touched,
@@ -63,21 +66,23 @@ def drop(engine: Engine, drops: Drops, rng: np.random.Generator) -> tuple[int, .
 
 def places(dirt: tuple[Dirt, ...], rng: np.random.Generator) -> Drops:
     """Where to drop particles, evenly drawn in each group's disc or each rectangle; ink is none."""
-    drawn, kinds = [np.empty((0, 2))], []
+    drawn, kinds, colours = [np.empty((0, 2))], list[str](), list[Colour | None]()
     for source in dirt:
         match source:
-            case Group(count, centre, radius, of):
+            case Group(count, centre, radius, of, colour):
                 angle = rng.uniform(0, 2 * np.pi, count)
                 distance = radius * np.sqrt(rng.uniform(0, 1, count))
                 step = np.stack((distance * np.cos(angle), distance * np.sin(angle)), axis=1)
                 drawn.append(np.array(centre) + step)
                 kinds += [of] * count
-            case Scattered(count, low, high, of):
+                colours += [colour] * count
+            case Scattered(count, low, high, of, colour):
                 drawn.append(rng.uniform(low, high, (count, 2)))
                 kinds += [of] * count
+                colours += [colour] * count
             case Ink():
                 pass
-    return Drops(np.concatenate(drawn), tuple(kinds))
+    return Drops(np.concatenate(drawn), tuple(kinds), tuple(colours))
 
 
 def positions(engine: Engine, bodies: tuple[int, ...]) -> NDArray[np.float64]:
@@ -95,7 +100,7 @@ def settle(engine: Engine, bodies: tuple[int, ...]) -> None:
             return
 
 
-def _shapes(engine: Engine, particle: par.Particle) -> _Shapes:
+def _shapes(engine: Engine, particle: par.Particle, own: Colour | None) -> _Shapes:
     """What the engine lets collide is the convex hull of the corners; what it shows is their mesh."""
     rings = _LENTIL_RINGS if particle.flat else _ROUND_RINGS
     corners, faces = _mesh(rings, particle)
@@ -111,7 +116,7 @@ def _shapes(engine: Engine, particle: par.Particle) -> _Shapes:
             indices=faces,
             rgbaColor=[*(c / 255 for c in colour), 1],
         )
-        for colour in particle.colours
+        for colour in (particle.colours if own is None else (own,))
     )
     return _Shapes(touched, seen)
 

@@ -69,6 +69,10 @@ class Reem:
         self._right.command(joints[:7])
         self._left.command(joints[7:])
 
+    def commanded(self) -> _Array:
+        """Where the joints were last commanded to be, (14,)."""
+        return np.concatenate((self._right.commanded(), self._left.commanded()))
+
     def tool(self) -> _Array:
         """Where the rag is: x, y, z and yaw, (4,)."""
         return self._right.tool()

@@ -1,0 +1,135 @@
+"""What `cleancli calibrate` found out about a surface in its light (§3.1), and the file that keeps it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import TypeGuard
+
+FORMAT = "cleancli calibration 1"
+"""What the file's key `format` says; another number means other keys."""
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """Everything that perception compares with, in units that no camera changes (docs/perception.md).
+
+    The defaults are used where there is no calibration. Lengths in metres, areas in square metres.
+    """
+
+    tolerance: float = 0.010
+    """Distance from the plane up to which a point belongs to it, for a point one metre away; it grows with
+    the square of the distance, as the noise of depth does. Over six times that noise."""
+    heap: float = 0.015
+    """Height above the plane up to which a point still belongs to it: dirt lies in heaps."""
+    surface_edge: int = 2
+    """Pixels beside the surface's outline whose colour may be another thing's."""
+    object_edge: int = 4
+    """Pixels around what stands on the surface whose colour may be that thing's."""
+    gradient: float = 0.045
+    """Change of colour from one pixel to the next, as a share of the brightness, below which a region grows
+    on."""
+    background: float = 1.2e-3
+    """Area above which a region is background."""
+    contrast: float = 0.10
+    """A pixel whose colour differs from that of the background around it by a smaller share of the brightness
+    belongs to it."""
+    patch: float = 5.5e-6
+    """Area below which a patch is no dirt: half of a grain of rice."""
+    agreement: float = 2 / 3
+    """The share of the frames showing a pixel in which it must be dirty to be believed so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Appearance:
+    """How the clean surface looked, to tell when it does no longer.
+
+    `colours`: mean red, green and blue, 0 to 255, of equal parts of the surface: `rows` from south to north,
+    of `columns` from west to east each; 0 where it was hidden. `tilt`: angle in radians between the camera's
+    axis and the surface's normal.
+    """
+
+    columns: int
+    rows: int
+    colours: tuple[tuple[float, float, float], ...]
+    tilt: float
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """`path` as the scene writes it, the thresholds to use, and what the surface looked like."""
+
+    path: str
+    thresholds: Thresholds
+    appearance: Appearance
+
+
+class BadCalibration(Exception):
+    """A file that is no calibration; the message says what is wrong in it."""
+
+
+def as_text(calibration: Calibration) -> str:
+    """The file's text, JSON."""
+    described = {"format": FORMAT} | {
+        part: asdict(getattr(calibration, part)) for part in ("thresholds", "appearance")
+    }
+    return json.dumps(described, indent=2) + "\n"
+
+
+def read_calibration(file: Path, path: str) -> Calibration:
+    """The calibration in a file that goes by the name `path`. Raises OSError and BadCalibration."""
+    try:
+        described = json.loads(file.read_bytes().decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise BadCalibration("it is no JSON") from error
+    if not isinstance(described, dict) or described.get("format") != FORMAT:
+        raise BadCalibration(f'its `format` is not "{FORMAT}"')
+    return Calibration(
+        path, _thresholds(described.get("thresholds")), _appearance(described.get("appearance"))
+    )
+
+
+def _thresholds(described: object) -> Thresholds:
+    parts = _mapping(described, "thresholds")
+    values: dict[str, float] = {}
+    for field in fields(Thresholds):
+        value = parts.get(field.name)
+        whole = field.name in ("surface_edge", "object_edge")
+        if not _is_number(value) or value < 0 or (whole and (value != int(value) or value > 100)):
+            kind = "a whole number from 0 to 100" if whole else "a number of at least 0"
+            raise BadCalibration(f"`{field.name}` must be {kind}")
+        values[field.name] = int(value) if whole else float(value)
+    return Thresholds(**values)  # type: ignore[arg-type]
+
+
+def _appearance(described: object) -> Appearance:
+    parts = _mapping(described, "appearance")
+    columns, rows, tilt = (parts.get(key) for key in ("columns", "rows", "tilt"))
+    if not (isinstance(columns, int) and isinstance(rows, int) and columns > 0 and rows > 0):
+        raise BadCalibration("`columns` and `rows` must be whole numbers above 0")
+    if not _is_number(tilt):
+        raise BadCalibration("`tilt` must be a number")
+    listed = parts.get("colours")
+    colours = tuple(map(_colour, listed)) if isinstance(listed, list) else ()
+    if len(colours) != columns * rows:
+        raise BadCalibration(f"`colours` must list {columns * rows} colours")
+    return Appearance(columns, rows, colours, float(tilt))
+
+
+def _mapping(described: object, name: str) -> dict[str, object]:
+    if not isinstance(described, dict):
+        raise BadCalibration(f"it has no `{name}`")
+    return described
+
+
+def _colour(described: object) -> tuple[float, float, float]:
+    match described:
+        case [red, green, blue] if _is_number(red) and _is_number(green) and _is_number(blue):
+            return float(red), float(green), float(blue)
+    raise BadCalibration("each of `colours` must be three numbers")
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
