@@ -14,7 +14,7 @@ import click
 
 from cleancli import __version__
 from cleancli.cli.completion import light_command
-from cleancli.cli.exit_codes import ExitCode, MissingPart
+from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.language.diagnostics import Refused
 from cleancli.world.missing import MissingPhysics
 
@@ -91,6 +91,9 @@ def run(arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         error.show()
         return ExitCode.USAGE
+    except Stopped as stopped:
+        click.echo(f"interrupted: {stopped}", err=True)
+        return ExitCode.INTERRUPTED
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return ExitCode.INTERRUPTED
