@@ -16,6 +16,7 @@ from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import show
+from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
 from cleancli.execution.entries import Entries
@@ -160,7 +161,8 @@ def command(
         assert isinstance(event, Ended), "an episode's last event closes it"
         truth = site.truth()
         recorder.finish(truth)
-    write_page(folder)
+    with working("writing report.html", as_data or quiet):
+        write_page(folder)
     if as_data:
         click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
     elif not quiet:
