@@ -38,7 +38,7 @@ class NoSkill(Exception):
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:
-        known = ", ".join(f"{name}/{skill.arity}" for name, skill in SKILLS.items())
+        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name in SKILLS)
         super().__init__(f"this robot can't execute {action}/{arity}; it can execute {known}")
 
 
@@ -54,9 +54,7 @@ class Skill:
 
 def can_execute(action: str, arity: int, robot: str) -> bool:
     """Whether a robot of that name has a skill for this action with so many areas."""
-    if action == PICK_UP:
-        return arity == 1 and robot in TWO_ARMED
-    return action in SKILLS and SKILLS[action].arity == arity
+    return ARITIES.get(action) == arity and (action != PICK_UP or robot in TWO_ARMED)
 
 
 def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
@@ -144,6 +142,12 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
         "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
     }
 )
+"""What one arm can do."""
+
+ARITIES: Mapping[str, int] = MappingProxyType(
+    {**{name: skill.arity for name, skill in SKILLS.items()}, PICK_UP: 1}
+)
+"""How many areas each of the six actions of §3.2 takes."""
 
 
 def _crossing(start: Point, scene: Scene) -> Point | None:

@@ -110,7 +110,7 @@ def arm_for(scene: Scene, side: int) -> Arm:
     half = abs(out @ (scene.surface.width, scene.surface.depth)) / 2
     base = np.eye(4)
     base[:2, 0], base[:2, 1] = -out, -right
-    base[:2, 3] = (half - robots.REEM_INWARDS) * out + side * robots.REEM_SHOULDERS * right
+    base[:2, 3] = half * out + side * robots.REEM_SHOULDERS * right
     base[:2, 3] += scene.container.offset * np.abs(right)
     base[2, 3] = robots.REEM_ABOVE
     return Arm(
