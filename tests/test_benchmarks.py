@@ -82,7 +82,15 @@ def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: P
     assert len(kept.read_text().splitlines()) == 2
     rows = [line.split("|")[1:-1] for line in first.stdout.splitlines() if line.startswith("| ")][1:]
     assert [row[0].strip() for row in rows] == ["plan-2", "reactive"]
-    assert [row[4:6] for row in rows] == [[" 0 ", " 0 "]] * 2
+    assert [row[6:8] for row in rows] == [[" 0 ", " 0 "]] * 2
     again = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
     assert again.stdout.split("\n\n")[1:] == first.stdout.split("\n\n")[1:]
     assert len(kept.read_text().splitlines()) == 2
+
+
+def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:
+    """Few pushes: the figure is in docs/perception.md, here it is only far from chance."""
+    result = _run("identity.py", "4", cwd=tmp_path)
+    assert not result.stderr
+    share = next(line for line in result.stdout.splitlines() if line.startswith("areas matched right"))
+    assert float(share.split()[-1]) > 0.8

@@ -9,7 +9,6 @@ import pytest
 
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
-from cleancli.perception.frame import Frame
 from cleancli.perception.occlusion import Known, remember
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import track
@@ -20,9 +19,8 @@ from cleancli.world.table import PybulletTable
 GROUPS = (Group(9, (-0.2, 0.1), 0.03), Group(9, (0.0, -0.1), 0.03), Group(9, (0.2, 0.15), 0.03))
 
 
-def observed(table: PybulletTable, scene: Scene) -> tuple[Frame, Observation]:
-    frames = [table.observe() for _ in range(3)]
-    return frames[-1], perceive(frames, scene, np.random.default_rng(1))
+def observed(table: PybulletTable, scene: Scene) -> Observation:
+    return perceive([table.observe() for _ in range(3)], scene, np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("robot", ["gantry", "wam"])
@@ -35,7 +33,7 @@ def test_through_a_whole_push_no_area_is_lost_or_invented_behind_the_tool(
         table.withdraw()
         while table.poll() is Status.RUNNING:
             pass
-        areas = track((), observed(table, setting)[1].areas, None, 1)
+        areas = track((), observed(table, setting).areas, None, 1).areas
         assert len(areas) == 3
         still = [area for area in areas if area.name != "a2"]
         table.start(tool_path("moveToContainerStraight", (areas[1].ellipse,), setting))
@@ -54,7 +52,7 @@ def test_through_a_whole_push_no_area_is_lost_or_invented_behind_the_tool(
 
 
 def _look(table: PybulletTable, scene: Scene, areas: tuple[Area, ...]) -> Known:
-    frame, observation = observed(table, scene)
-    known = remember(areas, observation, frame.camera, scene.surface, None, 10)
+    observation = observed(table, scene)
+    known = remember(areas, observation, scene.surface, None, 10)
     assert known.unseen.share == pytest.approx(observation.hidden, abs=0.02)
     return known

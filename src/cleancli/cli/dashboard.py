@@ -124,17 +124,19 @@ def dashboard(
     terminal there is less, in a very small one a single line."""
     columns, rows = size
     status = _line(f"{SPINNER[int(4 * time.monotonic()) % 4]} {shown.doing}", "bold")
-    if rows < 14 or columns < 24:
+    side = [status] if rows < 14 or columns < 24 else [status, *_side(shown, limit, ascii_only)]
+    for line in side:
+        line.overflow = "crop" if ascii_only else "ellipsis"
+    if len(side) == 1:
         return Group(status)
-    side = Group(status, *_side(shown, limit, ascii_only))
     wide = _map_columns(scene, columns, rows) if scene is not None else 0
     if scene is None or wide < SMALLEST_MAP:
-        return side
+        return Group(*side)
     grid = Table.grid(padding=(0, 2, 0, 0), expand=True)
     grid.add_column(width=wide + 2, no_wrap=True)
-    grid.add_column(ratio=1, no_wrap=True, overflow="ellipsis")
+    grid.add_column(ratio=1, no_wrap=True, overflow="crop")
     picture = table_map(scene, shown.situation, shown.path, shown.tool, wide, ascii_only)
-    grid.add_row(picture, side)
+    grid.add_row(picture, Group(*side))
     return grid
 
 
@@ -177,4 +179,4 @@ def _bar(share: float, ascii_only: bool) -> str:
 
 
 def _line(text: str, style: str = "") -> Text:
-    return Text(text, style=style, no_wrap=True, overflow="ellipsis")
+    return Text(text, style=style, no_wrap=True)

@@ -6,28 +6,35 @@ import hashlib
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from cleancli import __version__
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import show
+from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
+from cleancli.cli.resume import Inputs, alone_in, unfinished
+from cleancli.execution.checkpoint import World, cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
+from cleancli.execution.journal import Interrupted, Resumed
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site, symbolic_site, table_site
+from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import read_source
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
@@ -37,8 +44,14 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", shell_complete=problems)
+@click.argument("domain", required=False, shell_complete=domains)
+@click.argument("problem", required=False, shell_complete=problems)
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    metavar="RUN",
+    help="Go on with the run in this folder, as it began; takes no other arguments.",
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: PROBLEM's, or 1]")
 @click.option(
     "--strategy",
@@ -102,8 +115,9 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 @click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 def command(
-    domain: str,
-    problem: str,
+    domain: str | None,
+    problem: str | None,
+    resume: Path | None,
     seed: int | None,
     strategy: str,
     planner: str | None,
@@ -125,6 +139,13 @@ def command(
     Exit code 3 if something is left at the end; the summary says where every lentil truly is, apart from what
     perception believed.
     """
+    said = _Said(as_data, quiet)
+    if resume is not None:
+        _refuse_beside_resume()
+        with alone_in(resume):
+            return _go_on(resume, said)
+    if domain is None or problem is None:
+        raise click.UsageError("name a domain and a problem, or a run by --resume")
     _, domain_sources, model = open_domain(domain)
     given = open_problem(problem, model)
     sources = (*domain_sources, read_source(find(problem, "problems")))
@@ -138,46 +159,114 @@ def command(
         _by_time(objective, model),
         known,
     )
-    with located_in(*sources), planning_refused(sources):
-        site = _site(model, given, job, options)
-    with closing(site):
+    inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
+    with closing(_site(inputs)) as site:
         folder = free_folder(runs, f"{given.name}-seed{options.seed}")
-        with (
-            located_in(*sources),
-            planning_refused(sources),
-            Recorder(
-                folder,
-                _header(options, site.setup.job, _copied(sources, folder)),
-                site.picture,
-                video,
-                Entries(model, lambda: site.cell.clock),
-            ) as recorder,
-            show(as_data or quiet, site.setup.scene, lambda: site.cell.tool, options.max_actions) as view,
-        ):
-            for event in clean(site.setup, site.cell):
+        header = _header(options, site.setup.job, _copied(sources, folder))
+        return _carry_out(inputs, site, folder, header, video, said)
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """How the run is told: as data, or not at all."""
+
+    as_data: bool
+    quiet: bool
+
+    @property
+    def silently(self) -> bool:
+        """Whether nothing is shown while it lasts."""
+        return self.as_data or self.quiet
+
+
+def _refuse_beside_resume() -> None:
+    """Raises UsageError for what a resumed run has from its beginning."""
+    context = click.get_current_context()
+    for name in context.params:
+        source = context.get_parameter_source(name)
+        given = source not in (ParameterSource.DEFAULT, None) and name not in ("resume", "as_data", "quiet")
+        if given:
+            what = name.upper() if name in ("domain", "problem") else f"--{name.replace('_', '-')}"
+            raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
+
+
+def _go_on(folder: Path, said: _Said) -> int:
+    """Go on with a run that was cut short, from its last checkpoint."""
+    begun = unfinished(folder)
+    world = None if begun.saved is None else begun.saved.world
+    with closing(_site(begun.inputs, world)) as site:
+        dropped = cut_back(folder, begun.saved)
+        after = 0 if begun.saved is None else begun.saved.episode.actions
+        resumed = Resumed(after, dropped)
+        if not said.silently:
+            click.echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
+        saved = None if begun.saved is None else begun.saved.episode
+        return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, saved)
+
+
+def _carry_out(
+    inputs: Inputs,
+    site: Site,
+    folder: Path,
+    header: Mapping[str, object],
+    video: bool,
+    said: _Said,
+    resumed: Resumed | None = None,
+    saved: EpisodeState | None = None,
+) -> int:
+    """The loop to its end, recorded and shown; from a checkpoint on, if there is one."""
+    setup, cell = site.setup, site.cell
+    entries = Entries(inputs.domain, lambda: cell.clock, None if saved is None else saved.spent)
+    with (
+        located_in(*inputs.sources),
+        planning_refused(inputs.sources),
+        Recorder(folder, header, site.picture, video, entries, site.save, resumed) as recorder,
+        show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions) as view,
+    ):
+        try:
+            for event in clean(setup, cell, saved):
                 recorder.write(event)
                 view.write(event)
-        assert isinstance(event, Ended), "an episode's last event closes it"
-        truth = site.truth()
-        recorder.finish(truth)
-    write_page(folder)
-    if as_data:
+        except KeyboardInterrupt:
+            site.stop()
+            recorder.note(Interrupted(cell.clock))
+            raise Stopped(
+                f"stopped with the tool up; go on with: cleancli execute --resume {folder}"
+            ) from None
+    assert isinstance(event, Ended), "an episode's last event closes it"
+    truth = site.truth()
+    recorder.finish(truth)
+    with working("writing report.html", said.silently):
+        write_page(folder)
+    if said.as_data:
         click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
-    elif not quiet:
+    elif not said.quiet:
         click.echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
 
-def _site(domain: Domain, given: Problem | Scene, job: str | None, options: EpisodeOptions) -> Site:
-    """The table of a scene, or the symbolic world of a problem; raises UsageError for what it has not."""
-    if isinstance(given, Scene):
-        asked = None if job is None else Job(job)
-        if asked is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
-            raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
-        return table_site(domain, given, options, asked)
-    if STRATEGIES[options.strategy].needs_places:
-        raise click.UsageError(f"--strategy {options.strategy} goes by places, which only a scene has")
-    return symbolic_site(domain, given, options)
+def _site(inputs: Inputs, world: World | None = None) -> Site:
+    """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
+
+    Raises UsageError for what it has not, Refused (E706) where the checkpoint is another world's.
+    """
+    given, options, job = inputs.given, inputs.options, inputs.job
+    with located_in(*inputs.sources), planning_refused(inputs.sources):
+        try:
+            if isinstance(given, Scene):
+                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
+                return table_site(inputs.domain, given, options, job, world)
+            if STRATEGIES[options.strategy].needs_places:
+                raise click.UsageError(
+                    f"--strategy {options.strategy} goes by places, which only a scene has"
+                )
+            return symbolic_site(inputs.domain, given, options, world)
+        except (KeyError, TypeError, ValueError) as error:
+            if world is None:
+                raise
+            message = f"the last checkpoint is not one of this world: {error}"
+            raise Refused([Diagnostic("E706", message, None)]) from None
 
 
 def _by_time(objective: str | None, domain: Domain) -> bool:

@@ -64,7 +64,8 @@ def _seen(situation: Situation) -> str:
     """The areas seen, those hidden in brackets; in the symbolic world, how many facts hold."""
     if situation.areas:
         names = (a.name if a.name not in situation.unseen else f"({a.name})" for a in situation.areas)
-        return ", ".join(names)
+        later = f"; left out of plans: {', '.join(situation.left_out)}" if situation.left_out else ""
+        return ", ".join(names) + later
     return f"{len(situation.state)} facts" if situation.state else "no dirt"
 
 

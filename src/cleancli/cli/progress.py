@@ -17,10 +17,10 @@ _Item = TypeVar("_Item")
 
 
 @contextmanager
-def working(what: str) -> Iterator[None]:
-    """Show in a terminal that something takes its time; elsewhere nothing."""
+def working(what: str, quiet: bool = False) -> Iterator[None]:
+    """Show in a terminal that something takes its time; elsewhere, or if `quiet`, nothing."""
     console = Console(stderr=True)
-    if not console.is_terminal:
+    if quiet or not console.is_terminal:
         yield
         return
     with console.status(what):

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from cleancli.cli.progress import working
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.language.edit import replace_file
 from cleancli.report.account import Row, name_of, row_of
@@ -35,7 +36,8 @@ def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None
     if html is None and len(runs) == 1 and not as_data:
         html = folders[0] / PAGE
     if html is not None:
-        replace_file(html, run_page(runs[0]) if len(runs) == 1 else comparison_page(rows))
+        with working(f"writing {html.name}", as_data):
+            replace_file(html, run_page(runs[0]) if len(runs) == 1 else comparison_page(rows))
     if as_data:
         click.echo(json.dumps({"runs": [asdict(row) for row in rows]}, indent=2, ensure_ascii=False))
         return

@@ -17,13 +17,14 @@ from cleancli.learning.match import explain, outcomes_of
 
 
 class Entries:
-    """Remembers of an episode what its next lines need; `clock()` is the robot's."""
+    """Remembers of an episode what its next lines need; `clock()` is the robot's, `spent` what earlier lines
+    tell already."""
 
-    def __init__(self, domain: Domain, clock: Callable[[], float]) -> None:
+    def __init__(self, domain: Domain, clock: Callable[[], float], spent: Account | None = None) -> None:
         self._domain, self._clock = domain, clock
         self._situation: Situation | None = None
         self._failure = ""
-        self._spent = Account()
+        self._spent = Account() if spent is None else spent
 
     def of(self, event: events.Event) -> Iterator[journal.Record]:
         """The lines of one event; many have none."""

@@ -34,7 +34,8 @@ class Situation:
     """What is believed after a look: the areas, and what they mean in the domain's words.
 
     `unseen` names the areas of which something hid the most, and that are believed to be as they were.
-    `hidden`: share of the surface about which the look said nothing. The symbolic world has no areas.
+    `hidden`: share of the surface about which the look said nothing. `left_out` names the areas that plans
+    leave for later (§4.2.1). The symbolic world has no areas.
     """
 
     areas: tuple[Area, ...]
@@ -42,6 +43,7 @@ class Situation:
     state: State
     unseen: frozenset[str] = frozenset()
     hidden: float = 0.0
+    left_out: tuple[str, ...] = ()
 
     @property
     def shows_nothing(self) -> bool:

@@ -14,6 +14,7 @@ from cleancli.compiler.task import by_time, without
 from cleancli.execution.rivals import gather_all, nearest_first, wipe_all
 from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions
 from cleancli.execution.state import Move
+from cleancli.planning.fewer import fewer
 from cleancli.planning.plan import Options
 from cleancli.planning.prepared import prepare
 from cleancli.planning.table import DEFAULT, PLANNERS
@@ -31,10 +32,11 @@ class Strategy:
 
 def _plan(now: Circumstances, options: EpisodeOptions, planner: str, commit: int | None) -> Decision:
     """Plan, and carry out the first `commit` actions before planning again (§4.2.4); None: all of them."""
-    task = without(ground(now.domain, now.problem), now.excluded)
+    asked = Options(options.samples, now.seed, previous=now.rest)
+    problem = fewer(now.domain, now.problem, asked.counted).problem
+    task = without(ground(now.domain, problem), now.excluded)
     if options.by_time:
         task = by_time(task)
-    asked = Options(options.samples, now.seed, previous=now.rest)
     plan = PLANNERS[options.planner or planner](prepare(task), asked)
     chosen = plan.actions[:commit]
     moves = tuple(Move(action.name, action.objects) for action in chosen)

@@ -15,6 +15,7 @@ from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import tool_path
 from cleancli.motion.path import ToolPath
+from cleancli.perception.cap import left_out, without
 from cleancli.perception.occlusion import MOSTLY, remember
 from cleancli.perception.perceive import perceive
 from cleancli.perception.symbols import symbolize
@@ -57,17 +58,19 @@ class TableCell:
         started = time.perf_counter()
         observation = perceive(frames, self._scene, np.random.default_rng((self._seed, number)))
         areas = () if before is None else before.areas
-        camera, surface = frames[-1].camera, self._scene.surface
-        known = remember(areas, observation, camera, surface, stroke, named + 1)
+        known = remember(areas, observation, self._scene.surface, stroke, named + 1)
         objects, state = symbolize(known.areas, self._scene, self._domain)
         unseen = frozenset(name for name, hidden in known.hidden.items() if hidden >= MOSTLY)
-        situation = Situation(known.areas, objects, state, unseen, known.unseen.share)
+        situation = Situation(
+            known.areas, objects, state, unseen, known.unseen.share, left_out(known.areas, self._scene)
+        )
         numbers = (int(area.name[1:]) for area in known.areas)
         return Sight(situation, frames[-1], max((named, *numbers)), time.perf_counter() - started)
 
     def problem(self, situation: Situation) -> Problem:
-        """The areas as a problem, with the default horizon (§4.2.2)."""
-        return Problem(self._scene.name, self._domain.name, situation.objects, situation.state)
+        """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""
+        objects, state = without(situation.left_out, situation.objects, situation.state)
+        return Problem(self._scene.name, self._domain.name, objects, state)
 
     def is_done(self, situation: Situation) -> bool:
         """Whether no dirt is believed to be there."""

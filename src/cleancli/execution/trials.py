@@ -81,7 +81,7 @@ def attempt(
         frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
         start = table.truth()
         try:
-            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1), names, arity)
+            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1).areas, names, arity)
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:

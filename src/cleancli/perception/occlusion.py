@@ -1,14 +1,15 @@
 """What an observation does not show, and what to believe of it: what the arm hides (§4.2.3).
 
-`remember(before, observation, camera, surface, stroke, next_number) -> Known` takes the place of `track`
+`remember(before, observation, surface, stroke, next_number) -> Known` takes the place of `track`
 where the tool may be in view: it names the areas seen, keeps those that are hidden as they were believed, and
 says which part of the surface nothing is known about. It is pure, and quick beside `perceive`:
 
     observation = perceive(frames, scene, rng)
-    known = remember(areas_before, observation, frames[0].camera, scene.surface, stroke, named + 1)
+    known = remember(areas_before, observation, scene.surface, stroke, named + 1)
     known.areas         # named, from west to east: seen and remembered alike
     known.hidden["a3"]  # 0: seen whole; 1: only remembered; between: seen in part
     known.unseen.share, known.unseen.outlines(), known.unseen.share_of(ellipse)
+    known.changes       # "a3 split into a3, a9", "a2 merged into a5"
 
 With nothing in front of the surface it gives what `track` gives.
 """
@@ -25,11 +26,10 @@ import numpy as np
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.areas import enclosing_ellipses
 from cleancli.perception.ellipses import boundary, contains, points_within
-from cleancli.perception.frame import Camera
-from cleancli.perception.geometry import Plane, Points, project
+from cleancli.perception.geometry import Points, project
 from cleancli.perception.perceive import RIM, Observation
 from cleancli.perception.surface import Mask
-from cleancli.perception.tracking import Stroke, track
+from cleancli.perception.tracking import Change, Stroke, track
 from cleancli.scene.model import Surface
 
 CELL = 0.005
@@ -94,18 +94,18 @@ class Known:
     """What is known of the surface from an observation and from what was known before it.
 
     `areas` are named, from west to east. `hidden`: by name, the share of the area that is only remembered,
-    from 0 (seen whole) to 1 (not seen at all).
+    from 0 (seen whole) to 1 (not seen at all). `changes`: which areas split or merged.
     """
 
     areas: tuple[Area, ...]
     hidden: Mapping[str, float]
     unseen: Unseen
+    changes: tuple[Change, ...]
 
 
 def remember(
     before: Sequence[Area],
     observation: Observation,
-    camera: Camera,
     surface: Surface,
     stroke: Stroke | None,
     next_number: int,
@@ -121,7 +121,7 @@ def remember(
 
     New names begin with `a<next_number>`.
     """
-    unseen = find_unseen(observation, camera, surface)
+    unseen = find_unseen(observation, surface)
     covered = {area.name: unseen.share_of(area.ellipse) for area in before}
     behind = [area for area in before if covered[area.name] > HARDLY and not _left(area, stroke)]
     pieces = _pieces(behind, observation.areas)
@@ -137,18 +137,20 @@ def remember(
     taken = [piece for several in pieces.values() for piece in several]
     rest = [area for area in observation.areas if area not in taken]
     tracked = track([area for area in before if area.name not in hidden], rest, stroke, next_number)
-    areas = sorted([*kept, *tracked], key=lambda area: area.ellipse.centre)
-    return Known(tuple(areas), {area.name: hidden.get(area.name, 0.0) for area in areas}, unseen)
+    areas = sorted([*kept, *tracked.areas], key=lambda area: area.ellipse.centre)
+    shares = {area.name: hidden.get(area.name, 0.0) for area in areas}
+    return Known(tuple(areas), shares, unseen, tracked.changes)
 
 
-def find_unseen(observation: Observation, camera: Camera, surface: Surface) -> Unseen:
+def find_unseen(observation: Observation, surface: Surface) -> Unseen:
     """The part of the surface that is hidden or lies outside the image."""
     high = surface.width / 2 - RIM, surface.depth / 2 - RIM
     columns, rows = (max(1, ceil(2 * side / CELL)) for side in high)
     x = (np.arange(columns) + 0.5) / columns * 2 * high[0] - high[0]
     y = (np.arange(rows) + 0.5) / rows * 2 * high[1] - high[1]
     middles = np.column_stack([grid.ravel() for grid in np.meshgrid(x, y)])
-    pixels = np.rint(project(camera, _raised(middles, observation.plane))).astype(int)
+    camera = observation.camera
+    pixels = np.rint(project(camera, middles)).astype(int)
     column, row = pixels.T
     shown = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
     cells = np.ones(len(middles), np.bool_)
@@ -156,15 +158,11 @@ def find_unseen(observation: Observation, camera: Camera, surface: Surface) -> U
     return Unseen(cells.reshape(rows, columns), (-high[0], -high[1]), high)
 
 
-def _raised(points: Points, plane: Plane) -> Points:
-    """Scene points (n, 3) of the plane above (x, y) in `points` (n, 2)."""
-    z = (plane.offset - points @ plane.normal[:2]) / plane.normal[2]
-    return np.column_stack([points, z])
-
-
 def _left(area: Area, stroke: Stroke | None) -> bool:
     """Whether the area was to be pushed away, and the cloth went over its centre."""
-    return stroke is not None and area.name in stroke.moved and stroke.swept(area.ellipse.centre)
+    if stroke is None or area.name not in stroke.moved:
+        return False
+    return bool(stroke.swept(np.array([area.ellipse.centre]))[0])
 
 
 def _pieces(behind: Sequence[Area], seen: Sequence[Area]) -> dict[str, list[Area]]:

@@ -18,10 +18,11 @@ from cleancli.language.diagnostics import Diagnostic, Refused
 
 @dataclass(frozen=True, slots=True)
 class InputFile:
-    """A file that went in: its path as it was given, and the hash of its text."""
+    """A file that went in: its path as it was given, the hash of its text, and its copy in the folder."""
 
     path: str
     sha256: str
+    copy: str = ""
 
 
 @dataclass(frozen=True, slots=True)
