@@ -139,9 +139,13 @@ def test_two_processes_do_not_go_on_with_one_run(
 
 def test_ctrl_c_waits_for_what_must_not_be_cut_short() -> None:
     done = []
-    with pytest.raises(KeyboardInterrupt), uninterrupted():
-        signal.raise_signal(signal.SIGINT)
-        done.append(True)
+
+    def work() -> None:
+        with uninterrupted():
+            signal.raise_signal(signal.SIGINT)
+            done.append(True)
+
+    pytest.raises(KeyboardInterrupt, work)
     assert done
 
 
