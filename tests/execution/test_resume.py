@@ -145,7 +145,8 @@ def test_ctrl_c_waits_for_what_must_not_be_cut_short() -> None:
             signal.raise_signal(signal.SIGINT)
             done.append(True)
 
-    pytest.raises(KeyboardInterrupt, work)
+    with pytest.raises(KeyboardInterrupt):
+        work()
     assert done
 
 
