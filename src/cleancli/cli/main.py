@@ -30,6 +30,7 @@ SUMMARIES = {
     "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "scene": "What a scene holds, how it looks, what its robot reaches.",
+    "calibrate": "Adjust perception to a clean surface.",
     "act": "Try one action many times, and count how it truly ends.",
     "learn": "Improve a domain's probabilities from recorded experience.",
     "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
