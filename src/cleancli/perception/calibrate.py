@@ -131,8 +131,8 @@ def _appearance(view: _View, scene: Scene, thresholds: Thresholds) -> Appearance
     frame = view.frames[0]
     on_surface = surface.surface_mask(frame, view.seen_as, view.extent, thresholds)
     trusted = surface.without_edges(on_surface, np.zeros_like(on_surface), thresholds)
-    mean = dirt.subtract_background(frame.colour, trusted, view.seen_as.pixel_areas, thresholds).background
-    colours = np.nan_to_num(fit.colours_of(mean, view.seen_as, scene.surface))
+    shown = dirt.subtract_background(frame.colour, trusted, view.seen_as.pixel_areas, thresholds).background
+    colours = np.nan_to_num(fit.colours_of(frame.colour, shown, view.seen_as, scene.surface))
     triples = tuple((round(r, 1), round(g, 1), round(b, 1)) for r, g, b in colours.tolist())
     tilt = fit.tilt_of(view.plane, frame.camera.pose[:3, 2])
     return Appearance(fit.COLUMNS, fit.ROWS, triples, round(tilt, 4))
