@@ -79,3 +79,24 @@ def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
     assert precision > 0.9
     assert "clean surfaces: 0 areas in 2 frames" in result.stdout
     assert len(list((tmp_path / "worst").glob("*.png"))) == 2
+
+
+def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: Path) -> None:
+    kept = tmp_path / "kept.jsonl"
+    first = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    assert len(kept.read_text().splitlines()) == 2
+    rows = [line.split("|")[1:-1] for line in first.stdout.splitlines() if line.startswith("| ")][1:]
+    assert [row[0].strip() for row in rows] == ["plan-2", "reactive"]
+    assert [row[6:8] for row in rows] == [[" 0 ", " 0 "]] * 2
+    again = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
+    assert again.stdout.split("\n\n")[1:] == first.stdout.split("\n\n")[1:]
+    assert len(kept.read_text().splitlines()) == 2
+
+
+def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:
+    """Few pushes: the figure is in docs/perception.md, here it is only far from chance."""
+    result = _run("identity.py", "4", cwd=tmp_path)
+    assert not result.stderr
+    share = next(line for line in result.stdout.splitlines() if line.startswith("areas matched right"))
+    assert float(share.split()[-1]) > 0.8

@@ -30,7 +30,7 @@ def test_a_scene_refers_to_its_calibration(
     assert "gradient" in capsys.readouterr().out
     assert run(["check", "wood.nid"]) == 0
     capsys.readouterr()
-    assert run(["scene", "wood.nid", "--json", "--save-frames", "seen"]) == 0
+    assert run(["scene", "wood.nid", "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["seen"]) == 1
 
 
@@ -50,3 +50,16 @@ def test_other_mistakes_of_the_scene_are_refused(tmp_path: Path, capsys: pytest.
     said = capsys.readouterr().err
     assert "E505" in said
     assert "E516" not in said
+
+
+def test_perceive_warns_where_the_calibration_fits_no_longer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wood.nid").write_text(SCENE)
+    assert run(["calibrate", "wood.nid", "--out", "wood.json", "--count", "2"]) == 0
+    assert run(["perceive", "wood.nid"]) == 0
+    assert "warning" not in capsys.readouterr().err
+    (tmp_path / "wood.nid").write_text(SCENE.replace("rgb(150, 110, 70)", "rgb(205, 198, 184)"))
+    assert run(["perceive", "wood.nid"]) == 0
+    assert "brighter than when calibrated" in capsys.readouterr().err

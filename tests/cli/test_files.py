@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from cleancli.cli.echo import wants_colour
 from cleancli.cli.main import run
-from cleancli.cli.report import wants_colour
 from cleancli.language.layout import layout
 from cleancli.shipped import find
 

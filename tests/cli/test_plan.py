@@ -256,3 +256,29 @@ def test_the_picture_names_steps_and_what_they_change(
     said(capsys, "--evaluate", "", "--plot", "nothing.png")
     assert Path("nothing.png").read_bytes().startswith(b"\x89PNG")
     assert ".png or .svg" in said(capsys, "--plot", "belief.pdf", code=2)
+
+
+def test_too_much_to_plan_for_is_partly_ignored_and_said(capsys: pytest.CaptureFixture[str]) -> None:
+    few = ("--option", "counted=1", "--planner", "exact")
+    found = data(capsys, *few)
+    assert found["ignored"] == ["d2"]  # the goal names d1
+    assert set(found["plan"]) == {"push(d1)"}
+    assert "planned without d2: more than 1 are too many" in said(capsys, *few)
+    assert "planned without" not in said(capsys)
+    assert data(capsys, "--option", "counted=1", "--evaluate", "push(d2)")["plan"] == ["push(d2)"]
+
+
+def test_values_as_libprada_computes_them(capsys: pytest.CaptureFixture[str]) -> None:
+    found = data(capsys, "--compat", "libprada", "--evaluate", "push(d1) push(d1)")
+    # The second push is worth 0.6 * 0.4 of its probability 0.4: what applies and what is set are independent.
+    assert found["factored"] == pytest.approx(0.6 + 0.95 * 0.4 * 0.6 * 0.4)
+    assert (found["exact"], found["sampled"]) == (None, None)
+
+
+def test_overlapping_rules_are_planned_with_as_libprada_does(
+    capsys: pytest.CaptureFixture[str], files: Path
+) -> None:
+    both = DOORS.replace("when not open(?d), locked(?d)", "when not open(?d)")
+    (files / "doors.nid").write_text(both, encoding="utf-8")
+    assert "E307" in said(capsys, code=1)
+    assert data(capsys, "--compat", "libprada")["measure"] == "factored"

@@ -12,7 +12,7 @@ from scipy import stats
 
 from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import RewardCondition, Task, held
+from cleancli.compiler.task import RewardCondition, Task, held, without
 from cleancli.compiler.transition import covering_rule, exact_value, reward, sample, successors
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -48,6 +48,18 @@ THREE = """objects { a b c - area }
 def task(rules: str, problem: str) -> Task:
     domain = load_domain(Source("domain.nid", DECLARED % rules))
     return ground(domain, load_problem(Source("p.nid", f"problem p {{ domain = d {problem} }}"), domain))
+
+
+def test_excluded_actions_are_left_out_with_their_rules() -> None:
+    whole = task(RULES, THREE)
+    left = without(whole, {("wipe", ("a",)), ("join", ("b", "a")), ("dry", ("elsewhere",))})
+    names = [(action.name, action.objects) for action in whole.actions]
+    kept = [(action.name, action.objects) for action in left.actions]
+    assert kept == [name for name in names if name not in {("wipe", ("a",)), ("join", ("b", "a"))}]
+    assert len(left.discounts) == len(kept) == len(names) - 2
+    rules = {(rule.rule, names[rule.action]) for rule in whole.rules if names[rule.action] in kept}
+    assert {(rule.rule, kept[rule.action]) for rule in left.rules} == rules
+    assert without(whole, ()) is whole
 
 
 def refused(rules: str, problem: str) -> list[str]:

@@ -69,7 +69,7 @@ def test_intervals_are_wilsons(successes: int, trials: int) -> None:
 def test_a_trial_moves_the_area_that_was_asked_for_and_tells_all_particles() -> None:
     scene = table("group { count = 8  at = (-20 cm, 10 cm)  radius = 2 cm }"
                   "group { count = 6  at = (30 cm, 0 cm)  radius = 2 cm }")  # fmt: skip
-    trial = attempt(scene, "moveToContainerFast", 1, ("a2",), 4)
+    trial = attempt(scene, "moveToContainerFast", ("a2",), 4)
     assert trial.targets == 6
     assert trial.outcome in (Outcome.NONE_LEFT, Outcome.SOME_LEFT, Outcome.SPREAD_OUT)
     assert len(trial.before) == 14
@@ -81,7 +81,7 @@ def test_a_trial_moves_the_area_that_was_asked_for_and_tells_all_particles() -> 
 def test_an_area_that_is_not_seen_is_not_acted_on() -> None:
     scene = table("group { count = 8  at = (0 cm, 0 cm)  radius = 2 cm }")
     small = replace(scene, camera=replace(scene.camera, image_width=320, image_height=240, focal=262.5))
-    trial = attempt(small, "join2", 2, (), 1)
+    trial = attempt(small, "join2", (), 1)
     assert trial.outcome is Outcome.NOT_TRIED
     assert trial.seconds == 0
 

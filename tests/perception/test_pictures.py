@@ -43,7 +43,7 @@ def test_the_contact_sheet_has_six_captioned_steps() -> None:
     lentils = synthetic.grouped(np.random.default_rng(1), 14, (-0.2, 0.12), 0.025)
     frame = synthetic.frame(lentils, 1)
     observation = perceive([frame], synthetic.scene(), np.random.default_rng(0))
-    sheet = contact_sheet(frame, observation, track((), observation.areas, None, 1))
+    sheet = contact_sheet(frame, observation, track((), observation.areas, None, 1).areas)
     assert sheet.shape == (2 * 510, 3 * 640, 3)
     assert np.array_equal(sheet[30:510, :640], frame.colour)
     captions = [

@@ -26,6 +26,7 @@ from cleancli.simulation.world import assignment_of, do, succeeded, world_of
 DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
 PROBLEM = rooms.problem(DOORS)
 STEPS = "horizon = 5"
+COUNTED = Options().counted
 UNLUCKY = 1
 """A seed whose first episode opens no door by the first action, while others do."""
 
@@ -149,7 +150,7 @@ def test_the_nth_action_meets_the_same_luck_whatever_came_before() -> None:
     """Pushing an open door draws nothing, and yet uses up its number."""
     world = world_of(DOORS, PROBLEM)
     push = rooms.saying("push(a)", "push(b)")
-    a, b = push(Agent(push, DOORS, PROBLEM).prepared(PROBLEM.state), Options()).actions
+    a, b = push(Agent(push, DOORS, PROBLEM).prepared(PROBLEM.state, COUNTED), Options()).actions
     opened = assignment_of(world.task, PROBLEM.state | {Fact("open", ("a",))})
     assert opened is not None
     for seed in range(20):
@@ -184,8 +185,8 @@ def test_horizons_and_rests_of_plans() -> None:
 
 def test_the_horizon_is_that_of_the_present_state() -> None:
     who = Agent(rooms.saying(), DOORS, PROBLEM)
-    assert who.prepared(PROBLEM.state).task.horizon == 3
-    assert who.prepared(PROBLEM.state | {Fact("open", ("b",))}).task.horizon == 2
+    assert who.prepared(PROBLEM.state, COUNTED).task.horizon == 3
+    assert who.prepared(PROBLEM.state | {Fact("open", ("b",))}, COUNTED).task.horizon == 2
 
 
 def test_rules_are_grounded_again_only_for_what_they_cannot_change(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,14 +206,14 @@ def test_rules_are_grounded_again_only_for_what_they_cannot_change(monkeypatch: 
         (jammed | {Fact("open", ("b",))}, 3),
         (PROBLEM.state, 3),
     ]:
-        task = who.prepared(facts).task
+        task = who.prepared(facts, COUNTED).task
         assert len(grounded) == times
         view = StateView(DOORS, PROBLEM.objects, facts)
         assert all(
             view.value((v.symbol, v.objects)) == v.values[i]
             for v, i in zip(task.variables, task.initial, strict=True)
         )
-    assert [str(a) for a in who.prepared(jammed).task.actions] == ["oil(a)", "oil(b)", "push(b)"]
+    assert [str(a) for a in who.prepared(jammed, COUNTED).task.actions] == ["oil(a)", "oil(b)", "push(b)"]
 
 
 def test_a_world_may_do_what_the_planner_does_not_expect() -> None:

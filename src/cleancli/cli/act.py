@@ -17,12 +17,12 @@ import numpy as np
 
 from cleancli.cli.completion import problems
 from cleancli.cli.inputs import open_scene
-from cleancli.cli.live import counting
+from cleancli.cli.progress import counting
 from cleancli.execution.overlay import overlay
 from cleancli.execution.pictures import write_png
 from cleancli.execution.trials import Outcome, Trial, attempt, wilson
 from cleancli.language.findings import meant
-from cleancli.motion.actions import SKILLS
+from cleancli.motion.actions import ARITIES, can_execute
 from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
@@ -71,7 +71,7 @@ def command(
     """
     _, setting = open_scene(scene)
     setting = setting if robot is None else replace(setting, robot=robot)
-    arity = _arity(action)
+    arity = _arity(action, setting)
     names = _names(areas, action, arity)
     if plot is not None and not plot.resolve().parent.is_dir():
         raise click.BadParameter(f"there is no folder `{plot.parent}`", param_hint="--plot")
@@ -80,7 +80,7 @@ def command(
     found: dict[str, list[Trial]] = {name: [] for name in variants}
     with counting(f"{action}, {{}} of {repeat * len(variants)} trials", as_data) as count:
         for name, variant in variants.items():
-            try_one = partial(attempt, variant, action, arity, names)
+            try_one = partial(attempt, variant, action, names)
             for trial in in_order(try_one, range(first, first + repeat), jobs):
                 found[name].append(trial)
                 count()
@@ -116,6 +116,8 @@ def table(title: str, trials: Sequence[Trial]) -> str:
         share = counts[outcome] / total if total else 0.0
         lines.append(f"{outcome.value:12} {counts[outcome]:6}  {share:5.2f}  {low:.2f}-{high:.2f}")
     lines += [f"{o.value:12} {counts[o]:6}" for o in Outcome if o not in COUNTED and counts[o]]
+    reasons = Counter(trial.failure for trial in trials if trial.failure)
+    lines += [f"  {number} x {reason}" for reason, number in reasons.most_common()]
     done = [trial for trial in trials if trial.outcome in COUNTED]
     if done:
         left = sum(trial.left for trial in done) / max(1, sum(trial.targets for trial in done))
@@ -132,12 +134,17 @@ def tally(trials: Sequence[Trial]) -> tuple[Counter[Outcome], int]:
     return counts, sum(counts[outcome] for outcome in COUNTED)
 
 
-def _arity(action: str) -> int:
-    if action not in SKILLS:
+def _arity(action: str, setting: Scene) -> int:
+    if action not in ARITIES:
         raise click.BadParameter(
-            f"no action `{action}`; {meant(action, SKILLS, 'action')}", param_hint="ACTION"
+            f"no action `{action}`; {meant(action, ARITIES, 'action')}", param_hint="ACTION"
         )
-    return SKILLS[action].arity
+    if not can_execute(action, ARITIES[action], setting.robot):
+        able = [drive for drive in DRIVES if can_execute(action, ARITIES[action], drive)]
+        raise click.BadParameter(
+            f"`{setting.robot}` can't {action}; it takes --robot {' or '.join(able)}", param_hint="ACTION"
+        )
+    return ARITIES[action]
 
 
 def _names(areas: str, action: str, arity: int) -> tuple[str, ...]:
@@ -195,6 +202,7 @@ def _trial(trial: Trial) -> dict[str, object]:
         "left": trial.left,
         "on_floor": trial.lost,
         "seconds": round(trial.seconds, 3),
+        "failure": trial.failure,
     }
 
 

@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from cleancli.cli.completion import problems
-from cleancli.cli.live import counted, working
+from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import replace_file

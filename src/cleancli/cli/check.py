@@ -7,10 +7,10 @@ import json
 import click
 
 from cleancli.cli.completion import check_files
+from cleancli.cli.echo import echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
-from cleancli.cli.report import echo_refused
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
 from cleancli.language.render import as_json, as_sarif
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli.echo import echo_refused
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.report import echo_refused
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import Change, write_all
@@ -50,6 +50,9 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
     show_default=True,
     help="Worth of a reward a step later.",
 )
+@click.option(
+    "--predicates", is_flag=True, help="Make no functions of predicates; for `plan --compat libprada`."
+)
 @click.option("--json", "as_data", is_flag=True, help="Say what was converted as JSON.")
 def command(
     files: tuple[str, ...],
@@ -59,6 +62,7 @@ def command(
     reward: str | None,
     horizon: int | None,
     discount: float,
+    predicates: bool,
     as_data: bool,
 ) -> int:
     """Convert rules.dat, state.dat and symbols.dat of FOLDER, or files of other names.
@@ -71,7 +75,7 @@ def command(
     paths = files if len(files) == len(FILES) else [str(Path(files[0]) / name) for name in FILES]
     rules, state, symbols = (read_source(path) for path in paths)
     targets = (out / f"{domain_name}.nid", out / "problem.nid")
-    wishes = Wishes(domain_name, reward, horizon, discount)
+    wishes = Wishes(domain_name, reward, horizon, discount, predicates)
     converted = convert(rules, state, symbols, wishes, (str(targets[0]), str(targets[1])))
     _write(targets, converted, force)
     _report(targets, converted, as_data)

@@ -4,35 +4,65 @@ from __future__ import annotations
 
 import hashlib
 import platform
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from cleancli import __version__
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.inputs import located_in, open_domain, open_scene
+from cleancli.cli.exit_codes import ExitCode, Stopped
+from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import show
+from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
+from cleancli.cli.report import write_page
+from cleancli.cli.resume import Inputs, alone_in, unfinished
+from cleancli.execution.checkpoint import World, cut_back
+from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
-from cleancli.execution.loop import EpisodeOptions, clean
+from cleancli.execution.journal import Interrupted, Resumed
+from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
-from cleancli.execution.seeds import Purpose, derived
-from cleancli.language.diagnostics import Source
+from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.site import Site, symbolic_site, table_site
+from cleancli.execution.state import EpisodeState
+from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.load import read_source
 from cleancli.language.model import Domain
-from cleancli.planning.table import DEFAULT, PLANNERS
-from cleancli.world.table import PybulletTable, Truth
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.planning.table import PLANNERS
+from cleancli.scene.model import Scene
+from cleancli.shipped import find
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("scene", shell_complete=problems)
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the scene's]")
-@click.option("--planner", type=click.Choice(list(PLANNERS)), default=DEFAULT, show_default=True)
+@click.argument("domain", required=False, shell_complete=domains)
+@click.argument("problem", required=False, shell_complete=problems)
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    metavar="RUN",
+    help="Go on with the run in this folder, as it began; takes no other arguments.",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: PROBLEM's, or 1]")
+@click.option(
+    "--strategy",
+    type=click.Choice(list(STRATEGIES)),
+    default=DEFAULT_STRATEGY,
+    show_default=True,
+    help="Who decides what to do; plan-N plans, and carries out N actions before planning again (§4.2.4).",
+)
+@click.option(
+    "--planner", type=click.Choice(list(PLANNERS)), help="[default: all-outcomes for determinized, or prada+]"
+)
 @click.option(
     "--samples",
     type=click.IntRange(min=1),
@@ -41,17 +71,24 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
     help="Action sequences to draw for each plan.",
 )
 @click.option(
-    "--commit",
-    type=click.IntRange(min=1),
-    default=2,
-    show_default=True,
-    help="Actions of a plan to carry out before planning again (§4.2.4).",
-)
-@click.option(
     "--objective",
     type=click.Choice(["reward", "time"]),
     help="What discounts later rewards: the number of actions before, or their duration."
     "  [default: time, if the domain says how long each action takes]",
+)
+@click.option(
+    "--job",
+    type=click.Choice([job.value for job in Job]),
+    help="How dirt leaves the table: pushed into the container, or picked up with a dustpan."
+    "  [default: dustpan, if the robot has one]",
+)
+@click.option(
+    "--known",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="T",
+    help="Move the arm out of view after an action whose rule was seen less than T times (§5.2).",
 )
 @click.option(
     "--max-actions",
@@ -59,6 +96,13 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
     default=60,
     show_default=True,
     help="Stop after so many actions.",
+)
+@click.option(
+    "--max-seconds",
+    type=click.FloatRange(min=0),
+    default=1800,
+    show_default=True,
+    help="Stop after so many seconds, of robot and of planning.",
 )
 @click.option(
     "--runs",
@@ -69,49 +113,160 @@ LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 )
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
 @click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 def command(
-    domain: str,
-    scene: str,
+    domain: str | None,
+    problem: str | None,
+    resume: Path | None,
     seed: int | None,
-    planner: str,
+    strategy: str,
+    planner: str | None,
     samples: int,
-    commit: int,
     objective: str | None,
+    job: str | None,
+    known: int,
     max_actions: int,
+    max_seconds: float,
     runs: Path,
     video: bool,
     as_data: bool,
+    quiet: bool,
 ) -> int:
-    """Clean the table of SCENE with the rules of DOMAIN on a simulated robot.
+    """Carry PROBLEM out with the rules of DOMAIN: look, decide, act, until nothing is left to do.
 
-    Leaves a folder with run.json, experience.jsonl, a picture per action and a video. Exit code 3 if dirt is
-    still seen at the end; the summary says where every lentil truly is, apart from what perception believed.
+    A scene is carried out on a simulated table, by a simulated robot; any other problem in the symbolic
+    world. Leaves a folder with run.json, experience.jsonl, and of a table a picture per action and a video.
+    Exit code 3 if something is left at the end; the summary says where every lentil truly is, apart from what
+    perception believed.
     """
+    said = _Said(as_data, quiet)
+    if resume is not None:
+        _refuse_beside_resume()
+        with alone_in(resume):
+            return _go_on(resume, said)
+    if domain is None or problem is None:
+        raise click.UsageError("name a domain and a problem, or a run by --resume")
     _, domain_sources, model = open_domain(domain)
-    scene_source, setting = open_scene(scene)
-    seed = setting.seed if seed is None else seed
-    timed = _by_time(objective, model)
-    options = EpisodeOptions(planner, samples, commit, max_actions, seed, by_time=timed)
-    with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
-        folder = free_folder(runs, f"{setting.name}-seed{seed}")
-        header = _header(options, *domain_sources, scene_source)
-        with (
-            located_in(*domain_sources),
-            planning_refused((*domain_sources, scene_source)),
-            Recorder(folder, header, table.picture, video) as recorder,
-            show(as_data) as view,
-        ):
-            for event in clean(model, setting, table, options):
+    given = open_problem(problem, model)
+    sources = (*domain_sources, read_source(find(problem, "problems")))
+    options = EpisodeOptions(
+        strategy,
+        planner,
+        samples,
+        max_actions,
+        max_seconds,
+        next(n for n in (seed, given.seed, 1) if n is not None),
+        _by_time(objective, model),
+        known,
+    )
+    inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
+    with closing(_site(inputs)) as site:
+        folder = free_folder(runs, f"{given.name}-seed{options.seed}")
+        header = _header(options, site.setup.job, _copied(sources, folder))
+        return _carry_out(inputs, site, folder, header, video, said)
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """How the run is told: as data, or not at all."""
+
+    as_data: bool
+    quiet: bool
+
+    @property
+    def silently(self) -> bool:
+        """Whether nothing is shown while it lasts."""
+        return self.as_data or self.quiet
+
+
+def _refuse_beside_resume() -> None:
+    """Raises UsageError for what a resumed run has from its beginning."""
+    context = click.get_current_context()
+    for name in context.params:
+        source = context.get_parameter_source(name)
+        given = source not in (ParameterSource.DEFAULT, None) and name not in ("resume", "as_data", "quiet")
+        if given:
+            what = name.upper() if name in ("domain", "problem") else f"--{name.replace('_', '-')}"
+            raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
+
+
+def _go_on(folder: Path, said: _Said) -> int:
+    """Go on with a run that was cut short, from its last checkpoint."""
+    begun = unfinished(folder)
+    world = None if begun.saved is None else begun.saved.world
+    with closing(_site(begun.inputs, world)) as site:
+        dropped = cut_back(folder, begun.saved)
+        after = 0 if begun.saved is None else begun.saved.episode.actions
+        resumed = Resumed(after, dropped)
+        if not said.silently:
+            click.echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
+        saved = None if begun.saved is None else begun.saved.episode
+        return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, saved)
+
+
+def _carry_out(
+    inputs: Inputs,
+    site: Site,
+    folder: Path,
+    header: Mapping[str, object],
+    video: bool,
+    said: _Said,
+    resumed: Resumed | None = None,
+    saved: EpisodeState | None = None,
+) -> int:
+    """The loop to its end, recorded and shown; from a checkpoint on, if there is one."""
+    setup, cell = site.setup, site.cell
+    entries = Entries(inputs.domain, lambda: cell.clock, None if saved is None else saved.spent)
+    with (
+        located_in(*inputs.sources),
+        planning_refused(inputs.sources),
+        Recorder(folder, header, site.picture, video, entries, site.save, resumed) as recorder,
+        show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions) as view,
+    ):
+        try:
+            for event in clean(setup, cell, saved):
                 recorder.write(event)
                 view.write(event)
-        assert isinstance(event, Ended), "an episode's last event closes it"
-        truth = _truth(table.truth())
-        recorder.finish(truth)
-    if as_data:
+        except KeyboardInterrupt:
+            site.stop()
+            recorder.note(Interrupted(cell.clock))
+            raise Stopped(
+                f"stopped with the tool up; go on with: cleancli execute --resume {folder}"
+            ) from None
+    assert isinstance(event, Ended), "an episode's last event closes it"
+    truth = site.truth()
+    recorder.finish(truth)
+    with working("writing report.html", said.silently):
+        write_page(folder)
+    if said.as_data:
         click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
-    else:
-        click.echo(_summary(event, truth, folder, video))
+    elif not said.quiet:
+        click.echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
+
+
+def _site(inputs: Inputs, world: World | None = None) -> Site:
+    """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
+
+    Raises UsageError for what it has not, Refused (E706) where the checkpoint is another world's.
+    """
+    given, options, job = inputs.given, inputs.options, inputs.job
+    with located_in(*inputs.sources), planning_refused(inputs.sources):
+        try:
+            if isinstance(given, Scene):
+                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
+                return table_site(inputs.domain, given, options, job, world)
+            if STRATEGIES[options.strategy].needs_places:
+                raise click.UsageError(
+                    f"--strategy {options.strategy} goes by places, which only a scene has"
+                )
+            return symbolic_site(inputs.domain, given, options, world)
+        except (KeyError, TypeError, ValueError) as error:
+            if world is None:
+                raise
+            message = f"the last checkpoint is not one of this world: {error}"
+            raise Refused([Diagnostic("E706", message, None)]) from None
 
 
 def _by_time(objective: str | None, domain: Domain) -> bool:
@@ -122,9 +277,24 @@ def _by_time(objective: str | None, domain: Domain) -> bool:
     return objective == "time" or (objective is None and not unknown)
 
 
-def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
+def _copied(sources: Sequence[Source], folder: Path) -> list[dict[str, str]]:
+    """Copy the texts into the folder, and say which is which."""
+    (folder / "files").mkdir()
+    entries, taken = [], set[str]()
+    for number, source in enumerate(sources):
+        name = Path(source.path).name
+        name = name if name not in taken else f"{number}-{name}"
+        taken.add(name)
+        (folder / "files" / name).write_bytes(source.text.encode())
+        sha = hashlib.sha256(source.text.encode()).hexdigest()
+        entries.append({"path": source.path, "sha256": sha, "copy": f"files/{name}"})
+    return entries
+
+
+def _header(options: EpisodeOptions, job: Job, files: list[dict[str, str]]) -> dict[str, object]:
     """What another person needs to run the same again."""
     return {
+        "format": 1,
         "versions": {
             "cleancli": __version__,
             "python": platform.python_version(),
@@ -132,41 +302,39 @@ def _header(options: EpisodeOptions, *sources: Source) -> dict[str, object]:
         },
         "seed": options.seed,
         "options": {
-            "planner": options.planner,
+            "strategy": options.strategy,
+            "planner": options.planner or STRATEGIES[options.strategy].planner,
             "samples": options.samples,
-            "commit": options.commit,
             "objective": "time" if options.by_time else "reward",
+            "job": job.value,
+            "known": options.known,
             "max_actions": options.max_actions,
+            "max_seconds": options.max_seconds,
         },
-        "files": {s.path: hashlib.sha256(s.text.encode()).hexdigest() for s in sources},
+        "files": files,
     }
 
 
-def _truth(truth: Truth) -> dict[str, object]:
-    return {
-        "particles": truth.total,
-        "in_container": truth.in_container,
-        "on_table": truth.on_table,
-        "in_dustpan": truth.in_dustpan,
-        "on_floor": truth.on_floor,
-        "ink_left": round(truth.ink_left, 4),
-        "left_on_table_at": [[round(float(x), 4), round(float(y), 4)] for x, y, _ in truth.left],
-    }
-
-
-def _summary(ended: Ended, truth: dict[str, object], folder: Path, video: bool) -> str:
-    total = sum(ended.seconds.values())
-    spent = ", ".join(f"{kind} {seconds:.1f}" for kind, seconds in ended.seconds.items())
+def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: bool) -> str:
+    spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in ended.spent.by_kind().items())
     lines = [
         f"{'clean' if ended.clean else 'not clean'}: {ended.reason}, after {ended.actions} actions",
-        f"seconds: {total:.1f} ({spent})",
+        f"seconds: {ended.spent.total:.1f} ({spent})",
+    ]
+    if "particles" in truth:
+        lines += _left(truth)
+    lines.append(f"record: {folder}/  page: report.html" + ("  video: video.mp4" if video else ""))
+    return "\n".join(lines)
+
+
+def _left(truth: Mapping[str, object]) -> Iterator[str]:
+    """Where the dirt truly is."""
+    yield (
         f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
         f" {truth['on_table']} on the table, {truth['on_floor']} on the floor"
-        + (f", {truth['in_dustpan']} in the dustpan" if truth["in_dustpan"] else ""),
-        f"record: {folder}/  pictures: step-*.png" + ("  video: video.mp4" if video else ""),
-    ]
-    if truth["ink_left"]:
-        lines.insert(3, f"ink left: {truth['ink_left']:.0%}")
+        + (f", {truth['in_dustpan']} in the dustpan" if truth["in_dustpan"] else "")
+    )
     if truth["on_table"]:
-        lines.insert(3, f"left on the table at (m): {truth['left_on_table_at']}")
-    return "\n".join(lines)
+        yield f"left on the table at (m): {truth['left_on_table_at']}"
+    if truth["ink_left"]:
+        yield f"ink left: {truth['ink_left']:.0%}"

@@ -19,3 +19,7 @@ class ExitCode(enum.IntEnum):
 
 class MissingPart(Exception):
     """A command needs a part that is not here; the message says how to get it, or how to do without."""
+
+
+class Stopped(Exception):
+    """Ctrl-C has ended a run in good order; the message says what is left to do."""

@@ -8,9 +8,9 @@ from pathlib import Path
 import click
 
 from cleancli.cli.completion import nid_files
+from cleancli.cli.echo import echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import STDIN, echo_difference, expanded, read
-from cleancli.cli.report import echo_refused
 from cleancli.language.diagnostics import Refused
 from cleancli.language.edit import write_atomically
 from cleancli.language.layout import layout

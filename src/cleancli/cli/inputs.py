@@ -35,10 +35,11 @@ def located_in(*sources: Source) -> Iterator[None]:
         raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None
 
 
-def open_domain(name_or_path: str) -> tuple[Path, tuple[Source, ...], Domain]:
-    """A domain with its file, and its text before those that it includes; raises Refused."""
+def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple[Source, ...], Domain]:
+    """A domain with its file, and its text before those that it includes; raises Refused. `compat`: for
+    planning as libPRADA does."""
     path = find(name_or_path, "domains")
-    checked = checked_domain(read_source(path), may_include_outside())
+    checked = checked_domain(read_source(path), may_include_outside(), compat=compat)
     return path, checked.sources, checked.get()
 
 

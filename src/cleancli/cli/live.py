@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol, TypeVar
+from dataclasses import replace
+from typing import Protocol
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.status import Status
+from rich.console import Console, RenderableType
+from rich.live import Live
 
-from cleancli.execution.events import Ended, Event, Looked, Moved, Planned, Started, StrokeEnded
-
-SLOW = 2.0
-"""Seconds after which a person wonders what is going on."""
-
-_Item = TypeVar("_Item")
+from cleancli.cli.dashboard import Shown, came_of, dashboard, names_of, updated
+from cleancli.cli.progress import SLOW
+from cleancli.cli.table_map import Place
+from cleancli.execution.events import (
+    Acted,
+    Decided,
+    Ended,
+    Event,
+    Failed,
+    Looked,
+    Moved,
+    Purpose,
+    Started,
+    StrokeEnded,
+)
+from cleancli.execution.state import Situation
+from cleancli.scene.model import Scene
 
 
 class View(Protocol):
@@ -27,17 +37,44 @@ class View(Protocol):
 
 
 @contextmanager
-def show(quiet: bool) -> Iterator[View]:
-    """A view on standard error: live in a terminal, plain lines elsewhere, silent if `quiet`."""
+def show(
+    quiet: bool,
+    scene: Scene | None = None,
+    tool: Callable[[], Place | None] = lambda: None,
+    limit: int = 0,
+    console: Console | None = None,
+) -> Iterator[View]:
+    """A view on standard error: live in a terminal, plain lines elsewhere, silent if `quiet`.
+
+    `scene` is drawn as a map, with the tool where `tool()` says that it is; `limit`: the most actions.
+    """
     if quiet:
         yield _Silent()
         return
-    console = Console(stderr=True, highlight=False)
+    console = Console(stderr=True, highlight=False) if console is None else console
     if not console.is_terminal:
-        yield _Lines(console, None)
+        yield _Lines(console)
         return
-    with console.status("looking") as status:
-        yield _Lines(console, status)
+    view = _Live(console, scene, tool, limit)
+    with Live(console=console, get_renderable=view.render, refresh_per_second=8, transient=True):
+        yield view
+
+
+def _seen(situation: Situation) -> str:
+    """The areas seen, those hidden in brackets; in the symbolic world, how many facts hold."""
+    if situation.areas:
+        names = (a.name if a.name not in situation.unseen else f"({a.name})" for a in situation.areas)
+        later = f"; left out of plans: {', '.join(situation.left_out)}" if situation.left_out else ""
+        return ", ".join(names) + later
+    return f"{len(situation.state)} facts" if situation.state else "no dirt"
+
+
+_LOOKS = {
+    Purpose.FIRST: "",
+    Purpose.AFTER: "",
+    Purpose.EXTRA: " with the arm out of view",
+    Purpose.LEARNING: " with the arm out of view, to learn",
+}
 
 
 class _Silent:
@@ -46,35 +83,35 @@ class _Silent:
 
 
 class _Lines:
-    """Prints what has happened; in a terminal, `status` says what is happening."""
+    """Prints what has happened, a line each."""
 
-    def __init__(self, console: Console, status: Status | None) -> None:
-        self._console, self._status = console, status
-        self._doing = "withdrawing the tool"
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._before: frozenset[str] = frozenset()
+        self._seen: frozenset[str] = frozenset()
 
     def write(self, event: Event) -> None:
         """Show one event."""
         match event:
-            case Looked(situation, seconds):
-                areas = ", ".join(area.name for area in situation.areas) or "no dirt"
-                self._line(f"looked: {areas} ({seconds:.2f} s)")
-                self._now("planning")
-            case Planned(_, plan, seconds):
-                steps = ", ".join(str(action) for action in plan.actions[:3])
-                more = f" and {len(plan.actions) - 3} more" if len(plan.actions) > 3 else ""
-                self._line(f"planned: {steps}{more}; value {plan.value:.2f} ({seconds:.2f} s)")
-                if (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
+            case Looked(situation, _, seconds, purpose):
+                self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
+                self._seen = names_of(situation)
+            case Decided(_, moves, plan, seconds):
+                chosen = ", ".join(str(move) for move in moves) or "nothing"
+                value = "" if plan is None else f"; value {plan.value:.2f}, {len(plan.actions)} actions"
+                self._line(f"decided: {chosen}{value} ({seconds:.2f} s)")
+                if plan is not None and (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
                     self._line(
                         f"(and {compiling:.0f} s for compiling the planner, which only the first run does)"
                     )
-            case Started(number, action, arguments):
-                self._now(f"{number}. {action}({', '.join(arguments)})")
-            case Moved(clock):
-                if self._status is not None:
-                    self._status.update(f"{self._doing}, {clock:.1f} s of robot time")
-            case StrokeEnded(_, clock):
-                self._line(f"  {self._doing}, done at {clock:.1f} s of robot time")
-                self._now("withdrawing the tool")
+            case Started():
+                self._before = self._seen
+            case Failed(number, move, reason):
+                self._line(f"  {number}. {move} failed: {reason}")
+            case StrokeEnded(number, clock):
+                self._line(f"  {number}. carried out at {clock:.1f} s of robot time")
+            case Acted():
+                self._line(f"  {came_of(self._before, event)}")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:
@@ -83,52 +120,26 @@ class _Lines:
     def _line(self, text: str) -> None:
         self._console.print(text, markup=False, soft_wrap=True)
 
-    def _now(self, doing: str) -> None:
-        self._doing = doing
-        if self._status is not None:
-            self._status.update(doing)
 
+class _Live(_Lines):
+    """The lines, and below them the table, the plan and the account as they are now."""
 
-@contextmanager
-def working(what: str) -> Iterator[None]:
-    """Show in a terminal that something takes its time; elsewhere nothing."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(what):
-        yield
+    def __init__(
+        self, console: Console, scene: Scene | None, tool: Callable[[], Place | None], limit: int
+    ) -> None:
+        super().__init__(console)
+        self._scene, self._tool, self._limit = scene, tool, limit
+        self._shown = Shown()
 
+    def write(self, event: Event) -> None:
+        """Show one event."""
+        super().write(event)
+        self._shown = updated(self._shown, event)
+        if isinstance(event, Moved | StrokeEnded):
+            self._shown = replace(self._shown, tool=self._tool())
 
-def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
-    """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
-    console = Console(stderr=True)
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    task, started = bar.add_task(what, total=number), time.monotonic()
-    try:
-        for item in items:
-            bar.advance(task)
-            if not bar.live.is_started and time.monotonic() - started > SLOW:
-                bar.start()
-            yield item
-    finally:
-        bar.stop()
-
-
-@contextmanager
-def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Something to call after each step of a long work; a terminal shows `what` with the number of steps."""
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield lambda: None
-        return
-    done = 0
-    with console.status(what.format(done)) as status:
-
-        def count() -> None:
-            nonlocal done
-            done += 1
-            status.update(what.format(done))
-
-        yield count
+    def render(self) -> RenderableType:
+        """What Live asks for, in a thread of its own: only what `write` has put there is read."""
+        ascii_only = self._console.options.ascii_only
+        size = self._console.width, self._console.height
+        return dashboard(self._shown, self._scene, self._limit, size, ascii_only)

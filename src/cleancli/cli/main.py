@@ -14,7 +14,7 @@ import click
 
 from cleancli import __version__
 from cleancli.cli.completion import light_command
-from cleancli.cli.exit_codes import ExitCode, MissingPart
+from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.language.diagnostics import Refused
 from cleancli.world.missing import MissingPhysics
 
@@ -29,8 +29,10 @@ SUMMARIES = {
     "plan": "Plan for a problem, or for what the camera sees of a scene.",
     "simulate": "How well planners do in the symbolic world, over many episodes.",
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
+    "report": "A run as a page, or several runs compared.",
     "scene": "What a scene holds, how it looks, what its robot reaches.",
     "calibrate": "Adjust perception to a clean surface.",
+    "perceive": "What is seen of a scene, or in recorded frames, step by step.",
     "act": "Try one action many times, and count how it truly ends.",
     "learn": "Improve a domain's probabilities from recorded experience.",
     "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
@@ -91,6 +93,9 @@ def run(arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         error.show()
         return ExitCode.USAGE
+    except Stopped as stopped:
+        click.echo(f"interrupted: {stopped}", err=True)
+        return ExitCode.INTERRUPTED
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return ExitCode.INTERRUPTED
@@ -105,7 +110,7 @@ def run(arguments: Sequence[str]) -> int:
 
 def _print_refused(refused: Refused) -> None:
     """Imported here because most runs never need the renderer."""
-    from cleancli.cli.report import echo_refused
+    from cleancli.cli.echo import echo_refused
 
     echo_refused(refused)
 

@@ -13,11 +13,11 @@ import click
 from cleancli.cli.calls import Call, read_actions
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.live import working
 from cleancli.cli.plan_answer import echo_comparison, echo_evaluation, echo_plan
 from cleancli.cli.plan_job import Job, numbered, with_calls
 from cleancli.cli.plan_options import planner_named, planner_options, planners_named
 from cleancli.cli.plan_picture import check_picture, draw_picture
+from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import look
 from cleancli.compiler.ground import ground
@@ -27,6 +27,7 @@ from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compare import compared
 from cleancli.planning.evaluate import evaluate
+from cleancli.planning.fewer import Fewer, fewer
 from cleancli.planning.forecast import Forecast, forecast
 from cleancli.planning.plan import Options
 from cleancli.planning.prepared import prepare
@@ -40,7 +41,7 @@ _APART = (
     ("planner", "compare", "evaluate"),
     ("compare", "explain"),
     ("compare", "plot"),
-    *(("compat", name) for name in ("compare", "evaluate", "explain", "plot")),
+    *(("compat", name) for name in ("compare", "explain", "plot")),
 )
 """Options of which one at most makes sense. What libPRADA grounds has rules that overlap, so its tasks have
 beliefs, but no exact meaning."""
@@ -121,7 +122,7 @@ def command(
     check_picture(plot)
     planners = () if compare is None else planners_named(compare)
     seconds: dict[str, float] = {}
-    _, sources, model = open_domain(domain)
+    _, sources, model = open_domain(domain, compat=compat is not None)
     sources = (*sources, read_source(find(problem, "problems")))
     model, given, seed = _seen(model, problem, sources, seed, seconds)
     options = planner_options(
@@ -134,11 +135,11 @@ def command(
         named=named,
     )
     planners = planners or (planner_named(planner, given, compat is not None),)
-    calls = () if evaluate is None else read_actions(evaluate, model, given)
+    calls = None if evaluate is None else read_actions(evaluate, model, given)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
         job = _job(model, given, calls, options, objective == "time", seconds)
-        if evaluate is not None:
+        if calls is not None:
             _evaluate(job, calls, wanted, seconds)
         elif compare is not None:
             with working(_PLANNING):
@@ -173,16 +174,20 @@ def _seen(
 def _job(
     model: Domain,
     problem: Problem,
-    calls: Sequence[Call],
+    calls: Sequence[Call] | None,
     options: Options,
     time_discounts: bool,
     seconds: dict[str, float],
 ) -> Job:
-    """The task for planners, with all the actions that are called by name."""
+    """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
+    name or libPRADA is followed."""
+    smaller = Fewer(problem)
     with _timed(seconds, "ground"):
-        task = with_calls(ground(model, problem, compat=options.compat), model, calls)
+        if calls is None and not options.compat:
+            smaller = fewer(model, problem, options.counted)
+        task = with_calls(ground(model, smaller.problem, compat=options.compat), model, calls or ())
         prepared = prepare(by_time(task) if time_discounts else task)
-    return Job(model, problem, prepared, options)
+    return Job(model, smaller.problem, prepared, options, smaller.ignored)
 
 
 def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:

@@ -35,17 +35,28 @@ def echo_plan(
         extra = {
             "goal_reached": reached,
             "empty_because": None if plan.actions else why_nothing(job.task),
+            "ignored": list(job.ignored),
             "seconds": dict(seconds),
         }
         _echo_data({"problem": job.problem.name, **_plan_data(plan), **extra, **_explained(job, expected)})
         return
     _echo_actions(job, plan, expected)
+    _echo_ignored(job)
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.3g}"
     click.echo(
         f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plan.samples} samples,"
         f" horizon {plan.horizon}, {len(job.problem.objects)} objects{coverage}"
     )
     click.echo("seconds: " + ", ".join(f"{phase} {spent:.3f}" for phase, spent in seconds.items()))
+
+
+def _echo_ignored(job: Job) -> None:
+    if job.ignored:
+        names = ", ".join(job.ignored)
+        click.echo(
+            f"planned without {names}: more than {job.options.counted} are too many to plan for at once"
+            f" (§4.2.1; `--option counted={job.options.counted + len(job.ignored)}` takes all)"
+        )
 
 
 def _echo_actions(job: Job, plan: Plan, expected: Forecast | None) -> None:
@@ -77,7 +88,7 @@ def echo_evaluation(
             "horizon": job.task.horizon,
             "factored": found.factored,
             "exact": found.exact,
-            "sampled": _sampled_data(found.sampled),
+            "sampled": None if found.sampled is None else _sampled_data(found.sampled),
             "seconds": dict(seconds),
         }
         _echo_data({**data, **_explained(job, expected)})
@@ -89,12 +100,13 @@ def echo_evaluation(
     table.add_row(
         "factored", f"{found.factored:.4f}", "by PRADA's belief, in which variables are independent"
     )
-    if found.exact is None:
-        table.add_row("exact", "-", "too many states may occur")
-    else:
+    if found.exact is not None:
         table.add_row("exact", f"{found.exact:.4f}", "from the distribution over states")
-    error = f"± {found.sampled.error:.4f} (standard error), {found.sampled.runs} runs"
-    table.add_row("sampled", f"{found.sampled.value:.4f}", error)
+    elif found.sampled is not None:
+        table.add_row("exact", "-", "too many states may occur")
+    if found.sampled is not None:
+        error = f"± {found.sampled.error:.4f} (standard error), {found.sampled.runs} runs"
+        table.add_row("sampled", f"{found.sampled.value:.4f}", error)
     print_table(table)
     click.echo(f"{len(actions)} action{'s' * (len(actions) != 1)}, horizon {job.task.horizon}")
 
@@ -103,7 +115,8 @@ def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
     """A row for each planner."""
     if as_data:
         planners = [_row_data(row) for row in rows]
-        _echo_data({"problem": job.problem.name, "horizon": job.task.horizon, "planners": planners})
+        common = {"problem": job.problem.name, "horizon": job.task.horizon, "ignored": list(job.ignored)}
+        _echo_data({**common, "planners": planners})
         return
     table = plain_table(
         "planner", "first action", "actions", "own value", "which is", "true value", "seconds", left=2
@@ -120,6 +133,7 @@ def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
         numbers = (str(len(plan.actions)), f"{plan.value:.4f}", plan.measure, _true(row.true), f"{spent:.3f}")
         table.add_row(row.planner, first, *numbers)
     print_table(table)
+    _echo_ignored(job)
     click.echo(f"horizon {job.task.horizon}; true value: of doing the plan's actions, whatever happens")
 
 

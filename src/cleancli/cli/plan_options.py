@@ -21,6 +21,7 @@ LIKE_LIBPRADA = ("prada", "aprada")
 """Planners that know beliefs alone, and so can plan with rules that overlap."""
 
 ALLOWED: Mapping[str, tuple[float, float] | frozenset[str]] = {
+    "counted": (1, 1_000_000),
     "rule_threshold": (0, 1),
     "margin": (0, math.inf),
     "solve": (0, 10_000_000),

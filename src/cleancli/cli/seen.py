@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.live import working
+from cleancli.cli.progress import working
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain, Problem
@@ -30,7 +30,8 @@ def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
 
     The world and its eyes are imported here: a written problem needs neither.
     """
-    from cleancli.execution.loop import look_once, within_reach
+    from cleancli.execution.setup import within_reach
+    from cleancli.execution.table_cell import look_once
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:

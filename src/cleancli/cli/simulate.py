@@ -10,8 +10,8 @@ import click
 
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain
-from cleancli.cli.live import counted
 from cleancli.cli.plan_options import planner_named, planner_options
+from cleancli.cli.progress import counted
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import open_both
 from cleancli.cli.simulated import as_data, print_summaries

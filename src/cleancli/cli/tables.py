@@ -8,7 +8,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from cleancli.cli.report import wants_colour
+from cleancli.cli.echo import wants_colour
 
 _NO_EDGE = 10_000
 

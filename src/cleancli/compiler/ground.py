@@ -43,7 +43,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False) -> Task:
     reach = Reach(instances(domain, conditions, compat=compat), universe)
     cases = _cases(domain, reach, conditions)
     _refuse(_conflicting_effects(domain, cases))
-    useful = _without_idle_actions([_simplified(case, reach) for case in cases], domain)
+    useful = _without_idle_actions([_simplified(case, reach, compat) for case in cases], domain)
     numbering = Numbering(reach.changing, universe)
     if not compat:
         _refuse(_overlaps(domain, useful, numbering))
@@ -106,14 +106,15 @@ def _conflict(rule: Rule, outcome: Outcome, objects: tuple[str, ...], key: Key) 
     )
 
 
-def _simplified(case: Case, reach: Reach) -> Case:
-    """Without effects that assign what is there anyway."""
+def _simplified(case: Case, reach: Reach, compat: bool) -> Case:
+    """Without effects that assign what is there anyway. libPRADA's update takes the condition and what is set
+    as independent, so there they count."""
     changes = tuple(
         [
             {
                 key: values
                 for key, values in change.items()
-                if case.required.get(key) != values and len(reach.known(key)) > 1
+                if (compat or case.required.get(key) != values) and len(reach.known(key)) > 1
             }
             for change in case.changes
         ]

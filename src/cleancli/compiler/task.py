@@ -8,7 +8,7 @@ rule of it can change something.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -118,6 +118,20 @@ def in_state(task: Task, assignment: Assignment) -> Task:
     """The same task from another state on, with the horizon that it has there."""
     change = held(task.lengthening, assignment) - held(task.lengthening, task.initial)
     return replace(task, initial=assignment, horizon=task.horizon + change)
+
+
+def without(task: Task, excluded: Collection[tuple[str, tuple[str, ...]]]) -> Task:
+    """The same task without the actions of these names and objects, and without their rules."""
+    kept = [i for i, action in enumerate(task.actions) if (action.name, action.objects) not in excluded]
+    if len(kept) == len(task.actions):
+        return task
+    new = {old: index for index, old in enumerate(kept)}
+    return replace(
+        task,
+        actions=tuple(task.actions[i] for i in kept),
+        rules=tuple(replace(rule, action=new[rule.action]) for rule in task.rules if rule.action in new),
+        discounts=tuple(task.discounts[i] for i in kept),
+    )
 
 
 def by_time(task: Task) -> Task:

@@ -41,12 +41,13 @@ _LONGEST = 1000
 @dataclass(frozen=True, slots=True)
 class Wishes:
     """What libPRADA's files leave open: the domain's name, the reward's text (None: a guess), the horizon
-    (None: a guess) and the discount."""
+    (None: a guess) and the discount; and whether all `predicates` stay, though rules may overlap then."""
 
     name: str = "domain"
     reward: str | None = None
     horizon: int | None = None
     discount: float = 0.95
+    predicates: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +74,10 @@ def convert(
     """
     library = read(rules, state, symbols)
     check(library)
-    groups = groups_of(library, constants_of(library))
+    groups = () if wishes.predicates else groups_of(library, constants_of(library))
     names = names_for(library, groups)
     words = vocabulary(library, names)
-    translated = rules_of(library, words)
+    translated = rules_of(library, words, whole=wishes.predicates)
     domain = _with_reward(_domain(library, words, translated, wishes.name), wishes)
     problem = _problem(library, words, domain, wishes)
     functions = {function.name: function for function in names.functions.values()}
@@ -85,7 +86,7 @@ def convert(
     remarks = Remarks(rules, state, symbols, members, translated, notes)
     texts = domain_text(domain, remarks), problem_text(problem, remarks)
     sources = (Source(paths[0], texts[0]), Source(paths[1], texts[1]))
-    return Converted(*texts, members, notes, _mistakes(*sources), sources)
+    return Converted(*texts, members, notes, _mistakes(*sources, wishes.predicates), sources)
 
 
 def _domain(library: Library, words: Vocabulary, translated: tuple[Translated, ...], name: str) -> Domain:
@@ -205,8 +206,8 @@ def _left_out(library: Library, words: Vocabulary, translated: tuple[Translated,
 
 
 def _guessed(domain: Domain, problem: Problem, wishes: Wishes) -> tuple[str, ...]:
-    """Which of what the files leave open was guessed."""
-    guesses = []
+    """Which of what the files leave open was guessed, and what the answer is good for."""
+    guesses = ["rules may overlap: plan with `--compat libprada`"] if wishes.predicates else []
     if wishes.reward is None:
         (term,) = domain.reward
         direction = "fewer" if term.weight > 0 else "more"
@@ -216,9 +217,9 @@ def _guessed(domain: Domain, problem: Problem, wishes: Wishes) -> tuple[str, ...
     return tuple(guesses)
 
 
-def _mistakes(domain: Source, problem: Source) -> tuple[Diagnostic, ...]:
-    """What the checker finds in the texts."""
-    checked = checked_domain(domain)
+def _mistakes(domain: Source, problem: Source, compat: bool) -> tuple[Diagnostic, ...]:
+    """What the checker finds in the texts, perhaps but for rules that overlap."""
+    checked = checked_domain(domain, compat=compat)
     if checked.model is None:
         return checked.diagnostics
     return (*checked.diagnostics, *checked_problem(problem, checked.model).diagnostics)

@@ -37,16 +37,17 @@ class Translated:
     remarks: tuple[str, ...]
 
 
-def rules_of(library: Library, words: Vocabulary) -> tuple[Translated, ...]:
-    """All rules but the default, in the file's order."""
+def rules_of(library: Library, words: Vocabulary, *, whole: bool) -> tuple[Translated, ...]:
+    """All rules but the default, in the file's order; as a `whole`, also with the effects that their contexts
+    hold already, and with references that find and ask at once."""
     numbers: dict[str, int] = {}
-    contested = _contested(library, words)
+    contested = set[_Question]() if whole else _contested(library, words)
     found = []
     for rule in library.rules:
         action = rule.action.symbol
         numbers[action] = numbers.get(action, 0) + 1
         name = f"{words.names.symbols[action]}_{numbers[action]}"
-        found.append(_translated(rule, name, words, contested))
+        found.append(_translated(rule, name, words, contested, whole))
     return tuple(found)
 
 
@@ -76,17 +77,19 @@ def _contested(library: Library, words: Vocabulary) -> set[_Question]:
     return {question for question, values in asked.items() if len(values) > 1}
 
 
-def _translated(rule: LibraryRule, name: str, words: Vocabulary, contested: set[_Question]) -> Translated:
+def _translated(
+    rule: LibraryRule, name: str, words: Vocabulary, contested: set[_Question], whole: bool
+) -> Translated:
     variables = _variables(rule)
     head, equal = _head(rule, words, variables)
     about = _about_references(rule)
     plain = words.conjunction([a for a in rule.context if a not in about], variables)
     asking = [atom for atom in about if _question(atom, rule, words) in contested]
     references = _references(rule, [a for a in about if a not in asking], asking, words, variables)
-    whole = words.conjunction(rule.context, variables)
-    if plain is None or references is None or whole is None:
+    context = words.conjunction(rule.context, variables)
+    if plain is None or references is None or context is None:
         return Translated(rule.line, None, ())
-    known = {(part.symbol, part.terms): part.values for part in whole}
+    known = {} if whole else {(part.symbol, part.terms): part.values for part in context}
     outcomes, remarks = _outcomes([_outcome(r, known, words, variables) for r in rule.results])
     apart = _apart(outcomes)
     if apart:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cleancli.scene.check import DRIVES, EDGES, SECTIONS
+from cleancli.scene.check import DRIVES, EDGES, LEFT_OUT, SECTIONS
 from cleancli.scene.check_dirt import PARTICLES
 from cleancli.scene.grasps import SHIPPED
 
@@ -120,6 +120,8 @@ KEYS: Mapping[str, Mapping[str, KeyWords]] = {
         "density": KeyWords("an area with a smaller share of dirt is scattered, above 0 and at most 1"),
         "near": _length("areas closer than this are near each other"),
         "traversal": _length("an area closer than this to a straight way lies on it"),
+        "most": KeyWords("how many areas are planned for, a whole number from 1 to 1000"),
+        "leave_out": KeyWords("which areas are left for later if there are more", values=LEFT_OUT),
     },
 }
 

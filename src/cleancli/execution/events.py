@@ -2,52 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import enum
 from dataclasses import dataclass
 
-from cleancli.language.model import Object, State
+from cleancli.execution.state import Account, EpisodeState, Move, Situation
 from cleancli.learning.experience import Transition
 from cleancli.motion.path import ToolPath
-from cleancli.perception.area import Area
 from cleancli.perception.frame import Frame
 from cleancli.planning.plan import Plan
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """What is believed of the table after a look: the areas, and what they mean in the domain's words."""
+class Purpose(enum.Enum):
+    """Why a look was taken."""
 
-    frame: Frame
-    areas: tuple[Area, ...]
-    objects: tuple[Object, ...]
-    state: State
+    FIRST = "first"  # before anything has moved
+    AFTER = "after"  # while the arm is where an action left it (§4.2.3)
+    EXTRA = "extra"  # with the arm moved out of view, because nothing is left to do where it was (§4.2.3)
+    LEARNING = "learning"  # with the arm moved out of view, to see what an unknown action did (§5.2)
 
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """The camera was read with the tool out of view; `seconds` of perception."""
+    """The camera was read; `seconds` of perception. `frame` is what it saw last, None in the symbolic
+    world."""
 
     situation: Situation
+    frame: Frame | None
     seconds: float
+    purpose: Purpose
 
 
 @dataclass(frozen=True, slots=True)
-class Planned:
-    """A plan was made for `situation`; `seconds` of grounding and planning, loading the kernel aside."""
+class Decided:
+    """The strategy chose `moves` for `situation`; `seconds` of grounding and planning, loading the kernel
+    aside. `plan` is the whole plan of strategies that plan, of which the moves are the beginning."""
 
     situation: Situation
-    plan: Plan
+    moves: tuple[Move, ...]
+    plan: Plan | None
     seconds: float
 
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """The robot sets off along `path` to carry out an action."""
+    """The robot sets off to carry out a move, along `path`; the symbolic world has no paths."""
 
     number: int
-    action: str
-    arguments: tuple[str, ...]
-    path: ToolPath
+    move: Move
+    path: ToolPath | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,23 +68,50 @@ class StrokeEnded:
 
 
 @dataclass(frozen=True, slots=True)
-class Acted:
-    """An action is over and what came of it has been seen; `seconds` of robot time, transits included."""
+class Failed:
+    """The robot could not carry out a move, or not to its end; it is not asked for again as things stand."""
 
     number: int
-    transition: Transition
+    move: Move
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Acted:
+    """A move is over, done or failed, and what came of it has been looked at.
+
+    `transition` is what was believed before and after, None for moves that are no action of the domain or
+    were never begun; only where `seen` was nothing of it hidden, so that a learner may count it. `transit`
+    and `seconds` of robot time: to where the stroke begins, and from there on.
+    """
+
+    number: int
+    move: Move
+    transition: Transition | None
+    seen: bool
+    transit: float
     seconds: float
     situation: Situation
 
 
 @dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """Between two moves: with `state`, and the workcell as it is now, the episode can go on later."""
+
+    state: EpisodeState
+
+
+@dataclass(frozen=True, slots=True)
 class Ended:
-    """The episode is over. `clean`: nothing dirty is seen any more. `seconds` by what they were spent on."""
+    """The episode is over. `clean`: nothing is left to do, as far as is seen. `spent`: what it took.
+    `clock` of the robot. `loading`: seconds that numba took once to load or compile the planner."""
 
     reason: str
     clean: bool
     actions: int
-    seconds: Mapping[str, float]
+    spent: Account
+    clock: float
+    loading: float
 
 
-Event = Looked | Planned | Started | Moved | StrokeEnded | Acted | Ended
+Event = Looked | Decided | Started | Moved | StrokeEnded | Failed | Acted | Checkpoint | Ended

@@ -1,216 +1,268 @@
-"""The observe-plan-act loop (§4.2.3, §4.2.4) as a generator of events.
+"""The loop of §4.2.3 and §4.2.4 - look, decide, act, look again - as a generator of events.
 
-It knows the robot only through `Robot`, and the table only through what perception reports.
+All that it knows is an `EpisodeState`, of which each step makes the next; where it works it knows through
+`Workcell` alone.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Generator
+from dataclasses import replace
 
-import numpy as np
-
-from cleancli.compiler.ground import ground
-from cleancli.compiler.task import GroundAction, by_time
+from cleancli.compiler.evaluate import StateView
+from cleancli.execution import seeds
 from cleancli.execution.events import (
     Acted,
+    Checkpoint,
+    Decided,
     Ended,
     Event,
+    Failed,
     Looked,
-    Moved,
-    Planned,
-    Situation,
+    Purpose,
     Started,
-    StrokeEnded,
 )
-from cleancli.execution.seeds import Purpose, derived
-from cleancli.language.model import Domain, Problem
+from cleancli.execution.setup import Circumstances, Setup
+from cleancli.execution.state import PATIENCE, Account, EpisodeState, Move, Situation, Vain, about, unchanged
+from cleancli.execution.strategies import STRATEGIES
+from cleancli.execution.workcell import Motions, Workcell
+from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition
-from cleancli.motion.actions import can_execute, tool_path
-from cleancli.motion.path import ToolPath
-from cleancli.perception.area import Area
-from cleancli.perception.perceive import perceive
 from cleancli.perception.surface import NoSurface
-from cleancli.perception.symbols import remembered, symbolize
-from cleancli.perception.tracking import Stroke, track
-from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import DEFAULT, PLANNERS
-from cleancli.scene.model import Scene
-from cleancli.world.robot import Robot, Status
+from cleancli.perception.symbols import remembered
+from cleancli.perception.tracking import Stroke
 
-CLEAN = "no dirt is seen any more"
+CLEAN = "nothing is left to do"
+IDLE = "nothing seems worth doing"
 
-FRAMES_PER_LOOK = 3
-"""Frames whose dirty pixels must agree before they count (§3.1, "Noise removal")."""
+CLEAR_LOOKS = 2
+"""Looks in a row, with the tool out of view, that must find nothing left before the episode is over."""
+
+Steps = Generator[Event, None, EpisodeState]
 
 
-@dataclass(frozen=True, slots=True)
-class EpisodeOptions:
-    """`commit`: actions of a plan carried out before the next one is made (§4.2.4). `by_time`: plans discount
-    by how long actions take, not by their number."""
+def clean(setup: Setup, cell: Workcell, state: EpisodeState | None = None) -> Generator[Event]:
+    """Act until nothing is left to do: from a fresh start, or from where another run was in `state`.
 
-    planner: str = DEFAULT
-    samples: int = 10_000
-    commit: int = 2
-    max_actions: int = 60
-    seed: int = 1
-    by_time: bool = False
-
-
-def within_reach(domain: Domain, robot: str) -> Domain:
-    """The domain without the actions that a robot of that name has no skill for, and without their rules."""
-    actions = tuple(a for a in domain.actions if can_execute(a.name, len(a.parameters), robot))
-    names = {action.name for action in actions}
-    return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
-
-
-def clean(domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> Generator[Event]:
-    """Clean the table: look, plan, carry out the first actions, look again, until no dirt is seen.
-
-    Ends, always with `Ended`, when two looks in a row show no dirt, when the planner finds nothing worth
-    doing, when the robot cannot follow a path, when the camera shows no table, or after `max_actions`.
+    Ends, always with `Ended`: when two looks in a row with the tool out of view find nothing left; when the
+    strategy finds nothing worth doing; when the camera shows no table, or the arm cannot leave its view; at
+    the limits on actions and time. An episode that goes on takes a look first, wherever the arm is.
     """
-    episode = Episode(domain, scene, robot, options)
+    if state is None:
+        state = EpisodeState(examples=_seen_before(setup.domain))
+    elif state.situation is not None and not state.reason:
+        state = yield from _look(cell, replace(state, clear_looks=0), Purpose.AFTER, None)
+    while not (reason := _over(setup, cell, state)):
+        yield Checkpoint(state)
+        state = yield from _step(setup, cell, state)
+    state = replace(state, reason=reason)
+    yield Checkpoint(state)
+    yield Ended(reason, reason == CLEAN, state.actions, state.spent, cell.clock, state.loading)
+
+
+def _over(setup: Setup, cell: Workcell, state: EpisodeState) -> str:
+    """Why the episode is over; empty while it is not."""
+    if state.reason or state.situation is None:
+        return state.reason
+    if cell.is_done(state.situation):
+        return CLEAN if state.clear_looks >= CLEAR_LOOKS else ""
+    if state.actions >= setup.options.max_actions:
+        return f"the limit of {setup.options.max_actions} actions is reached"
+    if state.spent.total >= setup.options.max_seconds:
+        return f"the limit of {setup.options.max_seconds:g} seconds is reached"
+    return ""
+
+
+def _step(setup: Setup, cell: Workcell, state: EpisodeState) -> Steps:
+    """Whatever is due: a look, a decision, or a move."""
+    if state.situation is None:
+        return (yield from _clear_look(cell, state, Purpose.FIRST))
+    hides = state.situation.shows_nothing and not state.clear_looks
+    if hides or cell.is_done(state.situation):
+        return (yield from _clear_look(cell, replace(state, queue=()), Purpose.EXTRA))
+    if state.queue:
+        return (yield from _carry_out(setup, cell, state, state.situation))
+    return (yield from _decide(setup, cell, state, state.situation))
+
+
+def _decide(setup: Setup, cell: Workcell, state: EpisodeState, situation: Situation) -> Steps:
+    """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
+    options = setup.options
+    started = time.perf_counter()
+    now = Circumstances(
+        setup.feasible,
+        cell.problem(situation),
+        setup.scene,
+        setup.job,
+        situation,
+        cell.tool,
+        state.excluded,
+        state.rest,
+        state.actions,
+        # Every decision draws for itself: the seed of a run and the number of moves before name it.
+        seeds.derived(options.seed, seeds.Purpose.PLANNING) + state.actions,
+    )
+    decision = STRATEGIES[options.strategy].decide(now, options)
+    # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
+    seconds = time.perf_counter() - started - decision.loading
+    spent = replace(state.spent, planning=state.spent.planning + seconds)
+    state = replace(state, queue=decision.moves, rest=decision.rest, spent=spent)
+    state = replace(state, loading=state.loading + decision.loading)
+    yield Decided(situation, decision.moves, decision.plan, seconds)
+    if decision.moves:
+        return state
+    if state.clear_looks:
+        return replace(state, reason=_idle(state))
+    return (yield from _clear_look(cell, state, Purpose.EXTRA))
+
+
+def _idle(state: EpisodeState) -> str:
+    """That nothing seems worth doing, and what was tried in vain."""
+    failures = sorted({vain.reason for vain in state.vain if vain.reason})
+    tried = [f"{vain.key[0]}({', '.join(vain.key[1])})" for vain in state.vain if vain.times >= PATIENCE]
+    return IDLE + (f"; in vain: {', '.join(tried)}" if tried else "") + "".join(f"; {f}" for f in failures)
+
+
+def _clear_look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke | None = None) -> Steps:
+    """Move the arm out of view, and look. A look that has found nothing is taken again where the arm is."""
+    motions = yield from cell.withdraw()
+    if motions.failure:
+        return replace(state, reason=f"the arm cannot leave the camera's view: {motions.failure}")
+    state = replace(state, spent=_with_motion(state.spent, purpose, motions))
+    state = yield from _look(cell, state, purpose, stroke)
+    return replace(state, clear_looks=state.clear_looks + 1)
+
+
+def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke | None) -> Steps:
+    """Look from where the arm is. Moves whose objects are gone leave the queue."""
     try:
-        reason = yield from _until_clean(episode, robot, options)
+        sight = cell.look(state.situation, stroke, state.looks, state.named)
     except NoSurface as error:
-        reason = str(error)
-    yield episode.ended(reason, clean=reason == CLEAN)
+        return replace(state, reason=str(error), looks=state.looks + 1)
+    there = {thing.name for thing in sight.situation.objects}
+    queue = tuple(move for move in state.queue if there.issuperset(move.objects))
+    state = replace(state, situation=sight.situation, looks=state.looks + 1, named=sight.named)
+    state = replace(state, queue=queue if len(queue) == len(state.queue) else ())
+    yield Looked(sight.situation, sight.frame, sight.seconds, purpose)
+    # With a move in the queue the arm is on its way to it while the picture is understood.
+    waited = 0.0 if purpose is Purpose.AFTER and state.queue else sight.seconds
+    return replace(state, spent=_with_look(state.spent, purpose, waited))
 
 
-def _until_clean(episode: Episode, robot: Robot, options: EpisodeOptions) -> Generator[Event, None, str]:
-    """Returns why the episode is over."""
-    yield from episode.withdraw()
-    situation = yield from episode.look()
-    while True:
-        if not situation.areas:
-            situation = yield from episode.look()
-        if not situation.areas:
-            return CLEAN
-        if episode.actions >= options.max_actions:
-            return f"the limit of {options.max_actions} actions is reached"
-        plan = yield from episode.plan(situation)
-        if not plan.actions:
-            return "the planner finds nothing worth doing"
-        for action in plan.actions[: min(options.commit, options.max_actions - episode.actions)]:
-            if not {area.name for area in situation.areas}.issuperset(action.objects):
-                break
-            after = yield from episode.act(action, situation)
-            if after is None:
-                return f"the robot could not carry out {action}: {robot.failure}"
-            situation = after
+def _carry_out(setup: Setup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
+    """Do the next move of the queue, and look what came of it."""
+    move, number = state.queue[0], state.actions + 1
+    path = cell.path(move, before)
+    yield Started(number, move, path)
+    motions = yield from cell.carry_out(number, move, path)
+    spent = replace(
+        state.spent,
+        transits=state.spent.transits + motions.transit,
+        actions=state.spent.actions + motions.seconds,
+    )
+    state = replace(state, actions=number, queue=state.queue[1:], clear_looks=0, spent=spent)
+    if motions.failure:
+        state = replace(state, queue=(), rest=())
+        yield Failed(number, move, motions.failure)
+    rule = _covering(setup.domain, before, move)
+    unknown = rule is not None and dict(state.examples).get(rule, 0) < setup.options.known
+    if unknown and not motions.failure:
+        state = yield from _clear_look(cell, state, Purpose.LEARNING, motions.stroke)
+    else:
+        state = yield from _look_after(cell, state, motions.stroke)
+    return (yield from _concluded(setup, state, number, before, rule, motions, move))
 
 
-def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> Problem:
-    """Withdraw the tool, look at the table once, and say what there is to plan for."""
-    episode = Episode(domain, scene, robot, EpisodeOptions(seed=seed))
-    for _ in episode.withdraw():
-        pass
-    situation = next(event.situation for event in episode.look() if isinstance(event, Looked))
-    return problem_of(scene, domain, situation)
-
-
-def problem_of(scene: Scene, domain: Domain, situation: Situation) -> Problem:
-    """The areas seen now as a problem, with the default horizon (§4.2.2)."""
-    return Problem(scene.name, domain.name, situation.objects, situation.state)
-
-
-class Episode:
-    """The mutable part of a run: time spent by kind, actions done, and how many areas have been named."""
-
-    def __init__(self, domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions) -> None:
-        self._domain, self._feasible = domain, within_reach(domain, scene.robot)
-        self._scene, self._robot, self._options = scene, robot, options
-        self._rng = np.random.default_rng(derived(options.seed, Purpose.PERCEPTION))
-        self._planning_seed = derived(options.seed, Purpose.PLANNING)
-        kinds = ("acting", "withdrawing", "planning", "compiling", "perceiving")
-        self._seconds = dict.fromkeys(kinds, 0.0)
-        self._named = 0
-        self._rest: tuple[GroundAction, ...] = ()
-        self.actions = 0
-
-    def withdraw(self) -> Generator[Event]:
-        """Move the tool out of the camera's view."""
-        started = self._robot.clock
-        self._robot.withdraw()
-        while self._robot.poll() is Status.RUNNING:
-            yield Moved(self._robot.clock)
-        self._seconds["withdrawing"] += self._robot.clock - started
-
-    def look(
-        self, before: Sequence[Area] = (), stroke: Stroke | None = None
-    ) -> Generator[Event, None, Situation]:
-        """See the table, and name its areas as what has become of those `before`."""
-        started = time.perf_counter()
-        frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
-        observation = perceive(frames, self._scene, self._rng)
-        areas = track(before, observation.areas, stroke, self._named + 1)
-        self._named = max([self._named, *(int(area.name[1:]) for area in areas)])
-        objects, state = symbolize(areas, self._scene, self._domain)
-        seconds = time.perf_counter() - started
-        self._seconds["perceiving"] += seconds
-        situation = Situation(frames[-1], areas, objects, state)
-        yield Looked(situation, seconds)
-        return situation
-
-    def plan(self, situation: Situation) -> Generator[Event, None, Plan]:
-        """Ask the planner what to do about the areas seen now."""
-        started = time.perf_counter()
-        problem = problem_of(self._scene, self._domain, situation)
-        # Every plan draws its own sequences: the seed of a run and the number of actions done name them.
-        seed = self._planning_seed + self.actions
-        options = Options(self._options.samples, seed, previous=self._rest)
-        task = ground(self._feasible, problem)
-        if self._options.by_time:
-            task = by_time(task)
-        plan = PLANNERS[self._options.planner](prepare(task), options)
-        self._rest = plan.actions[self._options.commit :]
-        # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
-        compiling = plan.seconds.get("compile", 0.0)
-        seconds = time.perf_counter() - started - compiling
-        self._seconds["compiling"] += compiling
-        self._seconds["planning"] += seconds
-        yield Planned(situation, plan, seconds)
-        return plan
-
-    def act(self, action: GroundAction, before: Situation) -> Generator[Event, None, Situation | None]:
-        """Carry out an action and see what came of it; None if the robot failed to follow its path."""
-        self.actions += 1
-        ellipses = {area.name: area.ellipse for area in before.areas}
-        path = tool_path(action.name, tuple(ellipses[name] for name in action.objects), self._scene)
-        started = self._robot.clock
-        yield Started(self.actions, action.name, action.objects, path)
-        self._robot.start(path)
-        while (status := self._robot.poll()) is Status.RUNNING:
-            yield Moved(self._robot.clock)
-        seconds = self._robot.clock - started
-        self._seconds["acting"] += seconds
-        if status is Status.FAILED:
-            self._robot.stop()
-            return None
-        yield StrokeEnded(self.actions, self._robot.clock)
-        yield from self.withdraw()
-        after = yield from self.look(before.areas, _stroke(action, path, self._scene))
-        yield Acted(self.actions, _transition(action, before, after), seconds, after)
+def _look_after(cell: Workcell, state: EpisodeState, stroke: Stroke | None) -> Steps:
+    """Look with the arm where it is, or else, if it hides the table itself, with the arm out of view."""
+    after = yield from _look(cell, state, Purpose.AFTER, stroke)
+    if not after.reason:
         return after
-
-    def ended(self, reason: str, clean: bool) -> Ended:
-        """The closing event, with the account of time."""
-        return Ended(reason, clean, self.actions, dict(self._seconds))
+    return (yield from _clear_look(cell, state, Purpose.EXTRA, stroke))
 
 
-def _stroke(action: GroundAction, path: ToolPath, scene: Scene) -> Stroke:
-    """Where the rag went and what it was meant to push, for naming what is left of it."""
-    on_surface = tuple((w.x, w.y) for w in path.waypoints if w.z <= 0)
-    return Stroke(action.objects, on_surface, scene.rag.width / 2)
+def _concluded(
+    setup: Setup,
+    state: EpisodeState,
+    number: int,
+    before: Situation,
+    rule: int | None,
+    motions: Motions,
+    move: Move,
+) -> Steps:
+    """Say what came of a move, and remember whether it was of any use."""
+    after = state.situation
+    if state.reason or after is None:
+        return state
+    seen = not motions.failure and after.is_full and before.unseen.isdisjoint(move.objects)
+    state = replace(state, vain=_tried(state.vain, move, before, after, motions.failure))
+    if seen and rule is not None:
+        counts = dict(state.examples)
+        counts[rule] = counts.get(rule, 0) + 1
+        state = replace(state, examples=tuple(sorted(counts.items())))
+    is_action = move.path is None
+    transition = _transition(move, before, after) if is_action else None
+    yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)
+    return state
 
 
-def _transition(action: GroundAction, before: Situation, after: Situation) -> Transition:
-    """What was seen before and after, over all objects of both; those gone are remembered as clean."""
+def _tried(
+    vain: tuple[Vain, ...], move: Move, before: Situation, after: Situation, failure: str
+) -> tuple[Vain, ...]:
+    """What has been tried in vain, after one more move."""
+    others = tuple(each for each in vain if each.key != move.key and unchanged(each, after))
+    if not move.objects:
+        return others
+    times = next((each.times for each in vain if each.key == move.key and unchanged(each, before)), 0)
+    now = Vain(move.key, *about(move.objects, before), times + 1, failure)
+    if failure:
+        return (*others, replace(now, times=PATIENCE))
+    return (*others, now) if unchanged(now, after) else others
+
+
+def _covering(domain: Domain, before: Situation, move: Move) -> int | None:
+    """The index of the rule that says what the move does; None for moves that are no actions, and where only
+    the default rule does."""
+    if move.path is not None:
+        return None
+    covering = StateView(domain, before.objects, before.state).covering(move.action, move.objects)
+    return None if covering is None else covering[0]
+
+
+def _transition(move: Move, before: Situation, after: Situation) -> Transition:
+    """What was believed before and after, over all objects of both; those gone are remembered as clean."""
     objects = tuple(sorted({*before.objects, *after.objects}))
     gone = {o.name for o in before.objects} - {o.name for o in after.objects}
     return Transition(
-        action.name, action.objects, objects, before.state, after.state | remembered(before.state, gone)
+        move.action, move.objects, objects, before.state, after.state | remembered(before.state, gone)
     )
+
+
+def _seen_before(domain: Domain) -> tuple[tuple[int, int], ...]:
+    """How often each rule was seen, by what its text says of its outcomes."""
+    counts = ((i, sum(o.seen or 0 for o in rule.outcomes)) for i, rule in enumerate(domain.rules))
+    return tuple((index, count) for index, count in counts if count)
+
+
+def _with_motion(spent: Account, purpose: Purpose, motions: Motions) -> Account:
+    """The account after the arm has left the view."""
+    seconds = motions.transit + motions.seconds
+    match purpose:
+        case Purpose.LEARNING:
+            return replace(spent, learning=spent.learning + seconds)
+        case Purpose.EXTRA:
+            return replace(spent, extra_perceptions=spent.extra_perceptions + seconds)
+        case Purpose.FIRST | Purpose.AFTER:
+            return replace(spent, transits=spent.transits + seconds)
+
+
+def _with_look(spent: Account, purpose: Purpose, seconds: float) -> Account:
+    """The account after a look that was waited for so long."""
+    match purpose:
+        case Purpose.LEARNING:
+            return replace(spent, learning=spent.learning + seconds)
+        case Purpose.EXTRA:
+            return replace(spent, extra_perceptions=spent.extra_perceptions + seconds)
+        case Purpose.FIRST | Purpose.AFTER:
+            return replace(spent, perceiving=spent.perceiving + seconds)

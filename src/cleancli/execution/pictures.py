@@ -10,7 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.events import Situation, Started
+from cleancli.execution.events import Started
+from cleancli.execution.state import Situation
+from cleancli.perception.frame import Frame
 from cleancli.perception.pictures import draw, project
 
 Picture = NDArray[np.uint8]
@@ -25,14 +27,14 @@ STROKE_COLOUR = (30, 90, 220)
 TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 
 
-def step_picture(situation: Situation, started: Started | None, room: Picture) -> Picture:
+def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Picture) -> Picture:
     """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
-    seen = draw(situation.frame, situation.areas, situation.state)
+    seen = draw(frame, situation.areas, situation.state)
     title = f"0. first look: {len(situation.areas)} areas"
-    if started is not None:
-        title = f"{started.number}. {started.action}({', '.join(started.arguments)})"
+    if started is not None and started.path is not None:
+        title = f"{started.number}. {started.move}"
         points = [(w.x, w.y) for w in started.path.waypoints if w.z <= 0]
-        pixels = np.rint(project(situation.frame.camera, np.array(points))).astype(int)
+        pixels = np.rint(project(frame.camera, np.array(points))).astype(int)
         for start, end in pairwise(pixels):
             tip = TIP_LENGTH / max(TIP_LENGTH, float(np.linalg.norm(end - start)))
             cv2.arrowedLine(seen, _pair(start), _pair(end), STROKE_COLOUR, 2, cv2.LINE_AA, tipLength=tip)

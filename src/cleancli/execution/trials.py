@@ -6,7 +6,7 @@ Here, as in a report, the truth is asked: no plan and no rule is made from what 
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from math import sqrt
@@ -14,11 +14,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.loop import FRAMES_PER_LOOK
 from cleancli.execution.seeds import Purpose, derived
-from cleancli.motion.actions import tool_path
-from cleancli.motion.ellipse import contains
+from cleancli.execution.table_cell import FRAMES_PER_LOOK
+from cleancli.motion.actions import ARITIES, tool_path
+from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.ellipses import contains
 from cleancli.perception.perceive import perceive
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.tracking import track
@@ -49,7 +50,7 @@ class Outcome(enum.Enum):
 class Trial:
     """One try. `targets`: how many pieces of dirt the action was meant for, particles or cells of ink; `left`
     of them on the table. `lost`: particles on the floor. `before` and `after` (n, 2): where all dirt lay on
-    the table. `seconds` of robot time."""
+    the table. `seconds` of robot time. `failure`: why the robot could not follow its path, or nothing."""
 
     seed: int
     outcome: Outcome
@@ -59,24 +60,35 @@ class Trial:
     seconds: float
     before: Points
     after: Points
+    failure: str = ""
 
 
-def attempt(scene: Scene, action: str, arity: int, names: Sequence[str], seed: int) -> Trial:
-    """Look once, carry the action out on the areas of these `names` (the first `arity` seen, if there are
-    none), and see what is left of their dirt. The seed decides where the dirt lies, and all noise."""
+def attempt(
+    scene: Scene,
+    action: str,
+    names: Sequence[str],
+    seed: int,
+    path_of: Callable[[str, tuple[Ellipse, ...], Scene], ToolPath] = tool_path,
+) -> Trial:
+    """Look once, carry the action out on the areas of these `names` (the first ones seen, if there are none),
+    and see what is left of their dirt. The seed decides where the dirt lies, and all noise.
+
+    Raises NoSkill if the scene's robot doesn't have the action.
+    """
+    arity = ARITIES[action]
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
         rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
         frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
         start = table.truth()
         try:
-            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1), names, arity)
+            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1).areas, names, arity)
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:
             return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
         ellipses = tuple(area.ellipse for area in chosen)
         targets = _within(start.positions[:, :2], ellipses)
-        table.start(tool_path(action, ellipses, scene))
+        table.start(path_of(action, ellipses, scene))
         while (status := table.poll()) is Status.RUNNING:
             pass
         end = table.truth()
@@ -86,7 +98,8 @@ def attempt(scene: Scene, action: str, arity: int, names: Sequence[str], seed: i
         if status is not Status.FAILED:
             outcome = judge(before, after, action in GATHERING, arity, scene.symbols.link)
         sizes = len(before), len(after), end.on_floor
-        return Trial(seed, outcome, *sizes, table.clock, _on_surface(start), _on_surface(end))
+        lay = _on_surface(start), _on_surface(end)
+        return Trial(seed, outcome, *sizes, table.clock, *lay, table.failure)
 
 
 def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> Outcome:

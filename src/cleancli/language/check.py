@@ -30,10 +30,11 @@ from cleancli.language.symbols import read_actions, read_symbols
 from cleancli.language.unused import warn_unused
 
 
-def check_domain(node: syntax.DomainNode, findings: Findings) -> Domain:
-    """The model of a domain; it may only be used if `findings` holds no error."""
+def check_domain(node: syntax.DomainNode, findings: Findings, compat: bool = False) -> Domain:
+    """The model of a domain; it may only be used if `findings` holds no error. `compat`: see
+    `Scope`."""
     declared = _declare(node, findings)
-    scope = Scope(declared, declared.constants, {}, findings)
+    scope = Scope(declared, declared.constants, {}, findings, compat)
     declared = replace(declared, parameters=check_parameters(node, scope))
     derived = _derived(node, replace(scope, declared=declared))
     declared = replace(declared, derived=derived)

@@ -25,17 +25,22 @@ from cleancli.language.record import Record
 
 
 class Scope(Record):
-    """What a name may mean at one place: everything declared, the objects, and the variables bound there."""
+    """What a name may mean at one place: everything declared, the objects, and the variables bound there.
+
+    Where rules are `compat` they mean what libPRADA takes them for: those of an action may overlap, and what
+    an outcome sets counts even if the condition asks for it.
+    """
 
     declared: Declarations
     objects: Mapping[str, Object]
     variables: Mapping[str, Variable]
     findings: Findings
+    compat: bool = False
 
     def with_variables(self, variables: tuple[Variable, ...]) -> Scope:
         """The scope inside a quantifier."""
         bound = {**self.variables, **{v.name: v for v in variables}}
-        return Scope(self.declared, self.objects, bound, self.findings)
+        return Scope(self.declared, self.objects, bound, self.findings, self.compat)
 
 
 def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:

@@ -91,27 +91,27 @@ def _refuse_read_only(path: Path) -> None:
         raise PermissionError(errno.EACCES, "read-only, and so nothing was written", str(path))
 
 
-def replace_file(path: Path | str, text: str) -> None:
-    """Write a UTF-8 file so that it holds the old text or the new one, whatever happens.
+def replace_file(path: Path | str, content: str | bytes) -> None:
+    """Write a file, text as UTF-8, so that it holds the old content or the new one, whatever happens.
 
     Line ends are written as they are and permissions kept; a symlink stays and its target is replaced.
     Raises OSError where the file cannot be written.
     """
-    _replace([(Path(path), text)])
+    _replace([(Path(path), content)])
 
 
-def _replace(files: Iterable[tuple[Path, str]]) -> None:
-    """Write every text beside its file before the first file is replaced: a full disk or a folder that cannot
-    be written then changes none."""
+def _replace(files: Iterable[tuple[Path, str | bytes]]) -> None:
+    """Write every content beside its file before the first file is replaced: a full disk or a folder that
+    cannot be written then changes none."""
     written: list[tuple[Path, Path]] = []
     try:
-        for path, text in files:
+        for path, content in files:
             target = path.resolve()
             mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
             handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
             written.append((Path(name), target))
             with os.fdopen(handle, "wb") as file:
-                file.write(text.encode("utf-8"))
+                file.write(content.encode("utf-8") if isinstance(content, str) else content)
                 file.flush()
                 os.fsync(file.fileno())
             Path(name).chmod(mode)

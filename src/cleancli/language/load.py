@@ -48,10 +48,13 @@ class Checked(Generic[_Model]):
         return self.model
 
 
-def checked_domain(source: Source, allow_outside: bool = False, read: Read = read_source) -> Checked[Domain]:
+def checked_domain(
+    source: Source, allow_outside: bool = False, read: Read = read_source, *, compat: bool = False
+) -> Checked[Domain]:
     """Check a domain with the files it includes; `allow_outside` lets these stand outside its folder.
 
-    `read` gets an included file's text, where it is not the one on disk.
+    `read` gets an included file's text, where it is not the one on disk. With `compat`, rules mean what
+    libPRADA takes them for (see `Scope`): only grounding as it does takes such a domain.
     """
     try:
         root, findings = parse_as(source, "domain")
@@ -59,7 +62,8 @@ def checked_domain(source: Source, allow_outside: bool = False, read: Read = rea
         return Checked(None, refused.diagnostics, refused.sources)
     domain = None
     if isinstance(root, DomainNode):
-        domain = check_domain(with_includes(root, findings, allow_outside, read), findings)
+        whole = with_includes(root, findings, allow_outside, read)
+        domain = check_domain(whole, findings, compat)
     return _checked(domain, findings)
 
 

@@ -206,7 +206,7 @@ def _refuse_same(
     known = {
         (p.symbol, canonical(scope.declared.symbols[p.symbol], p.terms)): p
         for p in condition
-        if isinstance(p, Literal)
+        if isinstance(p, Literal) and not scope.compat
     }
     written: dict[str, syntax.OutcomeNode] = {}
     done: dict[object, syntax.OutcomeNode] = {}

@@ -29,7 +29,8 @@ def check_rules(node: syntax.DomainNode, scope: Scope) -> tuple[Rule, ...]:
         rule = _rule(item, scope)
         if rule is not None:
             checked.append(rule)
-    refuse_overlaps(checked, scope)
+    if not scope.compat:
+        refuse_overlaps(checked, scope)
     return tuple(checked)
 
 

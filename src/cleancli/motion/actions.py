@@ -6,7 +6,7 @@ tool comes down straight, just behind the dirt, stands perpendicular to the moti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, hypot
@@ -38,7 +38,7 @@ class NoSkill(Exception):
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:
-        known = ", ".join(f"{name}/{skill.arity}" for name, skill in SKILLS.items())
+        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name in SKILLS)
         super().__init__(f"this robot can't execute {action}/{arity}; it can execute {known}")
 
 
@@ -54,9 +54,7 @@ class Skill:
 
 def can_execute(action: str, arity: int, robot: str) -> bool:
     """Whether a robot of that name has a skill for this action with so many areas."""
-    if action == PICK_UP:
-        return arity == 1 and robot in TWO_ARMED
-    return action in SKILLS and SKILLS[action].arity == arity
+    return ARITIES.get(action) == arity and (action != PICK_UP or robot in TWO_ARMED)
 
 
 def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
@@ -69,24 +67,38 @@ def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath
     if action == PICK_UP:
         return pick_up(areas[0], scene)
     skill = SKILLS[action]
-    corners = _distinct(skill.stroke(areas, scene))
+    return path_along(skill.stroke(areas, scene), scene, skill.speed, skill.interpolation)
+
+
+def path_along(
+    corners: Sequence[Point],
+    scene: Scene,
+    speed: float = STRAIGHT_SPEED,
+    interpolation: Interpolation = Interpolation.STRAIGHT,
+) -> ToolPath:
+    """The path of a stroke with these corners, two at least: down behind the first, and up after the last."""
+    corners = _distinct(corners)
     stroke = _turning((_behind(corners, scene), *corners[1:]))
     first, last = stroke[0], stroke[-1]
     return ToolPath(
         (
             Waypoint(first[0], first[1], LIFT, first[2], TRANSIT_SPEED),
             Waypoint(first[0], first[1], 0.0, first[2], VERTICAL_SPEED),
-            *(Waypoint(x, y, 0.0, yaw, skill.speed) for x, y, yaw in stroke[1:]),
+            *(Waypoint(x, y, 0.0, yaw, speed) for x, y, yaw in stroke[1:]),
             Waypoint(last[0], last[1], LIFT, last[2], VERTICAL_SPEED),
         ),
-        skill.interpolation,
+        interpolation,
     )
 
 
 def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """From the point farthest from the container straight over the nearest point of its mouth (§3.2.1)."""
+    """From the point farthest from the container (§3.2.1) into it."""
     (area,) = areas
-    start = farthest_from_stretch(area, scene.mouth())
+    return into_container(farthest_from_stretch(area, scene.mouth()), scene)
+
+
+def into_container(start: Point, scene: Scene) -> tuple[Point, ...]:
+    """The corners of a stroke from `start` straight over the nearest point of the container's mouth."""
     crossing = _crossing(start, scene)
     if crossing is not None:
         return start, _past_edge(start, crossing, scene)
@@ -98,16 +110,18 @@ def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]
     return start, front, _past_edge(front, middle, scene)
 
 
-def _join2(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """Dirt of the first ellipse goes to the near side of the second (§3.2.3)."""
-    first, second = areas
-    return farthest(first, second), *nearest(first, second)
+def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
+    """The corners of a stroke from behind the first ellipse to the near side of the next, and so on to the
+    last without stopping (§3.2.3)."""
+    corners = [farthest(areas[0], areas[1])]
+    for first, second in pairwise(areas):
+        corners += nearest(first, second)
+    return tuple(corners)
 
 
-def _join3(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
-    """As joining two, and on to the third without stopping (§3.2.3)."""
-    first, second, third = areas
-    return *_join2((first, second), scene), *nearest(second, third)
+def _join(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+    """Joining two or three (§3.2.3)."""
+    return gathering(areas)
 
 
 def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
@@ -123,11 +137,17 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
     {
         "moveToContainerFast": Skill(1, _to_container, FAST_SPEED, Interpolation.JOINT),
         "moveToContainerStraight": Skill(1, _to_container, STRAIGHT_SPEED, Interpolation.STRAIGHT),
-        "join2": Skill(2, _join2, STRAIGHT_SPEED, Interpolation.STRAIGHT),
-        "join3": Skill(3, _join3, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join2": Skill(2, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "join3": Skill(3, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
     }
 )
+"""What one arm can do."""
+
+ARITIES: Mapping[str, int] = MappingProxyType(
+    {**{name: skill.arity for name, skill in SKILLS.items()}, PICK_UP: 1}
+)
+"""How many areas each of the six actions of §3.2 takes."""
 
 
 def _crossing(start: Point, scene: Scene) -> Point | None:
@@ -190,7 +210,7 @@ def _turning(corners: tuple[Point, ...]) -> tuple[tuple[float, float, float], ..
     return tuple(poses)
 
 
-def _distinct(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+def _distinct(corners: Sequence[Point]) -> tuple[Point, ...]:
     """The corners without those that stand where the one before stands; two remain even of one point."""
     kept = [corners[0]]
     for corner in corners[1:]:

@@ -10,26 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.perception.area import Ellipse
+from cleancli.perception.ellipses import boundary, contains
 
 Point = tuple[float, float]
 _Points = NDArray[np.float64]
-
-_BOUNDARY_POINTS = 720
-
-
-def boundary(ellipse: Ellipse) -> _Points:
-    """(720, 2) points counter-clockwise, from the end of the longer axis."""
-    turn = 2 * np.pi * np.arange(_BOUNDARY_POINTS) / _BOUNDARY_POINTS
-    local = np.stack((ellipse.axes[0] * np.cos(turn), ellipse.axes[1] * np.sin(turn)), axis=1)
-    return np.array(ellipse.centre) + local @ _rotation(ellipse).T
-
-
-def contains(ellipse: Ellipse, points: _Points) -> NDArray[np.bool_]:
-    """For points (n, 2): whether each lies within the ellipse or on it, (n,)."""
-    local = (points - np.array(ellipse.centre)) @ _rotation(ellipse)
-    first, second = (max(axis, 1e-9) for axis in ellipse.axes)
-    inside: NDArray[np.bool_] = (local[:, 0] / first) ** 2 + (local[:, 1] / second) ** 2 <= 1
-    return inside
 
 
 def major_ends(ellipse: Ellipse) -> tuple[Point, Point]:
@@ -76,11 +60,6 @@ def _shared_point(ellipse: Ellipse, other: Ellipse, mine: _Points, theirs: _Poin
     if contains(ellipse, middle[None])[0] and contains(other, middle[None])[0]:
         return _point(middle)
     return _point(common[np.argmin(np.linalg.norm(common - middle, axis=1))])
-
-
-def _rotation(ellipse: Ellipse) -> NDArray[np.float64]:
-    cos, sin = np.cos(ellipse.angle), np.sin(ellipse.angle)
-    return np.array(((cos, -sin), (sin, cos)))
 
 
 def _gaps(first: _Points, second: _Points) -> NDArray[np.float64]:

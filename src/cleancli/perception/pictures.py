@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -15,7 +16,7 @@ from cleancli.perception.geometry import project
 from cleancli.perception.perceive import Observation
 from cleancli.perception.surface import Mask
 
-__all__ = ["contact_sheet", "draw", "project"]
+__all__ = ["contact_sheet", "draw", "outline", "project", "words"]
 
 Picture = NDArray[np.uint8]
 _Box = tuple[int, int, int, int]  # left, top, right, bottom
@@ -33,14 +34,14 @@ _CAPTION = 30  # height of a caption's strip in pixels
 def draw(frame: Frame, areas: Sequence[Area], state: State = frozenset()) -> Picture:
     """The colour image with each area's ellipse, its name and what `state` says of it alone; RGB."""
     picture = np.ascontiguousarray(frame.colour).copy()
-    outlines = [_outline(area.ellipse, frame.camera) for area in areas]
+    outlines = [outline(area.ellipse, frame.camera) for area in areas]
     # Labels keep off the ellipses as well as off each other.
-    taken = [_box_of(outline) for outline in outlines]
-    for outline in outlines:
-        cv2.polylines(picture, [outline], True, _ELLIPSE, 1, cv2.LINE_AA)
-    for area, outline in zip(areas, outlines, strict=True):
-        lines = [area.name, *_words(area.name, state)]
-        around = _box_of(outline)
+    taken = [_box_of(line) for line in outlines]
+    for line in outlines:
+        cv2.polylines(picture, [line], True, _ELLIPSE, 1, cv2.LINE_AA)
+    for area, line in zip(areas, outlines, strict=True):
+        lines = [area.name, *words(area.name, state)]
+        around = _box_of(line)
         box = _free_place(around, lines, taken, picture.shape[:2])
         taken.append(box)
         _connect(picture, box, around)
@@ -60,12 +61,12 @@ def contact_sheet(
         _captioned(_cut_out(frame, steps.without_edges), "(c) edges removed"),
         _captioned(_marked(steps.dirty, steps.without_edges), "(d) background subtracted"),
         _captioned(_marked(steps.believed, steps.without_edges), "(e) noise removed"),
-        _captioned(draw(frame, areas, state), f"(f) ellipses: {counted}"),
+        _captioned(draw(replace(frame, camera=observation.camera), areas, state), f"(f) ellipses: {counted}"),
     ]
     return np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])])
 
 
-def _outline(ellipse: Ellipse, camera: Camera) -> NDArray[np.int32]:
+def outline(ellipse: Ellipse, camera: Camera) -> NDArray[np.int32]:
     """The ellipse's boundary in pixels, (n, 1, 2) as OpenCV takes it."""
     turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
     along, across = np.cos(ellipse.angle), np.sin(ellipse.angle)
@@ -74,7 +75,7 @@ def _outline(ellipse: Ellipse, camera: Camera) -> NDArray[np.int32]:
     return np.rint(project(camera, points)).astype(np.int32)[:, None, :]
 
 
-def _words(name: str, state: State) -> list[str]:
+def words(name: str, state: State) -> list[str]:
     """What the state says of one area alone, `dirt` aside: all that is drawn is dirty."""
     facts = sorted(fact for fact in state if fact.objects == (name,) and fact.symbol != "dirt")
     return [fact.symbol if fact.value is True else str(fact.value) for fact in facts]

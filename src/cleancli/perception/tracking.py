@@ -2,21 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import dist
+from math import ceil, dist
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from cleancli.perception.area import Area
-from cleancli.perception.ellipses import gap
+from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.ellipses import Points, contains, gap, points_within
 
-GATE = 0.03
-"""Metres between two ellipses up to which one may be what has become of the other."""
+NEAR, FAR = 0.01, 0.03
+"""Metres around an area's ellipse in which dirt found later may be its own: noise, a flap's touch."""
 
-_NEVER = 1e6
+BESIDE = 0.03
+"""Metres beside the cloth's way, and beyond its end, to which it pushes dirt as well."""
+
+ROLLED = 0.10
+"""Metres over which the chance falls to a third that a swept piece has rolled so far beyond that."""
+
+
+@dataclass(frozen=True, slots=True)
+class Likely:
+    """How likely dirt is found somewhere; chosen weights against each other.
+
+    `near` where it lay, `far`: a little farther, at the `end` of the stroke that swept it, on the `way`
+    there, `rolled` away from both. Where the cloth went, `left` scales the first two. `unknown`: of another
+    origin.
+    """
+
+    near: float = 1.0
+    far: float = 0.1
+    end: float = 0.6
+    way: float = 0.1
+    rolled: float = 0.02
+    left: float = 0.5
+    unknown: float = 0.002
+
+
+LIKELY = Likely()
+
+STEP = 0.02
+"""Metres of the cloth's way that are told apart."""
+
+SLACK = 1.3
+"""An area's dirt may cover so many times as much once it is spread out."""
+
+LEAST = 0.1
+"""Share of an area's dirt, or of the dirt in what it may have become, from which one has become the other."""
+
+STAYS, TARGET, UNTOUCHED = 0.2, 1.0, 4.0
+"""What it is worth, in shares of an area's dirt, that an area keeps its name which was not to be pushed, to
+which others were to be pushed, and which the cloth did not touch."""
+
+ROUNDS = 20
+"""Of scaling the flow of dirt to what was there before and is there now."""
+
+Flow = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,80 +74,182 @@ class Stroke:
     points: tuple[tuple[float, float], ...]
     half_width: float
 
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """The names of the areas that it was meant to push away; the target of a join stays."""
+        return self.pushed[:-1] if len(self.pushed) > 1 else self.pushed
 
-def track(
-    before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, next_number: int
-) -> tuple[Area, ...]:
+    def swept(self, points: Points, beside: float = 0.0) -> NDArray[np.bool_]:
+        """Whether the cloth went over each of `points` (n, 2), or within `beside` metres of it."""
+        return np.asarray((self.distances(points) <= self.half_width + beside).any(axis=1))
+
+    def distances(self, points: Points) -> Points:
+        """Metres from `points` (n, 2) to each straight piece of the way, (n, pieces)."""
+        ends = self._steps()
+        if not len(ends):
+            return np.full((len(points), 1), np.inf)
+        starts, steps = ends[:-1], np.diff(ends, axis=0)
+        offsets = points[:, None, :] - starts
+        squared = np.maximum((steps**2).sum(axis=1), 1e-12)
+        along = np.clip((offsets * steps).sum(axis=2) / squared, 0, 1)
+        return np.asarray(np.linalg.norm(offsets - along[:, :, None] * steps, axis=2))
+
+    def _steps(self) -> Points:
+        """The way in pieces of at most `STEP`: their ends, (pieces + 1, 2)."""
+        if len(self.points) < 2:
+            return np.array(self.points * 2)
+        corners = np.array(self.points)
+        passed = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+        at = np.union1d(np.linspace(0, passed[-1], ceil(passed[-1] / STEP) + 1), passed)
+        return np.column_stack([np.interp(at, passed, corners[:, axis]) for axis in (0, 1)])
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """Area `of` is now the areas `into`: the one with its name, if there is one, and others of its dirt."""
+
+    of: str
+    into: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.of} split into {', '.join(self.into)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Merge:
+    """The areas `of` are now one, `into`, which has the name of one of them."""
+
+    of: tuple[str, ...]
+    into: str
+
+    def __str__(self) -> str:
+        return f"{', '.join(name for name in self.of if name != self.into)} merged into {self.into}"
+
+
+Change = Split | Merge
+
+
+@dataclass(frozen=True, slots=True)
+class Tracked:
+    """Named `areas`, in the order in which they were seen, and which of them split or merged."""
+
+    areas: tuple[Area, ...]
+    changes: tuple[Change, ...] = ()
+
+
+def track(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, next_number: int) -> Tracked:
     """The areas of `after`, in their order, named as what has become of the named areas of `before`.
 
-    Areas that nothing pushed, and the target of a join, keep their names where they stand: all together at
-    the least sum of distances between centres, none across a gap above `GATE`. Then each pushed area gives
-    its name to the largest area left that lies along the stroke or where it lay before. A name without an
-    area is gone; an area without a name becomes `a<next_number>`, and so on.
+    How much dirt of each area before is in each area after is estimated from where both lie and where the
+    stroke went. Names are then assigned so that the shares of dirt that keep their area's name are largest in
+    sum; areas that were to be pushed away give way to others, and all to those that nothing went over, which
+    are matched by distance, across no gap above `FAR`. A name without an area is gone; an area without a name
+    becomes `a<next_number>`, and so on.
     """
-    pushed = () if stroke is None else stroke.pushed[:-1] if len(stroke.pushed) > 1 else stroke.pushed
-    names = _standing([area for area in before if area.name not in pushed], after)
-    if stroke is not None:
-        names |= _pushed(before, after, stroke, names)
+    flow = _flow(before, after, stroke)
+    names = _assigned(before, after, flow, stroke)
     fresh = iter(range(next_number, next_number + len(after)))
-    return tuple(
-        replace(area, name=names[index] if index in names else f"a{next(fresh)}")
-        for index, area in enumerate(after)
-    )
+    called = [names[index] if index in names else f"a{next(fresh)}" for index in range(len(after))]
+    areas = tuple(replace(area, name=name) for area, name in zip(after, called, strict=True))
+    return Tracked(areas, (*_splits(before, flow, called), *_merges(before, flow, called)))
 
 
-def _standing(before: Sequence[Area], after: Sequence[Area]) -> dict[int, str]:
-    """Index in `after` -> name, for areas that stayed where they were."""
+def _flow(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None) -> Flow:
+    """Square metres of dirt from each area before in each area after, (before, after).
+
+    Likelihoods are scaled in turns so that every area after is filled, and none before gives more than it had
+    (iterative proportional fitting, Deming and Stephan 1940): dirt may leave the table, but appears nowhere.
+    """
     if not before or not after:
-        return {}
-    costs = np.array([[_cost(old, new) for new in after] for old in before])
-    rows, columns = linear_sum_assignment(costs)
-    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
-    return {column: before[row].name for row, column in pairs if costs[row, column] < _NEVER}
+        return np.zeros((len(before), len(after)))
+    flow = np.array([_likelihoods(old, after, stroke) for old in before])
+    had, has = np.array([area.covered for area in before]), np.array([area.covered for area in after])
+    flow *= had[:, None]
+    for _ in range(ROUNDS):
+        flow *= has / (flow.sum(axis=0) + LIKELY.unknown * has)
+        flow *= np.minimum(1, SLACK * had / np.maximum(flow.sum(axis=1), 1e-12))[:, None]
+    flow[flow < LEAST * np.minimum(had[:, None], has)] = 0
+    return flow
 
 
-def _cost(old: Area, new: Area) -> float:
-    if gap(old.ellipse, new.ellipse) > GATE:
-        return _NEVER
-    return dist(old.ellipse.centre, new.ellipse.centre)
+def _likelihoods(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Flow:
+    """How likely dirt of an area is found in each of the areas after: weights, (after)."""
+    points = np.stack([points_within(area.ellipse) for area in after])
+    shape = points.shape[:2]
+    flat = points.reshape(-1, 2)
+    near = contains(_grown(old.ellipse, NEAR), flat).reshape(shape).mean(axis=1)
+    far = contains(_grown(old.ellipse, FAR), flat).reshape(shape).mean(axis=1)
+    own = None if stroke is None else stroke.distances(points_within(old.ellipse)) <= stroke.half_width
+    if stroke is None or own is None or not own.any():
+        # Where nothing went over it, it is where it was, if anything is.
+        return np.asarray(near if near.max() > LEAST else LIKELY.far * far)
+    stay = LIKELY.near * near + LIKELY.far * (far - near)
+    left = np.where(stroke.swept(flat), LIKELY.left, 1).reshape(shape).mean(axis=1)
+    # Dirt goes on along the way from where the cloth first met it.
+    distances = stroke.distances(flat)[:, int(own.any(axis=0).argmax()) :]
+    away = distances.min(axis=1) - stroke.half_width
+    at_end = np.linalg.norm(flat - stroke.points[-1], axis=1) <= stroke.half_width + BESIDE
+    moved = np.where(away <= BESIDE, LIKELY.way, LIKELY.rolled * np.exp(-(away - BESIDE) / ROLLED))
+    moved[at_end] = LIKELY.end
+    taken = own.any(axis=1).mean()
+    return np.asarray(stay * left + taken * moved.reshape(shape).mean(axis=1))
 
 
-def _pushed(
-    before: Sequence[Area], after: Sequence[Area], stroke: Stroke, taken: Mapping[int, str]
+def _grown(ellipse: Ellipse, metres: float) -> Ellipse:
+    return replace(ellipse, axes=(ellipse.axes[0] + metres, ellipse.axes[1] + metres))
+
+
+def _assigned(
+    before: Sequence[Area], after: Sequence[Area], flow: Flow, stroke: Stroke | None
 ) -> dict[int, str]:
-    """Index in `after` -> name, for names of the stroke that stayed nowhere; a join's target comes first."""
-    earlier = {area.name: area for area in before}
-    names: dict[int, str] = {}
-    order = (*stroke.pushed[-1:], *stroke.pushed[:-1])
-    for name in (name for name in order if name in earlier and name not in taken.values()):
-        left = (index for index in range(len(after)) if index not in taken and index not in names)
-        largest = _largest_reached(left, after, earlier[name], stroke)
-        if largest is not None:
-            names[largest] = name
-    return names
+    """Index in `after` -> name."""
+    if not flow.size:
+        return {}
+    moved, pushed = (stroke.moved, stroke.pushed) if stroke else ((), ())
+    bonus = [0 if a.name in moved else TARGET if a.name in pushed else STAYS for a in before]
+    had, has = np.array([area.covered for area in before]), flow.sum(axis=0)
+    shares = flow / had[:, None] * flow / np.maximum(has, 1e-12) + np.array(bonus)[:, None]
+    shares[flow == 0] = 0
+    standing = np.array([_standing(old, after, stroke) for old in before])
+    rows, columns = linear_sum_assignment(shares + standing, maximize=True)
+    # Away from most of an area's dirt, its name goes on only with dirt that is mostly its own.
+    may = standing > 0
+    may[np.arange(len(flow)), flow.argmax(axis=1)] = True
+    may[flow.argmax(axis=0), np.arange(flow.shape[1])] = True
+    may &= shares + standing > 0
+    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+    return {column: before[row].name for row, column in pairs if may[row, column]}
 
 
-def _largest_reached(indices: Iterable[int], after: Sequence[Area], old: Area, stroke: Stroke) -> int | None:
-    reached = [
-        index
-        for index in indices
-        if _in_strip(after[index], stroke) or gap(old.ellipse, after[index].ellipse) <= GATE
-    ]
-    return max(reached, key=lambda index: after[index].covered, default=None)
+def _standing(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Flow:
+    """What it is worth that an area over which nothing went is one of those after: the nearer, the more."""
+    if stroke is not None and stroke.swept(points_within(old.ellipse)).any():
+        return np.zeros(len(after))
+    close = np.array([gap(old.ellipse, area.ellipse) <= FAR for area in after])
+    away = np.array([dist(old.ellipse.centre, area.ellipse.centre) for area in after])
+    return np.asarray(close * UNTOUCHED / (1 + away / NEAR))
 
 
-def _in_strip(area: Area, stroke: Stroke) -> bool:
-    """Whether the area's centre lies where the cloth swept, or within the gate of it."""
-    reach = stroke.half_width + GATE
-    if len(stroke.points) == 1:
-        return dist(area.ellipse.centre, stroke.points[0]) <= reach
-    return any(_distance(area.ellipse.centre, *piece) <= reach for piece in pairwise(stroke.points))
+def _splits(before: Sequence[Area], flow: Flow, called: Sequence[str]) -> Iterator[Split]:
+    """Areas together with those of new names that hold mostly their dirt."""
+    known = [area.name for area in before]
+    pieces: dict[int, list[str]] = {}
+    for column, name in enumerate(called):
+        if name not in known and flow[:, column].any():
+            pieces.setdefault(int(flow[:, column].argmax()), []).append(name)
+    for row, names in pieces.items():
+        own = [known[row]] if known[row] in called else []
+        yield Split(known[row], (*own, *names))
 
 
-def _distance(point: tuple[float, float], start: tuple[float, float], end: tuple[float, float]) -> float:
-    """Metres from a point to the line between two others."""
-    (x, y), (x0, y0), (x1, y1) = point, start, end
-    squared = (x1 - x0) ** 2 + (y1 - y0) ** 2
-    share = ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / squared if squared else 0.0
-    share = min(1.0, max(0.0, share))
-    return dist(point, (x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+def _merges(before: Sequence[Area], flow: Flow, called: Sequence[str]) -> Iterator[Merge]:
+    """Areas after that are what most of several areas before has become."""
+    heirs: dict[int, list[str]] = {}
+    for area, row in zip(before, flow, strict=True):
+        if row.any():
+            heirs.setdefault(int(row.argmax()), []).append(area.name)
+    for column, names in heirs.items():
+        known = called[column] in {area.name for area in before}
+        of = names if called[column] in names or not known else [called[column], *names]
+        if len(of) > 1:
+            yield Merge(tuple(of), called[column])

@@ -33,18 +33,24 @@ class Sampled:
 class Evaluation:
     """The expected discounted reward of a sequence up to the horizon, found in three ways.
 
-    `exact` is None where more than `SUPPORT_LIMIT` states may occur.
+    `exact` is None where more than `SUPPORT_LIMIT` states may occur. As libPRADA computes, rules may overlap,
+    so there is neither an exact nor a sampled value.
     """
 
     factored: float
     exact: float | None
-    sampled: Sampled
+    sampled: Sampled | None
 
 
 def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, runs: int = RUNS) -> Evaluation:
     """The value of doing all the actions, given by index, and then nothing up to the horizon."""
+    factored = plan_value(
+        prepared.task, actions, rule_threshold=options.rule_threshold, compat=options.compat
+    )
+    if options.compat:
+        return Evaluation(factored, None, None)
     return Evaluation(
-        plan_value(prepared.task, actions, rule_threshold=options.rule_threshold),
+        factored,
         exact(prepared, actions),
         sampled(prepared, actions, options.seed, runs),
     )

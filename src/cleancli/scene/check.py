@@ -29,6 +29,7 @@ from cleancli.scene.settings import SLACK, Settings, centimetres
 EDGES = ("north", "east", "south", "west")
 DRIVES = ("gantry", "wam", "reem")
 SECTIONS = ("surface", "container", "robot", "grasp", "rag", "camera", "light", "dirt", "symbols")
+LEFT_OUT = ("smallest", "farthest")
 MOST_FLAPS = 60
 """More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
 
@@ -212,6 +213,8 @@ def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
         settings.number("density", 0.14, 0, 1),
         settings.length("near", 0.20, zero=True),
         settings.length("traversal", 0.05),
+        settings.whole("most", 1000, 1, 1000),
+        settings.word("leave_out", "smallest", LEFT_OUT),
     )
     settings.refuse_others()
     if symbols.medium <= symbols.small:

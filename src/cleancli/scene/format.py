@@ -32,7 +32,7 @@ def print_scene(scene: Scene) -> str:
         "}",
         f"symbols {{ link = {_m(symbols.link)}  small = {_m(symbols.small)}  medium = {_m(symbols.medium)}"
         f"  density = {print_float(symbols.density)}  near = {_m(symbols.near)}"
-        f"  traversal = {_m(symbols.traversal)} }}",
+        f"  traversal = {_m(symbols.traversal)}  most = {symbols.most}  leave_out = {symbols.leave_out} }}",
     ]
     return f"scene {scene.name} {{\n" + "".join(f"  {line}\n" for line in lines) + "}\n"
 

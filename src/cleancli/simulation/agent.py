@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Assignment, by_time
-from cleancli.language.model import Domain, Problem, State
+from cleancli.language.model import Domain, Object, Problem, State
+from cleancli.planning.fewer import fewer
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared, prepare
 from cleancli.planning.table import Planner
@@ -17,16 +18,19 @@ from cleancli.simulation.world import assignment_of, unchanging_facts
 @dataclass(frozen=True, slots=True)
 class _View:
     """The rules grounded for all states that differ in what they can change; `rest` are the facts that they
-    can't."""
+    can't, `objects` those that are planned for."""
 
     prepared: Prepared
     rest: State
+    objects: tuple[Object, ...]
 
-    def assignment(self, facts: State) -> Assignment | None:
-        """The state that the facts are; None where it is not one of the view's."""
-        if unchanging_facts(self.prepared.task, facts) != self.rest:
+    def assignment(self, problem: Problem) -> Assignment | None:
+        """The problem's state; None where it is not one of the view's."""
+        if problem.objects != self.objects:
             return None
-        return assignment_of(self.prepared.task, facts)
+        if unchanging_facts(self.prepared.task, problem.state) != self.rest:
+            return None
+        return assignment_of(self.prepared.task, problem.state)
 
 
 class Agent:
@@ -45,16 +49,17 @@ class Agent:
         `NoDurationError`, and what the planner raises.
         """
         started = time.perf_counter()
-        plan = self._planner(self.prepared(facts, horizon), options)
+        plan = self._planner(self.prepared(facts, options.counted, horizon), options)
         return plan, time.perf_counter() - started - plan.seconds.get("compile", 0.0)
 
-    def prepared(self, facts: State, horizon: int | None = None) -> Prepared:
-        """The planner's task from these facts on."""
+    def prepared(self, facts: State, counted: int, horizon: int | None = None) -> Prepared:
+        """The planner's task from these facts on, for at most so many of what the reward counts."""
+        problem = fewer(self._domain, replace(self._problem, state=facts), counted).problem
         for view in self._views:
-            assignment = view.assignment(facts)
+            assignment = view.assignment(problem)
             if assignment is not None:
                 return view.prepared.at(assignment, horizon)
-        task = ground(self._domain, replace(self._problem, state=facts))
+        task = ground(self._domain, problem)
         task = by_time(task) if self._timed else task
-        self._views.append(_View(prepare(task), unchanging_facts(task, facts)))
+        self._views.append(_View(prepare(task), unchanging_facts(task, problem.state), problem.objects))
         return self._views[-1].prepared.at(task.initial, horizon)

@@ -140,6 +140,10 @@ class ArmDrive:
         """Where the joints are, (7,)."""
         return np.array([state[0] for state in self._engine.getJointStates(self._body, JOINTS)])
 
+    def commanded(self) -> _Array:
+        """Where the joints were last commanded to be, (7,)."""
+        return self._target
+
     def tool(self) -> _Array:
         """Where the tool is: x, y, z and yaw, (4,)."""
         frame = forward(self._arm, self.joints()[None])[0]

@@ -35,6 +35,9 @@ class Drive(Protocol):
     def command(self, joints: _Array) -> None:
         """Be at `joints` (d,) after the next step, as far as forces allow."""
 
+    def commanded(self) -> _Array:
+        """Where it was last commanded to be, (d,)."""
+
     def tool(self) -> _Array:
         """Where the tool is: x, y, z and yaw, (4,)."""
 

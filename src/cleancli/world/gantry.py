@@ -81,6 +81,10 @@ class Gantry:
             velocityGains=(1.0, 1.0, 1.0, 1.0),
         )
 
+    def commanded(self) -> _Array:
+        """Where the joints were last commanded to be, (4,)."""
+        return self._target
+
     def tool(self) -> _Array:
         """Where the joints are, (4,)."""
         return np.array([state[0] for state in self._engine.getJointStates(self._body, _DRIVES)])

@@ -18,7 +18,10 @@ _Array = NDArray[np.float64]
 
 
 class InkLayer:
-    """How much ink each cell of the surface holds, 0 to 1: `amount` (rows, columns), from the south-west."""
+    """How much ink each cell of the surface holds, 0 to 1: `amount` (rows, columns), from the south-west.
+
+    `flaps` (n, 3) is where the rag's flaps were after the control period before, None before the first.
+    """
 
     def __init__(self, scene: Scene) -> None:
         self.amount = drawn(scene)
@@ -31,12 +34,12 @@ class InkLayer:
         self._all = max(float(self.amount.sum()), 1.0)
         self._surface = scene.surface
         self._half = scene.rag.width / max(1, round(scene.rag.width / scene.rag.grasp.flap)) / 2
-        self._was: _Array | None = None
+        self.flaps: _Array | None = None
 
     def rub(self, engine: Engine, top: int, flaps: _Array) -> None:
         """Take ink away after a control period; `top` is the table's body, `flaps` (n, 3) their middles."""
-        moved = 0.0 if self._was is None else float(np.linalg.norm((flaps - self._was).mean(axis=0)[:2]))
-        self._was = flaps
+        moved = 0.0 if self.flaps is None else float(np.linalg.norm((flaps - self.flaps).mean(axis=0)[:2]))
+        self.flaps = flaps
         pressed: dict[tuple[int, int], list[tuple[tuple[float, float, float], float]]] = {}
         for contact in engine.getContactPoints(bodyA=top):
             body, link, place, force = contact[2], contact[4], contact[5], contact[9]

@@ -69,6 +69,10 @@ class Reem:
         self._right.command(joints[:7])
         self._left.command(joints[7:])
 
+    def commanded(self) -> _Array:
+        """Where the joints were last commanded to be, (14,)."""
+        return np.concatenate((self._right.commanded(), self._left.commanded()))
+
     def tool(self) -> _Array:
         """Where the rag is: x, y, z and yaw, (4,)."""
         return self._right.tool()
@@ -106,7 +110,7 @@ def arm_for(scene: Scene, side: int) -> Arm:
     half = abs(out @ (scene.surface.width, scene.surface.depth)) / 2
     base = np.eye(4)
     base[:2, 0], base[:2, 1] = -out, -right
-    base[:2, 3] = (half - robots.REEM_INWARDS) * out + side * robots.REEM_SHOULDERS * right
+    base[:2, 3] = half * out + side * robots.REEM_SHOULDERS * right
     base[:2, 3] += scene.container.offset * np.abs(right)
     base[2, 3] = robots.REEM_ABOVE
     return Arm(

@@ -25,6 +25,10 @@ class Robot(Protocol):
         """Seconds of robot time since the start."""
 
     @property
+    def tool(self) -> tuple[float, float, float]:
+        """Where the robot says that the rag's lower middle is: x, y, z in metres."""
+
+    @property
     def failure(self) -> str:
         """Why the last motion failed, or nothing."""
 

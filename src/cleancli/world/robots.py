@@ -58,10 +58,9 @@ REEM_HIGH = (2.6, 2.2, 2.75, 2.44, 2.09, 1.57, 2.09)
 REEM_SPEED = (2.7, 3.66, 4.58, 4.58, 1.95, 1.76, 1.76)
 REEM_ACCELERATION = (6.0, 6.0, 8.0, 8.0, 8.0, 8.0, 8.0)
 REEM_SHOULDERS = 0.20  # each beside the middle
-REEM_INWARDS, REEM_ABOVE = (
-    0.05,
-    0.35,
-)  # of the table's edge, and above the surface: it leans over the container
+# The shoulders are above the table's edge, and so high above the surface: of the places tried, those from
+# which most areas can be picked up (docs/world.md).
+REEM_ABOVE = 0.40
 REEM_TOOL = 0.08
 REEM_POSTURE = (0.0, 0.8, 0.0, 1.6, 0.0, 0.6, 0.0)
 REEM_REST = (-1.2, 0.6, 0.0, 1.9, 0.0, 0.6, 0.0)

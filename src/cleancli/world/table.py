@@ -16,11 +16,13 @@ from cleancli.perception.frame import Frame
 from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
+from cleancli.world.drive import Drive
 from cleancli.world.drives import ROBOTS
 from cleancli.world.finish import Finish
 from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
 from cleancli.world.robot import Status
+from cleancli.world.state import TableState, bodies, put
 
 _Array = NDArray[np.float64]
 
@@ -49,28 +51,36 @@ class Truth:
 class PybulletTable:
     """A simulated table, robot and camera (`Robot`); `close` it, or use it in a `with` statement.
 
-    Everything random, from where lentils drop to the noise of each stroke and image, comes from `seed`.
-    Raises `MissingPhysics` without pybullet, ValueError for a robot that it doesn't have.
+    Everything random, from where lentils drop to the noise of each stroke and image, comes from `seed`. Given
+    the `state` that a table of this scene and seed was in, it goes on from there.
+    Raises `MissingPhysics` without pybullet, ValueError for a robot that it doesn't have, or a state that is
+    another table's.
     """
 
-    def __init__(self, scene: Scene, seed: int, window: bool = False) -> None:
+    _engine: Engine
+    _drive: Drive
+    _ink: InkLayer | None
+    _finish: Finish
+    _top: int
+    _particles: tuple[int, ...]
+    _stroke_noise: np.random.Generator
+    _image_noise: np.random.Generator
+    _steps: int
+    _ahead: _Array
+    _status: Status
+    _failure: str
+
+    def __init__(
+        self, scene: Scene, seed: int, window: bool = False, state: TableState | None = None
+    ) -> None:
         _refuse_unknown(scene)
-        layout, tool, strokes, images = np.random.default_rng(seed).spawn(4)
-        self._scene = scene
-        self._window = window
-        self._engine = Engine(window)
-        self._stroke_noise, self._image_noise = strokes, images
-        self._top = furniture.build(self._engine, scene)
-        self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
-        self._finish = Finish(scene, self._ink)
-        self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
-        self._drive.place()
-        self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
-        particles.settle(self._engine, self._particles)
+        self._scene, self._seed, self._window = scene, seed, window
         self._camera = camera.overhead(scene.camera)
-        self._steps = 0
-        self._ahead: _Array = np.empty((0, 0))
-        self._status, self._failure = Status.DONE, ""
+        self._build()
+        if state is None:
+            particles.settle(self._engine, self._particles)
+        else:
+            self._put(state)
 
     def __enter__(self) -> Self:
         return self
@@ -94,6 +104,12 @@ class PybulletTable:
         return camera.photograph(
             self._engine, self._camera, self._scene.light, self._finish, self.clock, self._image_noise
         )
+
+    @property
+    def tool(self) -> tuple[float, float, float]:
+        """Where the rag's lower middle is, by the robot's joints: x, y, z in metres."""
+        x, y, z, _ = self._drive.tool().tolist()
+        return x, y, z
 
     @property
     def failure(self) -> str:
@@ -134,6 +150,31 @@ class PybulletTable:
         self._ahead = self._ahead[:0]
         self._status = Status.DONE
 
+    def save(self) -> TableState:
+        """What everything is like now, for another table to go on from.
+
+        This table goes on from it too, built anew: whatever follows is then the same bit for bit in both, in
+        whichever process. What is lost are the engine's contacts of the step before, found again in the next.
+        """
+        places, joints = bodies(self._engine, self._particles)
+        ink, uses = self._ink, {"strokes": self._stroke_noise, "images": self._image_noise}
+        state = TableState(
+            particles=places,
+            joints=joints,
+            commanded=self._drive.commanded(),
+            ahead=self._ahead,
+            ink=np.empty((0, 0), np.float32) if ink is None else ink.amount,
+            flaps=np.empty((0, 3)) if ink is None or ink.flaps is None else ink.flaps,
+            steps=self._steps,
+            status=self._status.value,
+            failure=self._failure,
+            generators={use: generator.bit_generator.state for use, generator in uses.items()},
+        )
+        self._engine.close()
+        self._build()
+        self._put(state)
+        return state
+
     def truth(self) -> Truth:
         """Where all dirt is. For reports: whoever plans or learns from this cheats."""
         places = particles.positions(self._engine, self._particles)
@@ -167,6 +208,34 @@ class PybulletTable:
         return camera.onlook(
             self._engine, self._scene.surface, self._scene.light, self._finish, width, height
         )
+
+    def _build(self) -> None:
+        """Everything in its place, dirt just above the surface, with what the seed draws first."""
+        scene = self._scene
+        layout, tool, strokes, images = np.random.default_rng(self._seed).spawn(4)
+        self._engine = Engine(self._window)
+        self._stroke_noise, self._image_noise = strokes, images
+        self._top = furniture.build(self._engine, scene)
+        self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
+        self._finish = Finish(scene, self._ink)
+        self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
+        self._drive.place()
+        self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
+        self._steps = 0
+        self._ahead = np.empty((0, 0))
+        self._status, self._failure = Status.DONE, ""
+
+    def _put(self, state: TableState) -> None:
+        """Bring a table that has just been built to a state."""
+        put(self._engine, self._particles, state)
+        self._drive.command(state.commanded)
+        self._stroke_noise.bit_generator.state = state.generators["strokes"]
+        self._image_noise.bit_generator.state = state.generators["images"]
+        self._steps, self._ahead = state.steps, state.ahead
+        self._status, self._failure = Status(state.status), state.failure
+        if self._ink is not None:
+            self._ink.amount = state.ink.copy()
+            self._ink.flaps = state.flaps if len(state.flaps) else None
 
     def _draw_noise(self, push: float) -> _Array:
         """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""

@@ -1,0 +1,61 @@
+"""That something takes its time, told in a terminal; elsewhere nothing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+SLOW = 2.0
+"""Seconds after which a person wonders what is going on."""
+
+_Item = TypeVar("_Item")
+
+
+@contextmanager
+def working(what: str, quiet: bool = False) -> Iterator[None]:
+    """Show in a terminal that something takes its time; elsewhere, or if `quiet`, nothing."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield
+        return
+    with console.status(what):
+        yield
+
+
+def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
+    """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
+    console = Console(stderr=True)
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    task, started = bar.add_task(what, total=number), time.monotonic()
+    try:
+        for item in items:
+            bar.advance(task)
+            if not bar.live.is_started and time.monotonic() - started > SLOW:
+                bar.start()
+            yield item
+    finally:
+        bar.stop()
+
+
+@contextmanager
+def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
+    """Something to call after each step of a long work; a terminal shows `what` with the number of steps."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda: None
+        return
+    done = 0
+    with console.status(what.format(done)) as status:
+
+        def count() -> None:
+            nonlocal done
+            done += 1
+            status.update(what.format(done))
+
+        yield count

@@ -1,0 +1,102 @@
+"""What an episode is about, which stays as it is from its first look to its end."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, replace
+
+from cleancli.compiler.task import GroundAction
+from cleancli.execution.state import Key, Move, Situation
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.planning.plan import Plan
+from cleancli.scene.model import Scene
+
+TO_CONTAINER = ("moveToContainerFast", "moveToContainerStraight")
+
+
+class Job(enum.Enum):
+    """How dirt leaves the table: §6's two tasks."""
+
+    CONTAINER = "container"  # moved to the container with the rag (§6.1)
+    DUSTPAN = "dustpan"  # picked up with rag and dustpan (§6.2)
+
+    @property
+    def cleaning(self) -> tuple[str, ...]:
+        """The actions that clean, quickest first."""
+        return TO_CONTAINER if self is Job.CONTAINER else (PICK_UP,)
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeOptions:
+    """What is asked for. `planner` is the strategy's own where none is given; `by_time`: plans discount by
+    how long actions take, not by their number. `max_seconds`: of all that is in the account.
+
+    `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
+    view to learn from it (§5.2); 0: nothing is learned.
+    """
+
+    strategy: str = "plan-2"
+    planner: str | None = None
+    samples: int = 10_000
+    max_actions: int = 60
+    max_seconds: float = 1800.0
+    seed: int = 1
+    by_time: bool = False
+    known: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What an episode needs besides a workcell: `feasible` is the domain without what the robot has no skill
+    for, `scene` None in the symbolic world."""
+
+    domain: Domain
+    feasible: Domain
+    scene: Scene | None
+    job: Job
+    options: EpisodeOptions
+
+
+@dataclass(frozen=True, slots=True)
+class Circumstances:
+    """What a strategy may know when it decides.
+
+    `domain` has only the actions that the robot has skills for; `problem` is what there is to plan for, as
+    now believed. `scene` and `tool`, where the tool is, are None in the symbolic world. `excluded` moves are
+    of no use as things stand. `rest`: what is left of the last plan. `number` of moves begun before; `seed`
+    is this decision's own.
+    """
+
+    domain: Domain
+    problem: Problem
+    scene: Scene | None
+    job: Job
+    situation: Situation
+    tool: tuple[float, float] | None
+    excluded: frozenset[Key]
+    rest: tuple[GroundAction, ...]
+    number: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """The next moves to carry out before deciding again, and with a plan what is left of it beyond them.
+    `loading`: seconds that numba took to load the planner, which happens once."""
+
+    moves: tuple[Move, ...]
+    rest: tuple[GroundAction, ...] = ()
+    plan: Plan | None = None
+    loading: float = 0.0
+
+
+def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
+    """The domain without the actions that a robot of that name has no skill for, and without their rules;
+    given a way of cleaning, without those of the others."""
+    others = {name for each in Job if job is not None and each is not job for name in each.cleaning}
+    actions = tuple(
+        a for a in domain.actions if a.name not in others and can_execute(a.name, len(a.parameters), robot)
+    )
+    names = {action.name for action in actions}
+    return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))

@@ -1,0 +1,97 @@
+"""Where an episode takes place: the workcell for the loop, and beside it what only reports may ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.execution.checkpoint import World
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
+from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.execution.table_cell import TableCell
+from cleancli.execution.workcell import Workcell
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.scene.model import Scene
+from cleancli.simulation.world import world_of
+from cleancli.world.state import from_arrays
+from cleancli.world.table import PybulletTable, Truth
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """`picture(width, height)` shows an onlooker's view, RGB; None where there is nothing to see. `truth()`
+    tells how things truly are: for reports alone. `save()` gives what a site of the same kind goes on from as
+    its `world`; `stop()` ends a motion with the tool raised. `close()` it."""
+
+    setup: Setup
+    cell: Workcell
+    picture: Callable[[int, int], NDArray[np.uint8]] | None
+    truth: Callable[[], Mapping[str, object]]
+    save: Callable[[], World]
+    stop: Callable[[], None]
+    close: Callable[[], None]
+
+
+def table_site(
+    domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None, world: World | None = None
+) -> Site:
+    """A simulated table; the robot cleans with its dustpan if it has one, unless told otherwise.
+
+    Raises what `PybulletTable` does, and what `from_arrays` does of `world`.
+    """
+    job = usual_job(scene) if job is None else job
+    state = None if world is None else from_arrays(world)
+    table = PybulletTable(scene, derived(options.seed, Purpose.WORLD), state=state)
+    return Site(
+        Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        TableCell(domain, scene, table, options.seed),
+        table.picture,
+        lambda: truth_of(table.truth()),
+        lambda: table.save().arrays(),
+        table.stop,
+        table.close,
+    )
+
+
+def usual_job(scene: Scene) -> Job:
+    """What the scene's robot does unless told otherwise."""
+    return Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
+
+
+def symbolic_site(
+    domain: Domain, problem: Problem, options: EpisodeOptions, world: World | None = None
+) -> Site:
+    """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), and `NoDurationError` where time
+    is to discount."""
+    rules = world_of(domain, problem, options.by_time)
+    cell = SymbolicCell(rules, problem, options.seed)
+    if world is not None:
+        cell.assignment, cell.clock = tuple(world["assignment"].tolist()), float(world["clock"])
+    setup = Setup(domain, domain, None, Job.CONTAINER, options)
+    return Site(
+        setup,
+        cell,
+        None,
+        lambda: {"facts": len(rules.facts(cell.assignment))},
+        lambda: {"assignment": np.array(cell.assignment), "clock": np.array(cell.clock)},
+        lambda: None,
+        lambda: None,
+    )
+
+
+def truth_of(truth: Truth) -> Mapping[str, object]:
+    """Where the dirt of a table truly is."""
+    return {
+        "particles": truth.total,
+        "in_container": truth.in_container,
+        "on_table": truth.on_table,
+        "in_dustpan": truth.in_dustpan,
+        "on_floor": truth.on_floor,
+        "ink_left": round(truth.ink_left, 4),
+        "left_on_table_at": [[round(float(x), 4), round(float(y), 4)] for x, y, _ in truth.left],
+    }

@@ -1,0 +1,68 @@
+"""The workcell whose world is the rules themselves: what comes of an action is drawn from them."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from cleancli.compiler.task import Assignment, GroundAction
+from cleancli.execution.events import StrokeEnded
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.state import Move, Situation
+from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.language.model import Problem
+from cleancli.motion.path import ToolPath
+from cleancli.perception.tracking import Stroke
+from cleancli.simulation.world import World, do, succeeded
+
+
+class SymbolicCell:
+    """A `Workcell` with all facts in view. The n-th move meets the same luck whichever it is, so `assignment`
+    and `clock`, which may be set, are all that there is to remember."""
+
+    def __init__(self, world: World, problem: Problem, seed: int) -> None:
+        self._world, self._problem = world, problem
+        self._seed = derived(seed, Purpose.WORLD)
+        self.assignment: Assignment = world.task.initial
+        self.clock = 0.0
+
+    @property
+    def tool(self) -> tuple[float, float] | None:
+        """None: nothing has a place here."""
+        return None
+
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> Sight:
+        """All facts."""
+        started = time.perf_counter()
+        situation = Situation((), self._problem.objects, self._world.facts(self.assignment))
+        return Sight(situation, None, named, time.perf_counter() - started)
+
+    def problem(self, situation: Situation) -> Problem:
+        """The problem with the facts that hold now."""
+        return replace(self._problem, state=situation.state)
+
+    def is_done(self, situation: Situation) -> bool:
+        """Whether the goal holds, or nothing is left of the count that the reward wants decreased."""
+        return bool(succeeded(self._world, self.assignment))
+
+    def path(self, move: Move, situation: Situation) -> ToolPath | None:
+        """None: nothing has a place here."""
+        return None
+
+    def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
+        """Draw an outcome; the clock goes on by the action's duration, if one is declared."""
+        action = GroundAction(move.action, move.objects, None)
+        step, self.assignment = do(
+            self._world, self.assignment, action, np.random.default_rng((self._seed, number))
+        )
+        seconds = step.seconds or 0.0
+        self.clock += seconds
+        yield StrokeEnded(number, self.clock)
+        return Motions(0.0, seconds)
+
+    def withdraw(self) -> Motion:
+        """Nothing is in the way here."""
+        yield from ()
+        return Motions(0.0, 0.0)

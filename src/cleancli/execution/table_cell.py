@@ -1,0 +1,133 @@
+"""The workcell with a robot, a table and a camera above it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from math import dist
+
+import numpy as np
+
+from cleancli.execution.events import Moved, StrokeEnded
+from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.state import Move, Situation
+from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import tool_path
+from cleancli.motion.path import ToolPath
+from cleancli.perception.cap import left_out, without
+from cleancli.perception.occlusion import MOSTLY, remember
+from cleancli.perception.perceive import perceive
+from cleancli.perception.symbols import symbolize
+from cleancli.perception.tracking import Stroke
+from cleancli.scene.model import Scene
+from cleancli.world.robot import Robot, Status
+
+FRAMES_PER_LOOK = 3
+"""Frames whose dirty pixels must agree before they count (§3.1, "Noise removal")."""
+
+MOST_POLLS = 20_000
+"""Control periods after which a motion has failed: minutes, where strokes take seconds."""
+
+ARRIVED = 0.02
+"""Metres from a path's first waypoint at which the transit to it is over; errors of the tool stay below."""
+
+
+class TableCell:
+    """A `Workcell` that knows the robot only through `Robot`, and the table only through what perception
+    reports."""
+
+    def __init__(self, domain: Domain, scene: Scene, robot: Robot, seed: int) -> None:
+        self._domain, self._scene, self._robot = domain, scene, robot
+        self._seed = derived(seed, Purpose.PERCEPTION)
+
+    @property
+    def clock(self) -> float:
+        """Seconds of robot time since the start."""
+        return self._robot.clock
+
+    @property
+    def tool(self) -> tuple[float, float] | None:
+        """Where the robot says that its tool is."""
+        x, y, _ = self._robot.tool
+        return x, y
+
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> Sight:
+        """Frames, areas, names, symbols."""
+        frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
+        started = time.perf_counter()
+        observation = perceive(frames, self._scene, np.random.default_rng((self._seed, number)))
+        areas = () if before is None else before.areas
+        known = remember(areas, observation, self._scene.surface, stroke, named + 1)
+        objects, state = symbolize(known.areas, self._scene, self._domain)
+        unseen = frozenset(name for name, hidden in known.hidden.items() if hidden >= MOSTLY)
+        situation = Situation(
+            known.areas, objects, state, unseen, known.unseen.share, left_out(known.areas, self._scene)
+        )
+        numbers = (int(area.name[1:]) for area in known.areas)
+        return Sight(situation, frames[-1], max((named, *numbers)), time.perf_counter() - started)
+
+    def problem(self, situation: Situation) -> Problem:
+        """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""
+        objects, state = without(situation.left_out, situation.objects, situation.state)
+        return Problem(self._scene.name, self._domain.name, objects, state)
+
+    def is_done(self, situation: Situation) -> bool:
+        """Whether no dirt is believed to be there."""
+        return not situation.areas
+
+    def path(self, move: Move, situation: Situation) -> ToolPath | None:
+        """The move's own path, or that of its action upon the areas where they are seen now."""
+        if move.path is not None:
+            return move.path
+        ellipses = {area.name: area.ellipse for area in situation.areas}
+        return tool_path(move.action, tuple(ellipses[name] for name in move.objects), self._scene)
+
+    def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
+        """Follow the path; its failure ends with the tool raised."""
+        assert path is not None, "a table's moves have paths"
+        started = self._robot.clock
+        first = path.waypoints[0]
+        motions = yield from self._driven(lambda: self._robot.start(path), (first.x, first.y, first.z))
+        if not motions.failure:
+            yield StrokeEnded(number, self._robot.clock)
+        seconds = self._robot.clock - started - motions.transit
+        if motions.failure and not seconds:
+            return motions
+        on_surface = tuple((w.x, w.y) for w in path.waypoints if w.z <= 0)
+        stroke = Stroke(move.objects, on_surface, self._scene.rag.width / 2)
+        return Motions(motions.transit, seconds, motions.failure, stroke)
+
+    def withdraw(self) -> Motion:
+        """To the resting pose; all of it is transit."""
+        motions = yield from self._driven(self._robot.withdraw, None)
+        return motions
+
+    def _driven(self, begin: Callable[[], None], first: tuple[float, float, float] | None) -> Motion:
+        """Begin a motion and poll it to its end; `first` is where its stroke begins, if it has one."""
+        started = self._robot.clock
+        arrived = None
+        begin()
+        for _ in range(MOST_POLLS):
+            status = self._robot.poll()
+            if status is not Status.RUNNING:
+                break
+            if first is not None and arrived is None and dist(self._robot.tool, first) <= ARRIVED:
+                arrived = self._robot.clock
+            yield Moved(self._robot.clock)
+        failure = "" if status is Status.DONE else self._robot.failure
+        if status is Status.RUNNING:
+            failure = "the motion does not end"
+        if failure:
+            self._robot.stop()
+        ended = self._robot.clock
+        arrived = ended if arrived is None else arrived
+        return Motions(arrived - started, ended - arrived, failure)
+
+
+def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> Problem:
+    """Move the arm out of view, look at the table once, and say what there is to plan for."""
+    cell = TableCell(domain, scene, robot, seed)
+    for _ in cell.withdraw():
+        pass
+    return cell.problem(cell.look(None, None, 0, 0).situation)

@@ -1,0 +1,115 @@
+"""What perception saw as a Rerun recording (rerun.io): each step of each look, to scrub through in a viewer.
+
+Rerun is heavy and rare, and so an extra. It is imported here alone, and only to write a file: no viewer is
+started, nothing is sent anywhere.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.language.model import State
+from cleancli.perception.area import Area
+from cleancli.perception.frame import Frame
+from cleancli.perception.perceive import Observation
+from cleancli.perception.pictures import outline, words
+
+APPLICATION = "cleancli"
+CLOCK = "robot"
+"""The timeline: seconds of robot time."""
+
+ELLIPSE = (200, 30, 40)
+
+
+class MissingRerun(Exception):
+    """The rerun-sdk isn't installed."""
+
+    def __init__(self) -> None:
+        super().__init__("a Rerun recording needs rerun-sdk: pip install cleancli[rerun]")
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Frames of one look, what was found in them, and the named areas with what is true of them."""
+
+    frames: tuple[Frame, ...]
+    observation: Observation
+    areas: tuple[Area, ...]
+    state: State
+
+
+def find_rerun() -> Any:
+    """Rerun's module. Raises MissingRerun."""
+    try:
+        return importlib.import_module("rerun")
+    except ModuleNotFoundError as error:
+        raise MissingRerun from error
+
+
+def write_recording(path: Path, looks: Iterable[Look], name: str) -> None:
+    """Write a .rrd file, which holds all looks or is not there. Raises MissingRerun, OSError."""
+    rerun = find_rerun()
+    part = path.with_name(f".{path.name}.part")
+    part.touch()
+    stream = rerun.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
+    try:
+        stream.save(part)
+        for number, look in enumerate(looks):
+            _log(rerun, stream, number, look)
+        stream.disconnect()
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _log(rerun: Any, stream: Any, number: int, look: Look) -> None:
+    stream.set_time("look", sequence=number)
+    camera = look.frames[0].camera
+    size = (camera.width, camera.height)
+    stream.log(
+        "camera",
+        rerun.Pinhole(focal_length=camera.focal, principal_point=camera.centre, resolution=size),
+        rerun.Transform3D(translation=camera.pose[:3, 3], mat3x3=camera.pose[:3, :3]),
+    )
+    for frame in look.frames:
+        stream.set_time(CLOCK, duration=frame.clock)
+        stream.log("camera/colour", rerun.Image(frame.colour).compress())
+        stream.log("camera/depth", rerun.DepthImage(_millimetres(frame.depth), meter=1000.0))
+    steps = look.observation.steps
+    masks = {
+        "surface": steps.surface,
+        "without_edges": steps.without_edges,
+        "dirty": steps.dirty,
+        "without_specks": steps.without_specks,
+        "believed": steps.believed,
+        "hidden": look.observation.hidden_mask,
+    }
+    for step, mask in masks.items():
+        stream.log(f"camera/{step}", rerun.SegmentationImage(mask.astype(np.uint8)))
+    _log_areas(rerun, stream, look)
+
+
+def _log_areas(rerun: Any, stream: Any, look: Look) -> None:
+    camera = look.observation.camera
+    lines = [outline(area.ellipse, camera)[:, 0, :] for area in look.areas]
+    strips = [np.vstack([line, line[:1]]) for line in lines]
+    labels = [" ".join([area.name, *words(area.name, look.state)]) for area in look.areas]
+    stream.log(
+        "camera/ellipses",
+        rerun.LineStrips2D(strips, labels=labels, colors=[ELLIPSE] * len(strips), show_labels=True),
+    )
+    told = "\n".join(f"{f.symbol}({', '.join(f.objects)}) = {f.value}" for f in sorted(look.state, key=str))
+    stream.log("state", rerun.TextDocument(told))
+    stream.log("areas", rerun.Scalars(float(len(look.areas))))
+
+
+def _millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    known = np.isfinite(depth) & (depth > 0) & (depth < 65)
+    return np.asarray(np.rint(np.where(known, depth, 0) * 1000), np.uint16)

@@ -1,0 +1,61 @@
+"""What runs come to, as rows that a table in the terminal, JSON and a page show alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cleancli.execution.journal import Looked
+from cleancli.report.run import Run
+from cleancli.report.timeline import KINDS, in_order
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One run. `clean` and `reason` are None and empty while it has not ended, `left` is what truly lay on
+    the table at its end, None where nobody has looked. `areas`: dirty areas seen in the last look."""
+
+    name: str
+    problem: str
+    strategy: str
+    seed: int
+    clean: bool | None
+    reason: str
+    actions: int
+    areas: int | None
+    total: float
+    seconds: Mapping[str, float]
+    particles: int | None
+    left: int | None
+    on_floor: int | None
+
+
+def row_of(run: Run) -> Row:
+    """The run in figures."""
+    episode, truth = run.header.episode, run.header.truth or {}
+    looks = [record for record in run.records if isinstance(record, Looked)]
+    return Row(
+        name=run.name,
+        problem=run.problem,
+        strategy=run.strategy,
+        seed=run.header.seed,
+        clean=None if episode is None else episode.clean,
+        reason="" if episode is None else episode.reason,
+        actions=run.actions(),
+        areas=len(looks[-1].areas) if looks else None,
+        total=run.total(),
+        seconds=in_order(run.spent()),
+        particles=truth.get("particles"),
+        left=truth.get("on_table"),
+        on_floor=truth.get("on_floor"),
+    )
+
+
+def name_of(kind: str) -> str:
+    """A kind of time in words."""
+    return kind.replace("_", " ")
+
+
+def colour_of(kind: str) -> int:
+    """The number of a kind's colour on pages: its place among the known ones, or one more for all others."""
+    return KINDS.index(kind) if kind in KINDS else len(KINDS)

@@ -1,0 +1,236 @@
+"""A run as one page of HTML that needs nothing else: no network, no script, pictures inside.
+
+Everything that a file of the user says is escaped by the templates.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import jinja2
+
+from cleancli.execution.journal import Planned
+from cleancli.report.account import Row, colour_of, name_of, row_of
+from cleancli.report.pictures import data_uri
+from cleancli.report.run import Run
+from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
+from cleancli.report.timeline import Count, Stretch, in_order, timeline
+
+CURVE_HEIGHT = 100.0
+TICKS = 8  # at most about so many along the axis of time
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A kind of time: its name, the number of its colour, its seconds, and its share of the axis, 0..1."""
+
+    name: str
+    colour: int
+    seconds: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Possible:
+    """An outcome as a step shows it."""
+
+    probability: float
+    text: str
+    likeliest: bool
+    happened: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StepView:
+    """A step with its picture and texts. `changed`: the facts whose symbols rules set, `changed_too`: all
+    others. `surprise` is empty where the likeliest outcome came."""
+
+    step: Step
+    picture: str | None
+    outcomes: tuple[Possible, ...]
+    changed: str
+    changed_too: str
+    surprise: str
+    spent: tuple[Bar, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A stretch of time on the axis: where it begins and how long it is, in percent."""
+
+    colour: int
+    left: float
+    width: float
+    title: str
+    number: int
+
+
+def run_page(run: Run) -> str:
+    """The page of one run, as far as the run has come."""
+    steps = steps_of(run.records)
+    stretches, counts = timeline(run.records)
+    axis = max((s.start + s.seconds for s in stretches), default=0.0)
+    return (
+        _templates()
+        .get_template("run.html")
+        .render(
+            run=run,
+            row=row_of(run),
+            verdict=_verdict(run),
+            figures=list(_figures(run, steps)),
+            account=bars(run.spent()),
+            total=run.total(),
+            segments=[_segment(stretch, axis, steps) for stretch in stretches],
+            ticks=[(tick, 100 * tick / axis) for tick in ticks(axis)] if axis else [],
+            curve=_curve(counts, axis),
+            most_areas=max((count.areas for count in counts), default=0),
+            first=data_uri(run.picture(0)),
+            steps=[_view(step, run, _settable(steps)) for step in steps],
+            kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(run.spent())],
+        )
+    )
+
+
+def comparison_page(rows: Sequence[Row]) -> str:
+    """A page that sets runs side by side; all bars have one scale."""
+    longest = max((row.total for row in rows), default=0.0)
+    kinds = in_order({kind: 0.0 for row in rows for kind in row.seconds})
+    return (
+        _templates()
+        .get_template("compare.html")
+        .render(
+            rows=[(row, bars(row.seconds, longest)) for row in rows],
+            kinds=[(kind, name_of(kind), colour_of(kind)) for kind in kinds],
+            first=rows[0],
+        )
+    )
+
+
+def bars(seconds: Mapping[str, float], whole: float | None = None) -> tuple[Bar, ...]:
+    """The kinds of time with their share of the `whole`, which is their sum unless it is given."""
+    whole = sum(seconds.values()) if whole is None else whole
+    return tuple(
+        Bar(name_of(kind), colour_of(kind), spent, spent / whole if whole else 0.0)
+        for kind, spent in in_order(seconds).items()
+    )
+
+
+def ticks(longest: float) -> tuple[float, ...]:
+    """Round times from 0 on, at most some eight, for an axis that ends at `longest` seconds."""
+    if longest <= 0:
+        return (0.0,)
+    steps = (factor * 10.0**power for power in range(-3, 7) for factor in (1, 2, 5))
+    step = next((step for step in steps if longest / step <= TICKS), longest)
+    return tuple(step * number for number in range(int(longest / step) + 1))
+
+
+@functools.cache
+def _templates() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("cleancli.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["seconds"] = _seconds_text
+    environment.filters["call"] = lambda step: call(step.action, step.arguments)
+    environment.filters["likely"] = step_text
+    environment.filters["measure"] = _measure
+    return environment
+
+
+def _seconds_text(seconds: float) -> str:
+    return f"{seconds:.2f} s" if seconds < 10 else f"{seconds:.1f} s"
+
+
+def _measure(plan: Planned) -> str:
+    """What a plan was found to be worth, how, and by whom; of a strategy that does not plan, nothing."""
+    if not plan.measure:
+        return "of a strategy that looks no further"
+    coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.2g}"
+    return f"value {plan.value:.2f} ({plan.measure}{coverage}), by {plan.planner}"
+
+
+def _verdict(run: Run) -> tuple[str, str]:
+    """In a word, which is also its class, and in a sentence."""
+    episode = run.header.episode
+    if episode is None:
+        return "cut short", "the run has not ended: it was stopped or killed, or still goes on"
+    return ("clean" if episode.clean else "not clean"), episode.reason
+
+
+def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
+    row = row_of(run)
+    yield "in all" if row.clean is not None else "so far", f"{row.total:.1f} s"
+    yield "actions", str(row.actions)
+    if steps:
+        expected = sum(not _surprise(step, likeliest(step.expected)) for step in steps)
+        yield "went as was likeliest", f"{expected} of {len(steps)}"
+    if row.areas is not None:
+        yield "dirty areas seen at last", str(row.areas)
+    if row.particles is not None and row.left is not None:
+        yield "particles truly left", f"{row.left} of {row.particles}"
+    if row.on_floor:
+        yield "particles on the floor", str(row.on_floor)
+
+
+def _segment(stretch: Stretch, axis: float, steps: Sequence[Step]) -> Segment:
+    calls = {step.number: step.call for step in steps}
+    what = f"{stretch.number}. {calls[stretch.number]}: " if stretch.number in calls else ""
+    title = f"{what}{name_of(stretch.kind)}, {_seconds_text(stretch.seconds)} from {stretch.start:.1f} s on"
+    left, width = 100 * stretch.start / axis, 100 * stretch.seconds / axis
+    return Segment(colour_of(stretch.kind), left, width, title, stretch.number)
+
+
+def _curve(counts: Iterable[Count], axis: float) -> str:
+    """The number of areas over time, as the points of a line in a box 1000 wide and 100 high."""
+    known = list(counts)
+    most = max((count.areas for count in known), default=0)
+    if not known or not axis or not most:
+        return ""
+    points: list[tuple[float, float]] = []
+    for count in known:
+        x, y = 1000 * count.start / axis, CURVE_HEIGHT * (1 - count.areas / most)
+        if points:
+            points.append((x, points[-1][1]))
+        points.append((x, y))
+    points.append((1000.0, points[-1][1]))
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+
+
+def _settable(steps: Iterable[Step]) -> frozenset[str]:
+    """The symbols that some outcome would set."""
+    outcomes = (outcome for step in steps for outcome in step.expected.outcomes)
+    return frozenset(effect.symbol for outcome in outcomes for effect in outcome.effects)
+
+
+def _view(step: Step, run: Run, settable: frozenset[str]) -> StepView:
+    best = likeliest(step.expected)
+    outcomes = tuple(
+        Possible(outcome.probability, chance_text(outcome), number == best, number == step.outcome)
+        for number, outcome in enumerate(step.expected.outcomes)
+    )
+    return StepView(
+        step,
+        data_uri(run.picture(step.number)),
+        outcomes,
+        facts_text([fact for fact in step.changed if fact.symbol in settable]),
+        facts_text([fact for fact in step.changed if fact.symbol not in settable]),
+        _surprise(step, best),
+        bars(step.seconds),
+    )
+
+
+def _surprise(step: Step, best: int | None) -> str:
+    if not step.finished:
+        return "the run was cut short here"
+    if step.failure:
+        return f"failed: {step.failure}"
+    if not step.expected.outcomes:
+        return "no rule says what to expect"
+    if step.outcome is None or step.expected.outcomes[step.outcome].kind == NOISE:
+        return "none of the modelled outcomes"
+    return "" if step.outcome == best else "not the likeliest outcome"

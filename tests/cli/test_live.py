@@ -1,0 +1,179 @@
+"""What a person sees while an episode runs, in terminals of all sizes and in none."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from cleancli.cli.dashboard import Shown, came_of, dashboard, updated
+from cleancli.cli.live import show
+from cleancli.cli.main import run
+from cleancli.cli.table_map import rows_for, table_map
+from cleancli.execution.events import (
+    Acted,
+    Checkpoint,
+    Decided,
+    Ended,
+    Event,
+    Failed,
+    Looked,
+    Moved,
+    Purpose,
+    Started,
+    StrokeEnded,
+)
+from cleancli.execution.state import Account, EpisodeState, Move, Situation
+from cleancli.language.load import read_source
+from cleancli.motion.actions import tool_path
+from cleancli.perception.area import Area, Ellipse
+from cleancli.scene.check import load_scene
+from cleancli.shipped import find
+
+SCENE = load_scene(read_source(find("two_groups", "problems")))
+
+
+def area(name: str, x: float, y: float, half: float = 0.03) -> Area:
+    return Area(Ellipse((x, y), (half, half / 2), 0.0), 1e-4, name)
+
+
+def situation(*areas: Area, unseen: tuple[str, ...] = ()) -> Situation:
+    return Situation(areas, (), frozenset(), frozenset(unseen))
+
+
+A1, A2 = area("a1", -0.2, 0.12), area("a2", 0.1, -0.2)
+MOVES = (Move("moveToContainerFast", ("a1",)), Move("moveToContainerStraight", ("a2",)))
+PATH = tool_path("moveToContainerFast", (A1.ellipse,), SCENE)
+SPENT = Account(planning=1.5, perceiving=0.4, transits=3.0, actions=7.1)
+EVENTS: tuple[Event, ...] = (
+    Looked(situation(A1, A2), None, 0.2, Purpose.FIRST),
+    Decided(situation(A1, A2), MOVES, None, 1.5),
+    Started(1, MOVES[0], PATH),
+    Moved(4.2),
+    StrokeEnded(1, 9.9),
+    Looked(situation(A2, unseen=("a2",)), None, 0.2, Purpose.AFTER),
+    Acted(1, MOVES[0], None, True, 3.0, 7.1, situation(A2, unseen=("a2",))),
+    Checkpoint(EpisodeState(spent=SPENT)),
+    Started(2, MOVES[1], tool_path("moveToContainerStraight", (A2.ellipse,), SCENE)),
+    Moved(12.0),
+    Failed(
+        2,
+        MOVES[1],
+        "it can't reach (10.0 cm, -20.0 cm): [too far] and a reason that is long beyond all measure",
+    ),
+    Ended("nothing is left to do", True, 2, SPENT, 12.0, 0.0),
+)
+SIZES = [(80, 24), (120, 50), (60, 24), (46, 16), (30, 20), (24, 14), (20, 5), (8, 2)]
+
+
+def shown(*events: Event) -> Shown:
+    state = Shown()
+    for event in events:
+        state = updated(state, event)
+    return state
+
+
+def drawn(state: Shown, size: tuple[int, int], ascii_only: bool = False) -> list[str]:
+    console = Console(file=io.StringIO(), width=size[0], height=size[1], force_terminal=True, record=True)
+    console.print(dashboard(state, SCENE, 60, size, ascii_only))
+    return console.export_text().rstrip("\n").split("\n")
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("events", range(len(EVENTS) + 1))
+def test_nothing_is_wider_than_the_terminal_or_wraps(size: tuple[int, int], events: int) -> None:
+    state = shown(*EVENTS[:events])
+    lines = drawn(state, size)
+    assert max(len(line) for line in lines) <= size[0]
+    rows = rows_for(SCENE, size[0]) + 2
+    assert len(lines) <= max(rows, 20)
+    one_line = size[0] < 24 or size[1] < 14
+    assert (len(lines) == 1) == one_line
+
+
+def test_it_shows_the_table_the_plan_and_what_happened() -> None:
+    before = drawn(shown(*EVENTS[:4]), (80, 24))
+    text = "\n".join(before)
+    for words in (
+        "1. moveToContainerFast(a1)",
+        "still planned",
+        "moveToContainerStraight(a2)",
+        "4.2 s",
+        "of 2",
+    ):
+        assert words in text
+    top, bottom = (next(n for n, line in enumerate(before) if name in line[:38]) for name in ("a1", "a2"))
+    assert top < bottom, "north is up"
+    assert "····" in before[top], "the way to the container"
+    assert "┃" in before[top], "whose mouth is in the east"
+    after = "\n".join(drawn(shown(*EVENTS[:9]), (80, 24)))
+    assert "a1 gone" in after
+    assert "still planned" not in after
+    assert "  actions              7.1 █████░░░" in after, "7.1 of 12 seconds"
+    assert "dirty areas 1 ████░░░░ of 2" in after
+    assert "failed" in "\n".join(drawn(shown(*EVENTS[:11]), (80, 24)))
+
+
+def test_hidden_areas_the_tool_and_places_beside_the_surface() -> None:
+    path = PATH
+    text = table_map(SCENE, situation(area("a1", 0.2, 0.2, 0.08), unseen=("a1",)), path, (0.0, 0.0), 36).plain
+    assert "░" in text
+    assert "▒" not in text
+    assert text.count("█") == 1
+    assert "█" not in table_map(SCENE, None, None, (0.9, 0.0), 36).plain
+    lines = table_map(SCENE, situation(area("a123", 0.449, 0.349)), None, None, 20).plain.split("\n")
+    assert len({len(line) for line in lines}) == 1
+    assert "a123" in lines[1], "a name at the edge stays whole"
+
+
+def test_a_terminal_that_knows_ascii_alone_gets_no_other_characters() -> None:
+    for events in range(len(EVENTS) + 1):
+        for size in SIZES:
+            assert "\n".join(drawn(shown(*EVENTS[:events]), size, ascii_only=True)).isascii()
+
+
+def test_what_came_of_an_action() -> None:
+    acted = Acted(3, MOVES[0], None, True, 1.0, 1.0, situation(A2, area("a10", 0, 0), area("a9", 0, 0.1)))
+    assert came_of(frozenset({"a1", "a2"}), acted) == "3. moveToContainerFast(a1): a1 gone, a9, a10 new"
+    many = frozenset(f"a{number}" for number in range(20, 30))
+    assert "a20, a21, a22 and 7 more gone" in came_of(many | {"a2", "a9", "a10"}, acted)
+    assert came_of(frozenset({"a2", "a9", "a10"}), acted).endswith("no area came or went")
+
+
+def told(terminal: bool) -> str:
+    stream = io.StringIO()
+    console = Console(file=stream, width=80, height=24, force_terminal=terminal, highlight=False)
+    with show(False, SCENE, lambda: (0.1, 0.1), 60, console) as view:
+        for event in EVENTS:
+            view.write(event)
+    return stream.getvalue()
+
+
+def test_no_terminal_gets_plain_lines() -> None:
+    text = told(terminal=False)
+    assert "\x1b" not in text
+    assert text.splitlines()[0] == "looked: a1, a2 (0.20 s)"
+    assert "  1. moveToContainerFast(a1): a1 gone" in text
+    assert "[too far]" in text, "what stands in brackets is no markup"
+    assert text.splitlines()[-1] == "ended: nothing is left to do"
+
+
+def test_a_terminal_gets_the_lines_and_the_table_which_goes_at_the_end() -> None:
+    text = told(terminal=True)
+    assert "looked: a1, a2 (0.20 s)" in text
+    assert "┌" in text
+    assert text.rindex("\x1b[?25h") > text.rindex("┌"), "the cursor is back"
+    assert text.endswith("\x1b[2K"), "and the table is wiped away"
+
+
+@pytest.mark.parametrize("option", ["--json", "--quiet"])
+def test_programs_are_not_talked_to(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["execute", "cleaning", "three_areas", "--samples", "100", "--runs", str(tmp_path), option]
+    assert run(words) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert (json.loads(out)["seed"] == 1) if option == "--json" else (out == "")
+    assert (next(tmp_path.iterdir()) / "run.json").exists()

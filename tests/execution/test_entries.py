@@ -1,0 +1,82 @@
+"""The journal's lines of an episode: what they add up to, and what they expect."""
+
+from __future__ import annotations
+
+import pytest
+from scripted import Scripted
+
+from cleancli.execution import journal
+from cleancli.execution.entries import Entries, expected, likely_course
+from cleancli.execution.loop import clean
+from cleancli.execution.setup import EpisodeOptions, Job, Setup
+from cleancli.execution.site import Site, symbolic_site
+from cleancli.execution.table_cell import TableCell
+from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.scene.check import load_scene
+from cleancli.shipped import find
+from cleancli.world.robot import Status
+
+DOMAIN = load_domain(read_source(find("cleaning", "domains")))
+PROBLEM = load_problem(read_source(find("three_areas", "problems")), DOMAIN)
+SCENE = load_scene(read_source(find("two_groups", "problems")))
+
+
+def lines(site: Site) -> list[journal.Record]:
+    entries = Entries(DOMAIN, lambda: site.cell.clock)
+    return [record for event in clean(site.setup, site.cell) for record in entries.of(event)]
+
+
+@pytest.fixture(scope="module")
+def symbolic() -> list[journal.Record]:
+    return lines(symbolic_site(DOMAIN, PROBLEM, EpisodeOptions(samples=200, seed=2)))
+
+
+def test_what_was_spent_adds_up_to_what_the_end_tells(symbolic: list[journal.Record]) -> None:
+    ended = symbolic[-1]
+    assert isinstance(ended, journal.Ended)
+    sums = dict.fromkeys(ended.seconds, 0.0)
+    for record in symbolic:
+        for kind, seconds in record.seconds.items() if isinstance(record, journal.Spent) else ():
+            sums[kind] += seconds
+    assert sums == pytest.approx(dict(ended.seconds))
+    assert ended.seconds["actions"] > 0
+
+
+def test_every_action_is_begun_with_what_is_expected_and_then_over(symbolic: list[journal.Record]) -> None:
+    begun = [record for record in symbolic if isinstance(record, journal.Started)]
+    acted = [record for record in symbolic if isinstance(record, journal.Acted)]
+    assert [r.number for r in begun] == [r.number for r in acted] == list(range(1, len(begun) + 1))
+    for start, end in zip(begun, acted, strict=True):
+        assert start.expected.rule == end.rule is not None
+        assert sum(chance.probability for chance in start.expected.outcomes) == pytest.approx(1)
+        assert end.outcome is not None, "in the symbolic world an outcome of the rule has happened"
+        happened = start.expected.outcomes[end.outcome]
+        if happened.kind == "change":
+            assert set(end.changed) <= set(happened.effects)
+
+
+def test_a_plan_expects_of_each_step_what_the_likeliest_ones_before_leave() -> None:
+    calls = (("moveToContainerFast", ("a1",)), ("moveToContainerFast", ("a3",)))
+    first, second = likely_course(DOMAIN, PROBLEM.objects, PROBLEM.state, calls)
+    assert first.expected.rule == "fast_small"
+    gone = {entry.objects for entry in first.expected.outcomes[0].effects if entry.value is False}
+    assert gone == {("a1",), ("a3",)}, "a3 lies on the way of a1"
+    assert second.expected.rule is None, "so there is nothing left for the second step"
+    alone = expected(DOMAIN, PROBLEM.objects, PROBLEM.state, *calls[1])
+    assert alone.rule == "fast_small"
+
+
+def test_a_failure_is_told_with_its_reason_and_rivals_expect_nothing() -> None:
+    robot = Scripted(SCENE, lambda strokes: [(0.0, 0.1)], lambda strokes: Status.FAILED)
+    setup = Setup(DOMAIN, DOMAIN, SCENE, Job.CONTAINER, EpisodeOptions(strategy="reactive", max_actions=2))
+    records = lines(Site(setup, TableCell(DOMAIN, SCENE, robot, 1), None, dict, lambda: None))
+    failed = [record for record in records if isinstance(record, journal.Failed)]
+    assert failed
+    assert failed[0].reason == "something holds the tool back"
+    planned = [record for record in records if isinstance(record, journal.Planned)]
+    assert planned[0].planner == ""
+    looked = records[0]
+    assert isinstance(looked, journal.Looked)
+    assert looked.purpose == "first"
+    assert [area.name for area in looked.areas] == ["a1"]
+    assert looked.areas[0].centre == pytest.approx((0.0, 0.1), abs=0.005)

@@ -1,0 +1,136 @@
+"""Records of a journal as lines, and what a crash or an editor may have left of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+
+from cleancli.execution import journal
+from cleancli.execution.journal import (
+    JOURNAL,
+    Acted,
+    AreaEntry,
+    Chance,
+    Ended,
+    Expected,
+    Failed,
+    Interrupted,
+    Looked,
+    Planned,
+    Record,
+    Resumed,
+    Spent,
+    Started,
+    StepEntry,
+    decode,
+    encode,
+    read_journal,
+)
+from cleancli.language.diagnostics import Refused, Source
+
+numbers = some.floats(allow_nan=False, allow_infinity=False)
+names = some.text(max_size=8)
+facts = some.builds(
+    journal.FactEntry, names, some.lists(names).map(tuple), some.booleans() | some.integers(0, 9) | names
+)
+seconds = some.dictionaries(names, numbers)
+pairs = some.tuples(numbers, numbers)
+areas = some.builds(AreaEntry, names, pairs, pairs, numbers, numbers, some.booleans())
+chances = some.builds(Chance, numbers, names, some.lists(facts).map(tuple))
+expected = some.builds(Expected, some.none() | names, some.lists(chances, max_size=3).map(tuple))
+arguments = some.lists(names, max_size=3).map(tuple)
+steps = some.lists(some.builds(StepEntry, names, arguments, expected), max_size=3).map(tuple)
+count = some.integers(0, 99)
+records: some.SearchStrategy[Record] = some.one_of(
+    some.builds(
+        Looked,
+        numbers,
+        numbers,
+        some.lists(areas, max_size=3).map(tuple),
+        some.dictionaries(names, names),
+        some.lists(facts).map(tuple),
+        names,
+    ),
+    some.builds(Planned, names, numbers, numbers, names, some.none() | numbers, steps),
+    some.builds(Started, count, names, arguments, expected),
+    some.builds(
+        Acted,
+        count,
+        names,
+        arguments,
+        numbers,
+        seconds,
+        some.none() | names,
+        some.none() | count,
+        some.lists(facts).map(tuple),
+    ),
+    some.builds(Failed, count, names, arguments, numbers, seconds, names),
+    some.builds(Spent, seconds),
+    some.builds(Resumed, count, count),
+    some.builds(Interrupted, numbers),
+    some.builds(Ended, numbers, names, some.booleans(), count, seconds),
+)
+
+
+def written(*lines: str) -> Source:
+    return Source("journal.jsonl", "".join(line + "\n" for line in lines))
+
+
+@given(some.lists(records, max_size=4))
+def test_records_are_read_as_written(some_records: list[Record]) -> None:
+    found = decode(written(*map(encode, some_records)))
+    assert found.records == tuple(some_records)
+    assert not found.cut
+
+
+def test_every_record_has_a_name() -> None:
+    assert set(journal.EVENTS.values()) == set(get_args(Record))
+
+
+@given(records, some.data())
+def test_a_last_line_may_be_cut_anywhere(record: Record, data: some.DataObject) -> None:
+    line = encode(record)
+    kept = data.draw(some.integers(1, len(line)))
+    source = Source("x", encode(Resumed(2, 1)) + "\n" + line[:kept])
+    assert decode(source) == journal.Journal((Resumed(2, 1),), cut=True)
+
+
+def test_a_field_more_is_passed_over() -> None:
+    line = {**json.loads(encode(Resumed(3, 0))), "since": "a later version"}
+    assert decode(written(json.dumps(line))).records == (Resumed(3, 0),)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("{", "truncated"),
+        ("[]", "Expected `object`"),
+        ('{"event": "danced"}', "'danced' is no event"),
+        ('{"after": 1}', "None is no event"),
+        ('{"event": ["looked"]}', "is no event"),
+        ('{"event": "resumed", "after": "two", "dropped": 0}', r"Expected `int`, got `str` - at `\$.after`"),
+        ('{"event": "resumed", "after": 2}', "missing required field `dropped`"),
+        ("[" * 100_000, "recursion|truncated|depth|Expected"),
+    ],
+)
+def test_what_is_no_record_is_refused_with_its_place(line: str, reason: str) -> None:
+    source = written(encode(Resumed(1, 0)), line, encode(Resumed(2, 0)), line)
+    with pytest.raises(Refused, match=reason) as refused:
+        decode(source)
+    first, second = refused.value.diagnostics
+    assert first.code == second.code == "E702"
+    assert first.span is not None
+    assert source.text[first.span.start : first.span.end] == line
+    assert refused.value.sources == (source,)
+
+
+def test_a_folder_without_a_journal_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        read_journal(tmp_path)
+    (tmp_path / JOURNAL).write_text(encode(Interrupted(4.5)) + "\n", encoding="utf-8")
+    assert read_journal(tmp_path).records == (Interrupted(4.5),)

@@ -1,0 +1,220 @@
+"""Runs that are cut short anywhere, and go on."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cleancli.cli.main import run
+from cleancli.compiler.task import GroundAction
+from cleancli.execution import checkpoint, record
+from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
+from cleancli.execution.state import Account, EpisodeState, Move, Situation, Vain
+from cleancli.language.diagnostics import Refused
+from cleancli.language.model import Fact, Object
+from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
+from cleancli.perception.area import Area, Ellipse
+
+WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
+
+
+class Killed(BaseException):
+    """Stands for a process that is gone: nobody may catch it."""
+
+
+def dying_after(events: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the recorder's process die after so many events, in the middle of writing a line."""
+    write, count = record.Recorder.write, itertools.count()
+
+    def dies(self: record.Recorder, event: object) -> None:
+        if next(count) == events:
+            self._journal.write('{"event":"look')
+            self._journal.flush()
+            raise Killed
+        write(self, event)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(record.Recorder, "write", dies)
+
+
+@pytest.fixture(autouse=True)
+def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def actions(folder: Path) -> list[tuple[int, str]]:
+    return [(r.number, r.action) for r in read_journal(folder).records if isinstance(r, Acted)]
+
+
+def test_a_run_that_dies_anywhere_is_readable_and_goes_on_to_the_same_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert run([*WORDS, "--runs", "whole"]) == 0
+    whole = Path("whole/three_areas-seed5-001")
+    folder = Path("cut/three_areas-seed5-001")
+    for events in range(0, 40, 3):
+        shutil.rmtree("cut", ignore_errors=True)
+        with monkeypatch.context() as patched:
+            dying_after(events, patched)
+            try:
+                run([*WORDS, "--runs", "cut"])
+            except Killed:
+                pass
+            else:
+                break
+        assert "episode" not in json.loads((folder / "run.json").read_text())
+        assert read_journal(folder).cut
+        assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
+        journal = read_journal(folder)
+        assert not journal.cut
+        assert actions(folder) == actions(whole)
+        assert sum(isinstance(each, Resumed) for each in journal.records) == 1
+        ended = journal.records[-1]
+        assert isinstance(ended, Ended)
+        assert ended.clean
+        spent = json.loads((folder / "run.json").read_text())["episode"]["seconds"]
+        told = [json.loads(line) for line in (folder / "journal.jsonl").read_text().splitlines()]
+        total = sum(sum(line["seconds"].values()) for line in told if line["event"] == "spent")
+        assert total == pytest.approx(spent["total"])
+        assert len((folder / "experience.jsonl").read_text().splitlines()) == len(actions(folder))
+    assert events > 10
+
+
+def test_a_table_goes_on_after_a_kill(tmp_path: Path) -> None:
+    words = ["execute", "cleaning", "two_groups", "--seed", "1", "--no-video", "--quiet"]
+    process = subprocess.Popen([sys.executable, "-m", "cleancli.cli.main", *words])
+    folder = tmp_path / "runs" / "two_groups-seed1-001"
+    deadline = time.monotonic() + 120
+    while not (folder / "state" / "001.npz").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
+    numbers = [number for number, _ in actions(folder)]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert json.loads((folder / "run.json").read_text())["truth"]["on_table"] == 0
+
+
+def test_ctrl_c_stops_with_the_tool_up_and_says_how_to_go_on(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["cleancli.cli.main", "execute", "cleaning", "two_groups", "--seed", "1", "--no-video"]
+    with subprocess.Popen([sys.executable, "-m", *words], stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if "decided" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        rest = process.stderr.read()
+    assert process.returncode == 130
+    assert "stopped with the tool up" in rest
+    assert "--resume runs/two_groups-seed1-001" in rest
+    assert (Path("runs/two_groups-seed1-001") / "journal.jsonl").read_text().endswith("}\n")
+
+
+def _little_disk() -> None:
+    """Writing a file beyond 5 kB fails from now on, as on a disk that is full."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000))
+
+
+def test_a_disk_that_fills_up_ends_a_run_with_an_error_and_it_can_go_on() -> None:
+    assert run(["init", "wiping"]) == 0
+    words = ["execute", "wiping/wiping.nid", "wiping/two_stains.nid", "--runs", "full", "--quiet"]
+    command = [sys.executable, "-m", "cleancli.cli.main", *words]
+    ended = subprocess.run(command, preexec_fn=_little_disk, capture_output=True, text=True)
+    assert (ended.returncode, "Traceback" in ended.stderr) == (5, False), ended.stderr
+    assert "File too large" in ended.stderr
+    folder = Path("full/two_stains-seed1-001")
+    assert len(actions(folder)) > 1
+    assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["--resume", "runs/whole"], 2, "has ended: nothing is left to do"),
+        (["--resume", "runs"], 1, "E705"),
+        (["--resume", "nowhere"], 2, "does not exist"),
+        (["cleaning", "--resume", "runs/whole"], 2, "takes no DOMAIN"),
+        (["--resume", "runs/whole", "--seed", "3"], 2, "takes no --seed"),
+        ([], 2, "name a domain and a problem"),
+    ],
+)
+def test_what_cannot_go_on_is_told(
+    words: list[str], code: int, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(WORDS) == 0
+    Path("runs/three_areas-seed5-001").rename("runs/whole")
+    assert run(["execute", *words]) == code
+    assert says in capsys.readouterr().err
+
+
+def test_other_texts_and_broken_checkpoints_are_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patched:
+        dying_after(20, patched)
+        with pytest.raises(Killed):
+            run(WORDS)
+    folder = Path("runs/three_areas-seed5-001")
+    copy = folder / "files" / "three_areas.nid"
+    text = copy.read_text()
+    copy.write_text(text + "# another\n")
+    assert run(["execute", "--resume", str(folder)]) == 1
+    assert "is not the text any more" in capsys.readouterr().err
+    copy.write_text(text)
+    newest = max((folder / "state").glob("*.npz"))
+    newest.write_bytes(b"nothing")
+    assert run(["execute", "--resume", str(folder)]) == 1
+    assert "E706" in capsys.readouterr().err
+    newest.unlink()
+    assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
+
+
+def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
+    area = Area(Ellipse((0.1, -0.2), (0.03, 0.01), 0.5), 1e-4, "a1")
+    facts = frozenset({Fact("dirt", ("a1",)), Fact("size", ("a1",), "big"), Fact("left", ("a1",), 3)})
+    point = Waypoint(1.0, 2.0, 3.0, 4.0, 5.0)
+    path = ToolPath((point,), Interpolation.JOINT, Dustpan(point, point, 0.1))
+    state = EpisodeState(
+        situation=Situation((area,), (Object("a1", "area"),), facts, frozenset({"a1"}), 0.1),
+        looks=3,
+        named=4,
+        actions=2,
+        clear_looks=1,
+        queue=(Move("sweep", ("a1",), path), Move("join2", ("a1", "a2"))),
+        rest=(GroundAction("join2", ("a1", "a2"), 7.5, Fraction(1, 3)), GroundAction("push", (), None)),
+        vain=(Vain(("push", ("a1",)), (area,), facts, 4, "out of reach"),),
+        examples=((0, 3),),
+        spent=Account(planning=0.25, actions=3.5),
+        loading=1.0,
+    )
+    for name in checkpoint.APPENDED:
+        (tmp_path / name).write_text("one\n")
+    checkpoint.save(tmp_path, state, {"places": np.eye(3), "clock": np.array(1.5)})
+    saved = checkpoint.last(tmp_path)
+    assert saved is not None
+    assert saved.episode == state
+    assert saved.sizes == {"journal.jsonl": 4, "experience.jsonl": 4}
+    np.testing.assert_array_equal(saved.world["places"], np.eye(3))
+
+
+def test_what_has_no_form_in_a_checkpoint_is_refused(tmp_path: Path) -> None:
+    for name in checkpoint.APPENDED:
+        (tmp_path / name).write_text("")
+    with pytest.raises(NotImplementedError, match="object has no form"):
+        checkpoint.save(tmp_path, EpisodeState(examples=object()), {})  # type: ignore[arg-type]
+    assert checkpoint.last(tmp_path) is None
+    (tmp_path / "state").mkdir(exist_ok=True)
+    (tmp_path / "state" / "001.npz").write_bytes(b"")
+    with pytest.raises(Refused, match="E706"):
+        checkpoint.last(tmp_path)

@@ -1,0 +1,79 @@
+"""The loop in the symbolic world, and that a checkpoint is all that it takes to go on."""
+
+from __future__ import annotations
+
+import copy
+
+import pytest
+
+from cleancli.execution.events import Acted, Checkpoint, Ended, Event, Started
+from cleancli.execution.loop import clean
+from cleancli.execution.setup import EpisodeOptions
+from cleancli.execution.site import Site, symbolic_site
+from cleancli.execution.state import EpisodeState
+from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.shipped import find
+
+
+def site(seed: int = 1, **options: object) -> Site:
+    domain = load_domain(read_source(find("cleaning", "domains")))
+    problem = load_problem(read_source(find("three_areas", "problems")), domain)
+    chosen = EpisodeOptions(samples=200, seed=seed, by_time=True, **options)  # type: ignore[arg-type]
+    return symbolic_site(domain, problem, chosen)
+
+
+def moves(events: list[Event]) -> list[tuple[int, str]]:
+    return [(event.number, str(event.move)) for event in events if isinstance(event, Started)]
+
+
+def end_of(events: list[Event]) -> Ended:
+    ended = events[-1]
+    assert isinstance(ended, Ended)
+    return ended
+
+
+def test_the_symbolic_world_gets_clean() -> None:
+    here = site()
+    events = list(clean(here.setup, here.cell))
+    ended = end_of(events)
+    assert ended.clean
+    acted = [event for event in events if isinstance(event, Acted)]
+    assert len(acted) == ended.actions > 1
+    assert all(event.seen and event.transition is not None for event in acted)
+    assert ended.spent.actions == ended.clock == sum(event.seconds for event in acted) > 10
+
+
+@pytest.mark.parametrize("strategy", ["plan-1", "plan-2", "plan-3", "plan-all", "determinized"])
+def test_the_same_seed_does_the_same(strategy: str) -> None:
+    def once(seed: int) -> list[tuple[int, str]]:
+        here = site(seed, strategy=strategy)
+        return moves(list(clean(here.setup, here.cell)))
+
+    assert once(3) == once(3)
+    assert len({tuple(once(seed)) for seed in range(6)}) > 1
+
+
+def test_a_run_goes_on_from_every_checkpoint_as_if_never_stopped() -> None:
+    here = site(2)
+    assert isinstance(here.cell, SymbolicCell)
+    points: list[tuple[EpisodeState, object, float]] = []
+    events: list[Event] = []
+    for event in clean(here.setup, here.cell):
+        events.append(event)
+        if isinstance(event, Checkpoint):
+            points.append((copy.deepcopy(event.state), here.cell.assignment, here.cell.clock))
+    for state, assignment, clock in points:
+        again = site(2)
+        assert isinstance(again.cell, SymbolicCell)
+        again.cell.assignment, again.cell.clock = assignment, clock  # type: ignore[assignment]
+        rest = list(clean(again.setup, again.cell, state))
+        assert moves(rest) == moves(events)[state.actions :]
+        assert end_of(rest).clock == end_of(events).clock
+        assert end_of(rest).reason == end_of(events).reason
+
+
+def test_the_limit_of_actions_holds() -> None:
+    here = site(1, max_actions=1)
+    ended = end_of(list(clean(here.setup, here.cell)))
+    assert (ended.clean, ended.actions) == (False, 1)

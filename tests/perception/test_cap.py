@@ -1,0 +1,54 @@
+"""A limit to what is planned for: which areas are left out, and that only plans don't know of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import synthetic
+
+from cleancli.language.model import Fact, Object
+from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.cap import left_out, without
+from cleancli.scene.model import Scene
+
+
+def area(name: str, x: float, covered: float) -> Area:
+    return Area(Ellipse((x, 0.0), (0.02, 0.02), 0.0), covered, name)
+
+
+AREAS = (area("a1", -0.3, 5e-4), area("a2", -0.1, 1e-4), area("a3", 0.1, 3e-4), area("a4", 0.3, 2e-4))
+
+
+def scene(most: int, leave_out: str) -> Scene:
+    """The container stands in the east."""
+    plain = synthetic.scene()
+    return replace(plain, symbols=replace(plain.symbols, most=most, leave_out=leave_out))
+
+
+def test_the_smallest_or_the_farthest_are_left_out() -> None:
+    assert left_out(AREAS, scene(2, "smallest")) == ("a2", "a4")
+    assert left_out(AREAS, scene(2, "farthest")) == ("a1", "a2")
+    assert left_out(AREAS, scene(4, "farthest")) == ()
+    assert left_out((), scene(1, "smallest")) == ()
+
+
+def test_what_is_left_out_comes_back_when_there_is_room() -> None:
+    assert left_out(AREAS[:3], scene(2, "smallest")) == ("a2",)
+    assert left_out(AREAS[:2], scene(2, "smallest")) == ()
+
+
+def test_a_plan_knows_nothing_of_what_is_left_out() -> None:
+    objects = tuple(Object(name, "area") for name in ("a1", "a2", "a3"))
+    state = frozenset(
+        {
+            Fact("dirt", ("a1",)),
+            Fact("dirt", ("a2",)),
+            Fact("near", ("a1", "a2")),
+            Fact("traversal", ("a1", "bin", "a3")),
+        }
+    )
+    assert without({"a2"}, objects, state) == (
+        (objects[0], objects[2]),
+        frozenset({Fact("dirt", ("a1",)), Fact("traversal", ("a1", "bin", "a3"))}),
+    )
+    assert without((), objects, state) == (objects, state)

@@ -1,0 +1,72 @@
+"""Problems made smaller where the reward counts too much (§4.2.1)."""
+
+from __future__ import annotations
+
+import domains
+import pytest
+
+from cleancli.language.diagnostics import Source
+from cleancli.language.load import load_problem
+from cleancli.language.model import Domain, Fact, Problem
+from cleancli.planning.fewer import fewer
+
+SPOTS = """
+domain spots {
+  types      { spot }
+  constants  { sink - spot }
+  predicates { dirt(?a - spot)  near(?a ?b - spot) [symmetric] }
+  derived    { dirty := count ?a - spot: dirt(?a) }
+  actions    { wipe(?a - spot)  sweep(?a ?b - spot) }
+  rule wiped: wipe(?a)      { when dirt(?a) then 0.8: not dirt(?a)  rest: nothing }
+  rule swept: sweep(?a, ?b) {
+    when dirt(?a), dirt(?b), near(?a, ?b)
+    then 0.6: not dirt(?a), not dirt(?b)
+         rest: nothing
+  }
+  reward     { decrease(dirty) }
+}
+"""
+DIRTY = "dirt(a), dirt(b), dirt(c), dirt(d), dirt(sink), near(b, d), near(d, c), near(e, a)"
+
+
+def spots(goal: str = "", text: str = SPOTS) -> tuple[Domain, Problem]:
+    domain = domains.domain(text)
+    said = f"objects {{ a b c d e - spot }} init {{ {DIRTY} }} {goal} horizon = 5"
+    return domain, load_problem(Source("p.nid", f"problem p {{ domain = spots {said} }}"), domain)
+
+
+def names(problem: Problem) -> list[str]:
+    return [o.name for o in problem.objects]
+
+
+def test_a_problem_that_is_small_enough_stays_as_it_is() -> None:
+    domain, problem = spots()
+    assert fewer(domain, problem, 5).problem == problem
+    assert fewer(domain, problem, 5).ignored == ()
+
+
+@pytest.mark.parametrize(
+    ("most", "ignored"), [(4, ("c",)), (3, ("b", "c")), (2, ("a", "b", "c")), (1, ("a", "b", "c", "d"))]
+)
+def test_what_shares_fewest_facts_is_ignored_first_and_of_equals_the_last(
+    most: int, ignored: tuple[str, ...]
+) -> None:
+    domain, problem = spots()
+    found = fewer(domain, problem, most)
+    assert found.ignored == ignored
+    assert names(found.problem) == [name for name in "abcde" if name not in ignored]
+    assert found.problem.state == {f for f in problem.state if not set(f.objects) & set(ignored)}
+
+
+def test_what_is_not_counted_and_what_the_goal_names_stay() -> None:
+    domain, problem = spots("goal { forall ?x - spot: not near(?x, b), not dirt(c) }")
+    assert fewer(domain, problem, 3).ignored == ("a", "d")
+    clean = Problem(problem.name, problem.domain, problem.objects, frozenset({Fact("dirt", ("a",))}))
+    assert fewer(domain, clean, 1).ignored == ()
+
+
+def test_without_a_count_of_single_objects_nothing_is_ignored() -> None:
+    paid = SPOTS.replace("decrease(dirty)", "dirty")
+    pairs = SPOTS.replace("count ?a - spot: dirt(?a)", "count ?a ?b - spot: dirt(?a), dirt(?b)")
+    for text in (paid, pairs):
+        assert fewer(*spots(text=text), 1).ignored == ()
