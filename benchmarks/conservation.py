@@ -1,4 +1,4 @@
-"""Nothing is lost, tunnels or flies: python benchmarks/conservation.py [actions] [--seed N]
+"""Nothing is lost, tunnels or flies: python benchmarks/conservation.py [actions] [--robot NAME] [--seed N]
 
 Random actions upon random ellipses, some of them off the table, among lentils, rice and peas. After every
 control period every particle must be on the table, in the container or on the floor (or falling there), not
@@ -11,28 +11,28 @@ import argparse
 import sys
 import time
 from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.language.diagnostics import Source
-from cleancli.motion.actions import SKILLS, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UP, can_execute, tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
+from cleancli.scene.model import Scene
 from cleancli.world import parameters as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 
+OFF = 0.10  # metres beyond the table's edges within which areas are drawn
+
 ROUND = 20
 """Actions upon one table; the next ones get a new table, with the container at the next edge."""
 
-SCENE = """scene table { dirt {
-  scattered { count = 12  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
-  scattered { count = 12  of = rice  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
-  scattered { count = 12  of = peas  from = (-40 cm, -30 cm)  to = (40 cm, 30 cm) }
-  group { count = 12  at = (0 cm, 0 cm)  radius = 2 cm }
-} }"""
+SIZES = {"gantry": (90, 70), "wam": (60, 55), "reem": (50, 40)}
+"""Surfaces that fit the robots' reach, in cm."""
+
+KINDS = ("lentils", "rice", "peas")
 
 FASTEST_ON_TABLE = (
     1.0  # m/s: five times the fastest stroke; a flap that springs back is what makes it so fast
@@ -40,14 +40,37 @@ FASTEST_ON_TABLE = (
 FASTEST_FALL = 1.1 * float(np.sqrt(2 * 9.81 * (par.TABLE_HEIGHT + 0.05)))
 LOWEST = -par.TABLE_HEIGHT - 0.02  # whoever falls on the floor at 3.7 m/s is within it for a step
 PRESSED = 4e-3  # how deep a rag may press a particle's middle into the table while it goes over it
-HIGHEST = 0.06  # metres above the surface: what is higher, flies
+HIGHEST = 0.06  # metres above the surface: what is higher, and not on the dustpan, flies
+CARRIED = 0.30  # how high, and
+FASTEST_CARRIED = 3.0  # how fast (m/s) a particle may be that a dustpan carries, or that falls off it
+
+
+def scene_for(robot: str, edge: str) -> Scene:
+    """A table with 48 particles that the robot reaches."""
+    width, depth = SIZES[robot]
+    x, y = width / 2 - 5, depth / 2 - 5
+    dirt = "".join(
+        f"scattered {{ count = 12 of = {kind} from = (-{x} cm, -{y} cm) to = ({x} cm, {y} cm) }}"
+        for kind in KINDS
+    )
+    text = f"""scene table {{
+        surface {{ width = {width} cm depth = {depth} cm }}
+        container {{ edge = {edge} }}
+        robot {{ drive = {robot} }}
+        dirt {{ {dirt} group {{ count = 12 at = (0 cm, 0 cm) radius = 2 cm }} }}
+    }}"""
+    return load_scene(Source("table", text))
 
 
 def faults(
-    before: NDArray[np.float64], now: NDArray[np.float64], half: NDArray[np.float64], pressed: float
+    before: NDArray[np.float64],
+    now: NDArray[np.float64],
+    half: NDArray[np.float64],
+    pressed: float,
+    carried: bool,
 ) -> list[str]:
     """What is wrong with particles at `now` (n, 3), which were at `before` a control period ago; they may be
-    `pressed` so deep into the table."""
+    `pressed` so deep into the table, or `carried` by a dustpan."""
     speeds = np.linalg.norm(now - before, axis=1) / (par.STEPS_PER_PERIOD * par.STEP)
     above = (np.abs(now[:, :2]) < half).all(axis=1) & (now[:, 2] > 0)
     inside = (np.abs(now[:, :2]) < half - 0.005).all(axis=1)
@@ -56,8 +79,8 @@ def faults(
         "not a number": ~np.isfinite(now).all(axis=1),
         "inside the table": inside,
         "below the floor": now[:, 2] < LOWEST,
-        "flying": now[:, 2] > HIGHEST,
-        "too fast on the table": above & (speeds > FASTEST_ON_TABLE),
+        "flying": now[:, 2] > (CARRIED if carried else HIGHEST),
+        "too fast on the table": above & (speeds > (FASTEST_CARRIED if carried else FASTEST_ON_TABLE)),
         "too fast in its fall": speeds > FASTEST_FALL,
     }
     return [
@@ -67,12 +90,13 @@ def faults(
     ]
 
 
-def random_action(rng: np.random.Generator) -> tuple[str, tuple[Ellipse, ...]]:
-    """An action and its ellipses, up to 10 cm off the table."""
-    action = str(rng.choice(sorted(SKILLS)))
+def random_action(rng: np.random.Generator, scene: Scene) -> tuple[str, tuple[Ellipse, ...]]:
+    """An action that the robot has, and its ellipses, up to 10 cm off the table."""
+    action = str(rng.choice(sorted(a for a, areas in ARITIES.items() if can_execute(a, areas, scene.robot))))
+    corner = np.array((scene.surface.width, scene.surface.depth)) / 2 + OFF
     ellipses = []
-    for _ in range(SKILLS[action].arity):
-        x, y = rng.uniform((-0.55, -0.45), (0.55, 0.45))
+    for _ in range(ARITIES[action]):
+        x, y = rng.uniform(-corner, corner)
         short, long = np.sort(rng.uniform(0.005, 0.12, 2))
         ellipses.append(
             Ellipse((float(x), float(y)), (float(long), float(short)), float(rng.uniform(-1.5, 1.5)))
@@ -80,17 +104,16 @@ def random_action(rng: np.random.Generator) -> tuple[str, tuple[Ellipse, ...]]:
     return action, tuple(ellipses)
 
 
-def try_table(number: int, actions: int, rng: np.random.Generator) -> list[str]:
+def try_table(robot: str, number: int, actions: int, rng: np.random.Generator) -> list[str]:
     """Random actions upon one table; everything that went wrong."""
-    scene = load_scene(Source("table", SCENE))
     edge = ("north", "east", "south", "west")[number % 4]
-    scene = replace(scene, container=replace(scene.container, edge=edge))
+    scene = scene_for(robot, edge)
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
     wrong, failed = [], 0
     with closing(PybulletTable(scene, number)) as table:
         now = table.truth().positions
         for _ in range(actions):
-            action, ellipses = random_action(rng)
+            action, ellipses = random_action(rng, scene)
             table.start(tool_path(action, ellipses, scene))
             status = Status.RUNNING
             while status is Status.RUNNING:
@@ -99,15 +122,17 @@ def try_table(number: int, actions: int, rng: np.random.Generator) -> list[str]:
                 now = truth.positions
                 if truth.on_table + truth.in_container + truth.in_dustpan + truth.on_floor != len(now):
                     wrong.append(f"{action}: not every particle is anywhere")
-                wrong += [f"{action}: {fault}" for fault in faults(before, now, half, PRESSED)]
-            wrong += [f"after {action}: {fault}" for fault in faults(now, now, half, 0.0)]
+                wrong += [
+                    f"{action}: {fault}" for fault in faults(before, now, half, PRESSED, action == PICK_UP)
+                ]
+            wrong += [f"after {action}: {fault}" for fault in faults(now, now, half, 0.0, False)]
             if status is Status.FAILED:
                 failed += 1
                 table.stop()
                 now = table.truth().positions
+        where = f"on the table {truth.on_table}, in the container {truth.in_container}, on the floor"
         print(
-            f"table {number} ({edge}): {actions} actions, {failed} failed; on the table {truth.on_table},"
-            f" in the container {truth.in_container}, on the floor {truth.on_floor} of {truth.total}"
+            f"{robot}, table {number} ({edge}): {actions} actions, {failed} failed; {where} {truth.on_floor}"
         )
     return wrong
 
@@ -116,15 +141,17 @@ def main() -> int:
     """Try them all; the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("actions", type=int, nargs="?", default=200)
+    parser.add_argument("--robot", choices=tuple(SIZES), default="gantry")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     rng, began = np.random.default_rng(options.seed), time.process_time()
     wrong: list[str] = []
     for number in range(-(-options.actions // ROUND)):
-        wrong += try_table(number, min(ROUND, options.actions - number * ROUND), rng)
+        wrong += try_table(options.robot, number, min(ROUND, options.actions - number * ROUND), rng)
     for fault in wrong[:20]:
         print(fault)
-    print(f"{len(wrong)} faults in {options.actions} actions, {time.process_time() - began:.0f} s of CPU")
+    spent = time.process_time() - began
+    print(f"{options.robot}: {len(wrong)} faults in {options.actions} actions, {spent:.0f} s of CPU")
     return 1 if wrong else 0
 
 

@@ -54,18 +54,25 @@ def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
 def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
     result = _run("physics.py", "--quick", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    rows = [line.split("|")[1:-1] for line in result.stdout.splitlines()[2:]]
-    assert [row[2].strip() for row in rows] == ["wide", "corner"]
+    tables = result.stdout.strip().split("\n\n")
+    assert len(tables) == 4
+    rows = [line.split("|")[1:-1] for line in tables[0].splitlines()[2:]]
+    assert [row[2].strip() for row in rows] == ["wide", "corner"] * 2
     for row in rows:
         assert sum(float(share) for share in row[3:6]) == 1
-        assert row[6].strip() == "2"
+        assert int(row[6]) + int(row[7]) == 2
+    ways = {
+        row[2].strip(): row[-2].strip() for row in (line.split("|") for line in tables[1].splitlines()[2:])
+    }
+    assert ways["straight, slow"] == "0 mm"
+    assert int(ways["bowed, slow"].removesuffix(" mm")) > 5, "a motion straight in joint space bows"
 
 
 def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
-    result = _run("conservation.py", "4", cwd=tmp_path)
-    assert result.returncode == 0, result.stdout + result.stderr
-    assert "0 faults in 4 actions" in result.stdout
-    assert "of 48" in result.stdout
+    for robot in ("gantry", "wam", "reem"):
+        result = _run("conservation.py", "4", "--robot", robot, cwd=tmp_path)
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert f"{robot}: 0 faults in 4 actions" in result.stdout
 
 
 def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:

@@ -47,6 +47,17 @@ def test_outcomes_as_a_table(scene: str, capsys: pytest.CaptureFixture[str]) -> 
     assert [line.split("  ")[0] for line in said[2:5]] == ["none left", "some left", "spread out"]
 
 
+def test_why_a_motion_failed_is_told(scene: str, capsys: pytest.CaptureFixture[str]) -> None:
+    far = Path(scene)
+    far.write_text(SMALL.replace("(30 cm, 0 cm)", "(-30 cm, 0 cm)"), encoding="utf-8")
+    words = ["act", scene, "moveToContainerFast", "--repeat", "2", "--robot", "reem"]
+    assert run(words) == 0
+    assert "cm too far" in capsys.readouterr().out
+    assert run([*words, "--json"]) == 0
+    (grasp,) = json.loads(capsys.readouterr().out)["grasps"]
+    assert all("cm too far" in trial["failure"] for trial in grasp["trials"])
+
+
 def test_several_jobs_keep_the_order() -> None:
     assert list(in_order(str, range(4), 2)) == list(in_order(str, range(4), 1)) == ["0", "1", "2", "3"]
 
@@ -59,6 +70,7 @@ def test_several_jobs_keep_the_order() -> None:
         (["join2", "--areas", "a1, a1"], "join2 takes 2 different areas"),
         (["join2", "--grasp", "foldet"], "did you mean `folded`"),
         (["join2", "--plot", "no/folder/map.png"], "there is no folder `no/folder`"),
+        (["pickUp"], "`gantry` can't pickUp; it takes --robot reem"),
     ],
 )
 def test_what_cannot_be_tried_is_said_at_once(

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
+from cleancli.cli.resume import alone_in, uninterrupted
 from cleancli.compiler.task import GroundAction
 from cleancli.execution import checkpoint, record
 from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
@@ -45,6 +46,17 @@ def dying_after(events: int, monkeypatch: pytest.MonkeyPatch) -> None:
         write(self, event)  # type: ignore[arg-type]
 
     monkeypatch.setattr(record.Recorder, "write", dies)
+
+
+def dying_at_sync(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the process die where it asks for the n-th time that something be on the disk."""
+    count = itertools.count()
+
+    def dies(handle: int) -> None:
+        if next(count) == number:
+            raise Killed
+
+    monkeypatch.setattr("os.fsync", dies)
 
 
 @pytest.fixture(autouse=True)
@@ -90,6 +102,54 @@ def test_a_run_that_dies_anywhere_is_readable_and_goes_on_to_the_same_end(
     assert events > 10
 
 
+def test_a_run_that_dies_at_any_write_goes_on_to_the_same_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run([*WORDS, "--runs", "whole"]) == 0
+    whole, folder = Path("whole/three_areas-seed5-001"), Path("cut/three_areas-seed5-001")
+    for number in itertools.count():
+        shutil.rmtree("cut", ignore_errors=True)
+        with monkeypatch.context() as patched:
+            dying_at_sync(number, patched)
+            try:
+                run([*WORDS, "--runs", "cut"])
+            except Killed:
+                pass
+            else:
+                break
+        if (folder / "run.json").exists():
+            ended = json.loads((folder / "run.json").read_text()).get("episode") is not None
+            assert run(["execute", "--resume", str(folder), "--quiet"]) == (2 if ended else 0)
+            assert actions(folder) == actions(whole)
+            assert ended or not [p for p in folder.rglob(".*") if p.is_file()]
+    assert number > 10
+
+
+def test_two_processes_do_not_go_on_with_one_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patched:
+        dying_after(20, patched)
+        with pytest.raises(Killed):
+            run(WORDS)
+    folder = Path("runs/three_areas-seed5-001")
+    with alone_in(folder):
+        assert run(["execute", "--resume", str(folder)]) == 2
+    assert "another process works on" in capsys.readouterr().err
+    assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
+
+
+def test_ctrl_c_waits_for_what_must_not_be_cut_short() -> None:
+    done = []
+
+    def work() -> None:
+        with uninterrupted():
+            signal.raise_signal(signal.SIGINT)
+            done.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done
+
+
 def test_a_table_goes_on_after_a_kill(tmp_path: Path) -> None:
     words = ["execute", "cleaning", "two_groups", "--seed", "1", "--no-video", "--quiet"]
     process = subprocess.Popen([sys.executable, "-m", "cleancli.cli.main", *words])
@@ -133,6 +193,7 @@ def test_a_disk_that_fills_up_ends_a_run_with_an_error_and_it_can_go_on() -> Non
     ended = subprocess.run(command, preexec_fn=_little_disk, capture_output=True, text=True)
     assert (ended.returncode, "Traceback" in ended.stderr) == (5, False), ended.stderr
     assert "File too large" in ended.stderr
+    assert "--resume full/two_stains-seed1-001" in ended.stderr
     folder = Path("full/two_stains-seed1-001")
     assert len(actions(folder)) > 1
     assert run(["execute", "--resume", str(folder), "--quiet"]) == 0

@@ -21,7 +21,7 @@ from cleancli.cli.live import show
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
-from cleancli.cli.resume import Inputs, alone_in, unfinished
+from cleancli.cli.resume import Inputs, alone_in, unfinished, uninterrupted
 from cleancli.execution.checkpoint import World, cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
@@ -162,8 +162,9 @@ def command(
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
     with closing(_site(inputs)) as site:
         folder = free_folder(runs, f"{given.name}-seed{options.seed}")
-        header = _header(options, site.setup.job, _copied(sources, folder))
-        return _carry_out(inputs, site, folder, header, video, said)
+        with alone_in(folder):
+            header = _header(options, site.setup.job, _copied(sources, folder))
+            return _carry_out(inputs, site, folder, header, video, said)
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +226,8 @@ def _carry_out(
     ):
         try:
             for event in clean(setup, cell, saved):
-                recorder.write(event)
+                with uninterrupted():
+                    recorder.write(event)
                 view.write(event)
         except KeyboardInterrupt:
             site.stop()
@@ -233,6 +235,10 @@ def _carry_out(
             raise Stopped(
                 f"stopped with the tool up; go on with: cleancli execute --resume {folder}"
             ) from None
+        except OSError:
+            site.stop()
+            click.echo(f"go on later with `cleancli execute --resume {folder}`", err=True)
+            raise
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = site.truth()
     recorder.finish(truth)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import signal
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -48,22 +51,39 @@ class Unfinished:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other processes from going on with the same run. Raises UsageError where one does already."""
+    """Keep other processes from working on the same run. Raises UsageError where one does already."""
     try:
         import fcntl  # not on Windows, where two at once are the user's own concern
     except ImportError:
         yield
         return
-    path = folder / "run.json"
-    if not path.exists():
-        yield  # what is no run folder is told by who reads it
-        return
-    with path.open("rb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise click.UsageError(f"another process goes on with {folder} already") from None
+    # The folder itself: its files are replaced by others while the run goes on.
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise click.UsageError(f"another process works on {folder}") from None
+    try:
         yield
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold Ctrl-C back until the block is done."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed = []
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 def unfinished(folder: Path) -> Unfinished:
@@ -71,6 +91,11 @@ def unfinished(folder: Path) -> Unfinished:
     run = read_run(folder)
     if run.header.episode is not None:
         raise click.UsageError(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
+    began = run.header.versions.get("cleancli")
+    if began != __version__:
+        raise click.UsageError(
+            f"{folder} began with cleancli {began}, and this is {__version__}: use that one"
+        )
     sources = tuple(_text(run, file) for file in run.header.files)
     if not sources:
         help = "only runs of this version and later ones can be gone on with"
@@ -116,10 +141,7 @@ def _options(header: Header) -> EpisodeOptions:
 
 
 def _tell_versions(header: Header) -> None:
-    """Say which versions differ from those the run began with: it may go on differently then."""
-    now = {"cleancli": __version__}
+    """Say which libraries differ from those the run began with: it may go on differently then."""
     for name, old in header.versions.items():
-        if name not in ("cleancli", "python"):
-            now[name] = version(name)
-        if name != "python" and now[name] != old:
-            click.echo(f"note: the run began with {name} {old}, this is {now[name]}", err=True)
+        if name not in ("cleancli", "python") and version(name) != old:
+            click.echo(f"note: the run began with {name} {old}, this is {version(name)}", err=True)

@@ -80,8 +80,12 @@ def last(folder: Path) -> Saved | None:
 
 
 def cut_back(folder: Path, saved: Saved | None) -> int:
-    """Take away what was appended after a checkpoint; returns how many whole lines the journal has lost."""
-    dropped = 0
+    """Take away what was written after a checkpoint; returns how many whole lines the journal has lost."""
+    dropped, actions = 0, -1 if saved is None else saved.episode.actions
+    pictures = [path for path in folder.glob("step-*.png") if int(path.stem.removeprefix("step-")) > actions]
+    unfinished = [path for where in (folder, folder / FOLDER) for path in where.glob(".*") if path.is_file()]
+    for path in (*pictures, *unfinished):
+        path.unlink()
     for name in APPENDED:
         path, size = folder / name, 0 if saved is None else saved.sizes[name]
         if not path.exists():

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cleancli.execution.events import Started
 from cleancli.execution.state import Situation
+from cleancli.language.edit import replace_file
 from cleancli.perception.frame import Frame
 from cleancli.perception.pictures import draw, project
 
@@ -47,7 +48,7 @@ def step_picture(frame: Frame, situation: Situation, started: Started | None, ro
 def write_png(path: Path, picture: Picture) -> None:
     """Write an RGB picture; raises OSError where the file cannot be written."""
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-    path.write_bytes(data.tobytes())
+    replace_file(path, data.tobytes())
 
 
 class Video:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
@@ -100,10 +101,12 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._experience.close()
-        self._journal.close()
-        if self._video is not None:
-            self._video.close()
+        files = (self._experience, self._journal, self._video)
+        for file in files:
+            # What cannot be written any more has been told already, or else is told now.
+            with suppress(OSError) if error is not None else nullcontext():
+                if file is not None:
+                    file.close()
 
     def write(self, event: Event) -> None:
         """Record one event."""
