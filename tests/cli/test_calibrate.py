@@ -30,8 +30,10 @@ def test_a_scene_refers_to_its_calibration(
     assert "gradient" in capsys.readouterr().out
     assert run(["check", "wood.nid"]) == 0
     capsys.readouterr()
-    assert run(["scene", "wood.nid", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["seen"]) == 1
+    assert run(["perceive", "wood.nid", "--json"]) == 0
+    (look,) = json.loads(capsys.readouterr().out)["looks"]
+    assert len(look["areas"]) == 1
+    assert look["doubts"] == []
 
 
 def test_other_files_are_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -168,6 +168,7 @@ def _described(seen: Sequence[_Seen]) -> dict[str, object]:
                 "areas": [_area(area, each) for area in each.look.areas],
                 "left_out": each.left_out,
                 "facts": _facts(each.look.state),
+                "doubts": list(each.look.observation.doubts),
                 "changes": [str(change) for change in each.known.changes],
                 "unseen": {
                     "share": round(each.known.unseen.share, 4),
