@@ -75,6 +75,19 @@ def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
         assert f"{robot}: 0 faults in 4 actions" in result.stdout
 
 
+def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
+    arguments = ("--frames", "2", "--first", "3", "--clean", "2", "--worst", "worst")
+    result = _run("perception.py", *arguments, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    row = next(line.split() for line in result.stdout.splitlines() if line.startswith("all "))
+    recall, precision = map(float, row[5:7])
+    assert row[1] == "2"
+    assert recall > 0.9
+    assert precision > 0.9
+    assert "clean surfaces: 0 areas in 2 frames" in result.stdout
+    assert len(list((tmp_path / "worst").glob("*.png"))) == 2
+
+
 def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: Path) -> None:
     kept = tmp_path / "kept.jsonl"
     first = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)

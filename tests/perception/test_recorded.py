@@ -95,3 +95,19 @@ def test_a_picture_that_is_none_and_one_that_is_missing_are_named(
     (tmp_path / "colour-000.png").unlink()
     with pytest.raises(OSError, match=r"colour-000\.png"):
         load_frames(tmp_path)
+
+
+@pytest.mark.parametrize("missing", [True, False])
+def test_a_camera_may_stand_nobody_knows_where(
+    frames: tuple[Frame, ...], tmp_path: Path, missing: bool
+) -> None:
+    unlocated = replace(frames[0].camera, pose=np.eye(4), located=False)
+    save_frames([replace(frames[0], camera=unlocated)], tmp_path)
+    if missing:
+        described = json.loads((tmp_path / "camera.json").read_text())
+        del described["pose"]
+        (tmp_path / "camera.json").write_text(json.dumps(described))
+    (loaded,) = load_frames(tmp_path)
+    assert not loaded.camera.located
+    (area,) = perceive([loaded], scene(), np.random.default_rng(1)).areas
+    assert area.ellipse.centre == pytest.approx((0.1, 0.1), abs=0.02)

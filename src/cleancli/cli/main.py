@@ -31,6 +31,7 @@ SUMMARIES = {
     "execute": "Clean a simulated table: look, plan, act, until it is clean.",
     "report": "A run as a page, or several runs compared.",
     "scene": "What a scene holds, how it looks, what its robot reaches.",
+    "calibrate": "Adjust perception to a clean surface.",
     "perceive": "What is seen of a scene, or in recorded frames, step by step.",
     "act": "Try one action many times, and count how it truly ends.",
     "learn": "Improve a domain's probabilities from recorded experience.",

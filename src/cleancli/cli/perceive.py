@@ -93,6 +93,8 @@ def command(
     with located_in(*sources):
         seen = list(_seen(sets, setting, model, seed))
     last = seen[-1].look
+    for doubt in last.observation.doubts:
+        click.echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
     if saved is not None:
         save_frames(last.frames, saved)
     if out is not None:
@@ -166,6 +168,7 @@ def _described(seen: Sequence[_Seen]) -> dict[str, object]:
                 "areas": [_area(area, each) for area in each.look.areas],
                 "left_out": each.left_out,
                 "facts": _facts(each.look.state),
+                "doubts": list(each.look.observation.doubts),
                 "changes": [str(change) for change in each.known.changes],
                 "unseen": {
                     "share": round(each.known.unseen.share, 4),

@@ -34,9 +34,9 @@ def group(patches: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, link:
     owners = linked(middles, pixel_areas, link)
     covered = np.bincount(owners, pixel_areas)
     pixels = np.column_stack([columns, rows]).astype(np.float64)
-    ellipses = enclosing_ellipses(
-        [_outline(pixels[owners == owner], camera, plane) for owner in range(len(covered))]
-    )
+    hulls = [_hull(pixels[owners == owner]) for owner in range(len(covered))]
+    outlines = geometry.on_plane(camera, plane, np.vstack(hulls))
+    ellipses = enclosing_ellipses(np.split(outlines, np.cumsum([len(hull) for hull in hulls])[:-1]))
     areas = [Area(ellipse, float(share)) for ellipse, share in zip(ellipses, covered, strict=True)]
     return tuple(sorted(areas, key=lambda area: area.ellipse.centre))
 
@@ -90,11 +90,10 @@ def _half_turn(angle: float) -> float:
     return angle - pi if angle > pi / 2 else angle + pi if angle <= -pi / 2 else angle
 
 
-def _outline(pixels: Points, camera: Camera, plane: Plane) -> Points:
-    """The convex hull, on the surface, of whole pixels: of their corners, not of their middles."""
+def _hull(pixels: Points) -> Points:
+    """The convex hull of whole pixels: of their corners, not of their middles."""
     corners = (pixels[:, None, :] + _CORNERS).reshape(-1, 2)
-    hull = cv2.convexHull(corners.astype(np.float32))[:, 0, :]
-    return geometry.on_plane(camera, plane, hull.astype(np.float64))
+    return np.asarray(cv2.convexHull(corners.astype(np.float32))[:, 0, :], np.float64)
 
 
 def _moments(points: Points, weights: Points) -> tuple[Points, Points]:

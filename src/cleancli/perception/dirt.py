@@ -35,16 +35,16 @@ _MEAN = np.full((1, 3), 1 / 3, np.float32)
 
 @dataclass(frozen=True, slots=True)
 class Subtraction:
-    """What is left of the surface without its background, (height, width) both.
+    """What is left of the surface without its background, (height, width) each.
 
-    `left`: the pixels that no background region took in. `contrast`: how far each pixel's colour is from that
-    of the background around it, as a share of the brightness (root of the mean square of the channels).
-    `background`: the mean colour of the background around each pixel, (height, width, 3); 0 where none is.
+    `left`: the pixels that no background region took in; `background`: those that one did. `contrast`: how
+    far the colour of each pixel that is left is from that of the background around it, as a share of the
+    brightness (root of the mean square of the channels).
     """
 
     left: Mask
     contrast: NDArray[np.float32]
-    background: NDArray[np.float32]
+    background: Mask
 
 
 def subtract_background(
@@ -55,8 +55,8 @@ def subtract_background(
     `pixel_areas`: square metres of the surface behind each pixel.
     """
     background = _background(colour, surface, pixel_areas, thresholds)
-    contrast, mean = _contrast(colour, background)
-    return Subtraction(surface & ~background, contrast, mean)
+    left = surface & ~background
+    return Subtraction(left, _contrast(colour, background, left), background)
 
 
 def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
@@ -115,14 +115,20 @@ def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
     return np.asarray(cv2.transform(cv2.multiply(channels, channels), _MEAN), np.float32)
 
 
-def _contrast(colour: Image, background: Mask) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """1, the contrast of black, where there is no background near enough to compare with."""
+def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32]:
+    """Worked out around what is left alone, 0 elsewhere; 1, the contrast of black, where no background is
+    near enough to compare with."""
     size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)
     shown = cv2.bitwise_and(colour, colour, mask=weight)
-    number = cv2.boxFilter(weight, cv2.CV_32F, size, normalize=False)
     total = cv2.boxFilter(shown, cv2.CV_32F, size, normalize=False)
-    mean = total / np.maximum(number, np.float32(1))[:, :, None]
-    brightness = np.maximum(cv2.transform(mean, _MEAN), np.float32(DARKEST))
-    contrast = np.sqrt(_squares(colour - mean)) / brightness
-    contrast[number < 1] = 1
-    return np.asarray(contrast, np.float32), np.asarray(mean, np.float32)
+    number = cv2.boxFilter(weight, cv2.CV_32F, size, normalize=False)
+    # The median reaches a pixel beyond what is left, and each pixel is compared with its neighbours.
+    near = np.flatnonzero(cv2.dilate(left.view(np.uint8), np.ones((5, 5), np.uint8)))
+    compared = number.ravel()[near]
+    mean = total.reshape(-1, 3)[near] / np.maximum(compared, np.float32(1))[:, None]
+    brightness = np.maximum(mean.mean(axis=1), np.float32(DARKEST))
+    differences = colour.reshape(-1, 3)[near] - mean
+    found = np.sqrt((differences * differences).mean(axis=1)) / brightness
+    contrast = np.zeros(left.shape, np.float32)
+    contrast.ravel()[near] = np.where(compared < 1, np.float32(1), found)
+    return contrast

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.perception.geometry import Plane, PlaneView
-from cleancli.perception.surface import STRIDE
+from cleancli.perception.surface import STRIDE, Mask
 from cleancli.scene.calibration import Appearance
 from cleancli.scene.model import Surface
 
@@ -34,16 +34,16 @@ TURNED = 10.0
 Colours = NDArray[np.float64]
 
 
-def colours_of(background: NDArray[np.float32], seen_as: PlaneView, surface: Surface) -> Colours:
+def colours_of(image: NDArray[np.uint8], background: Mask, seen_as: PlaneView, surface: Surface) -> Colours:
     """Mean colours (ROWS * COLUMNS, 3) of the parts of the surface, from the south-west; NaN where unseen.
 
-    `background` (height, width, 3): the surface's colour at each pixel, 0 where it is not known.
+    `image` (height, width, 3) shows the surface itself where `background` (height, width) holds.
     """
     step = slice(STRIDE // 2, None, STRIDE)
-    colour, x, y = background[step, step], seen_as.x[step, step], seen_as.y[step, step]
+    colour, x, y = image[step, step], seen_as.x[step, step], seen_as.y[step, step]
     column = np.floor((x / surface.width + 0.5) * COLUMNS)
     row = np.floor((y / surface.depth + 0.5) * ROWS)
-    known = (colour.max(axis=2) > 0) & (column >= 0) & (column < COLUMNS) & (row >= 0) & (row < ROWS)
+    known = background[step, step] & (column >= 0) & (column < COLUMNS) & (row >= 0) & (row < ROWS)
     part = (row[known] * COLUMNS + column[known]).astype(int)
     number = np.bincount(part, minlength=ROWS * COLUMNS)
     total = np.stack([np.bincount(part, c, ROWS * COLUMNS) for c in colour[known].T.astype(float)], axis=1)

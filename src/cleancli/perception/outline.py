@@ -24,6 +24,9 @@ PLANES = 4
 LEAST_PART = 0.05
 """Share of the points that a plane must hold to be looked at."""
 
+FILLS = 0.8
+"""Share of the image that a plane must hold to fill the view: a floor with a table on it holds less."""
+
 FITS = 0.12
 """Share by which the sides of a plane's outline may differ from the surface's."""
 
@@ -87,7 +90,7 @@ def _outline(frame: Frame, normal: Points, offset: float, thresholds: Thresholds
     corners = geometry.on_plane(camera, plane, hull)
     (x, y), sides, angle = cv2.minAreaRect(corners.astype(np.float32))
     borders = (largest[0], largest[-1], largest[:, 0], largest[:, -1])
-    fills = all(border.mean() > 0.5 for border in borders)
+    fills = bool(largest.mean() > FILLS) and all(border.mean() > 0.5 for border in borders)
     return _Outline(plane, (float(x), float(y)), (float(sides[0]), float(sides[1])), radians(angle), fills)
 
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cleancli.perception import areas, dirt, fit, geometry, outline, surface
 from cleancli.perception.area import Area
@@ -95,7 +94,7 @@ def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) ->
     watch.lap("ellipses")
     hidden, hidden_mask = _hidden(seen, seen_as, scene)
     watch.lap("hidden")
-    doubts = _doubts(background, plane, seen_as, camera, scene)
+    doubts = _doubts(frames[-1], background, plane, seen_as, scene)
     watch.lap("doubts")
     shown = replace(steps[-1], believed=believed)
     relative = geometry.relative_to(plane, camera)
@@ -129,8 +128,8 @@ def find_surface(frame: Frame, scene: Scene, thresholds: Thresholds, rng: np.ran
 
 def _segmented(
     frame: Frame, seen_as: PlaneView, extent: Mask, thresholds: Thresholds, watch: _Watch
-) -> tuple[Steps, NDArray[np.float32]]:
-    """One frame's masks, and the background's colours; what is believed after it alone is what it shows."""
+) -> tuple[Steps, Mask]:
+    """One frame's masks, of which the last is believed as it is, and which pixels show the background."""
     on_surface = surface.surface_mask(frame, seen_as, extent, thresholds)
     watch.lap("surface")
     objects = surface.object_mask(frame, seen_as, thresholds)
@@ -152,9 +151,9 @@ def _hidden(seen: Mask, seen_as: PlaneView, scene: Scene) -> tuple[float, Mask]:
 
 
 def _doubts(
-    background: NDArray[np.float32], plane: Plane, seen_as: PlaneView, camera: Camera, scene: Scene
+    frame: Frame, background: Mask, plane: Plane, seen_as: PlaneView, scene: Scene
 ) -> tuple[str, ...]:
     if scene.calibration is None:
         return ()
-    colours = fit.colours_of(background, seen_as, scene.surface)
-    return fit.doubts(colours, fit.tilt_of(plane, camera.pose[:3, 2]), scene.calibration.appearance)
+    colours = fit.colours_of(frame.colour, background, seen_as, scene.surface)
+    return fit.doubts(colours, fit.tilt_of(plane, frame.camera.pose[:3, 2]), scene.calibration.appearance)

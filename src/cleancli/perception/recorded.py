@@ -1,7 +1,7 @@
 """Frames on disk: one folder a set, so that perception runs on what a camera has recorded.
 
-A set is `camera.json` (size, focal length, optical centre, pose, and the clock of each frame), and for each
-frame `colour-000.png` (RGB) and `depth-000.png` (16 bits, millimetres, 0 where unknown).
+A set is `camera.json` (size, focal length, optical centre, pose if it is known, the clock of each frame), and
+for each frame `colour-000.png` (RGB) and `depth-000.png` (16 bits, millimetres, 0 where unknown).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def save_frames(frames: Sequence[Frame], folder: Path) -> None:
         "height": camera.height,
         "focal": camera.focal,
         "centre": list(camera.centre),
-        "pose": camera.pose.tolist(),
+        "pose": camera.pose.tolist() if camera.located else None,
         "clocks": [frame.clock for frame in frames],
     }
     (folder / CAMERA).write_text(json.dumps(described, indent=2) + "\n", encoding="utf-8")
@@ -56,13 +56,19 @@ def load_frames(folder: Path) -> tuple[Frame, ...]:
 def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
     try:
         described = json.loads(path.read_text(encoding="utf-8"))
-        pose = np.array(described["pose"], np.float64)
+        located = described.get("pose") is not None
+        pose = np.array(described["pose"], np.float64) if located else np.eye(4)
         x, y = map(float, described["centre"])
         clocks = tuple(map(float, described["clocks"]))
         camera = Camera(
-            int(described["width"]), int(described["height"]), float(described["focal"]), (x, y), pose
+            int(described["width"]),
+            int(described["height"]),
+            float(described["focal"]),
+            (x, y),
+            pose,
+            located,
         )
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadRecording(f"{path}: no description of a camera ({error!r})") from error
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
         raise BadRecording(f"{path}: `pose` must be a matrix of 4 rows of 4 numbers")
