@@ -69,7 +69,8 @@ def test_a_plan_expects_of_each_step_what_the_likeliest_ones_before_leave() -> N
 def test_a_failure_is_told_with_its_reason_and_rivals_expect_nothing() -> None:
     robot = Scripted(SCENE, lambda strokes: [(0.0, 0.1)], lambda strokes: Status.FAILED)
     setup = Setup(DOMAIN, DOMAIN, SCENE, Job.CONTAINER, EpisodeOptions(strategy="reactive", max_actions=2))
-    records = lines(Site(setup, TableCell(DOMAIN, SCENE, robot, 1), None, dict, lambda: None))
+    cell = TableCell(DOMAIN, SCENE, robot, 1)
+    records = lines(Site(setup, cell, None, dict, dict, robot.stop, lambda: None))
     failed = [record for record in records if isinstance(record, journal.Failed)]
     assert failed
     assert failed[0].reason == "something holds the tool back"

@@ -48,7 +48,7 @@ def episode(
     events = []
     with closing(table_site(domain, scene, EpisodeOptions(samples=2000))) as site:
         entries = Entries(site.setup.domain, lambda: site.cell.clock)
-        with Recorder(folder, {"seed": 1}, site.picture, True, entries) as recorder:
+        with Recorder(folder, {"seed": 1}, site.picture, True, entries, site.save) as recorder:
             for event in clean(site.setup, site.cell):
                 recorder.write(event)
                 events.append(event)

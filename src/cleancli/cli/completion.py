@@ -94,7 +94,7 @@ ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
     "explain": (("domain", 1, domains), ("problem", 1, problems), ("action", 1, actions)),
     "plan": (("domain", 1, domains), ("problem", 1, problems)),
     "simulate": (("domain", 1, domains), ("problem", 1, problems)),
-    "execute": (("domain", 1, domains), ("scene", 1, problems)),
+    "execute": (("domain", 1, domains), ("problem", 1, problems)),
     "scene": (("scene", 1, problems),),
     "perceive": (("scene_or_folder", 1, problems),),
     "act": (("scene", 1, problems), ("action", 1, None)),
