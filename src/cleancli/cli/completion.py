@@ -96,6 +96,7 @@ ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
     "simulate": (("domain", 1, domains), ("problem", 1, problems)),
     "execute": (("domain", 1, domains), ("problem", 1, problems)),
     "scene": (("scene", 1, problems),),
+    "calibrate": (("scene", 1, problems),),
     "perceive": (("scene_or_folder", 1, problems),),
     "act": (("scene", 1, problems), ("action", 1, None)),
     "learn": (("domain", 1, domains), ("experience", -1, None)),
