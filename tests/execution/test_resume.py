@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.cli.resume import alone_in, uninterrupted
+from cleancli.cli.resume import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
 from cleancli.execution import checkpoint, record
 from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
@@ -137,17 +137,16 @@ def test_two_processes_do_not_go_on_with_one_run(
     assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
 
 
-def test_ctrl_c_waits_for_what_must_not_be_cut_short() -> None:
-    done = []
+def test_ctrl_c_is_kept_until_the_loop_looks_and_works_at_once_the_third_time() -> None:
+    def press(times: int) -> int:
+        with interruptions() as pressed:
+            for _ in range(times):
+                signal.raise_signal(signal.SIGINT)
+            return len(pressed)
 
-    def work() -> None:
-        with uninterrupted():
-            signal.raise_signal(signal.SIGINT)
-            done.append(True)
-
+    assert press(2) == 2
     with pytest.raises(KeyboardInterrupt):
-        work()
-    assert done
+        press(3)
 
 
 def test_a_table_goes_on_after_a_kill(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from cleancli.cli.live import show
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
-from cleancli.cli.resume import Inputs, alone_in, unfinished, uninterrupted
+from cleancli.cli.resume import Inputs, alone_in, interruptions, unfinished
 from cleancli.execution.checkpoint import World, cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
@@ -225,10 +225,12 @@ def _carry_out(
         show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions) as view,
     ):
         try:
-            for event in clean(setup, cell, saved):
-                with uninterrupted():
+            with interruptions() as pressed:
+                for event in clean(setup, cell, saved):
                     recorder.write(event)
-                view.write(event)
+                    view.write(event)
+                    if pressed:
+                        raise KeyboardInterrupt
         except KeyboardInterrupt:
             site.stop()
             recorder.note(Interrupted(cell.clock))
