@@ -1,9 +1,9 @@
 """Runs killed at random moments: `python benchmarks/faults.py [--symbolic N] [--tables N] [--seed N]`.
 
-Each run is killed (SIGKILL) at a moment drawn evenly over the time that a whole one takes, and once more with
-probability one half after it was resumed; then it goes on to its end. After each kill every file must be
-readable: run.json, all whole lines of journal and experience, the checkpoint. Exits with 1 if one is not, or
-a run does not end.
+Each run is killed (SIGKILL) at a moment drawn evenly over the time that a whole one takes from the first
+line of its journal to its end, and once more with probability one half after it was resumed; then it goes on
+to its end. After each kill every file must be readable: run.json, all whole lines of journal and experience,
+the checkpoint. Exits with 1 if one is not, or a run does not end.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pathlib import Path
 from cleancli.execution import checkpoint
 from cleancli.execution.journal import JOURNAL, Ended, read_journal
 
+POLL = 2e-3  # seconds between looks at the journal
 PROBLEMS = {"symbolic": "three_areas", "tables": "two_groups"}
 
 
@@ -43,9 +44,23 @@ def unreadable(folder: Path) -> str:
     return ""
 
 
-def killed(words: list[str], seconds: float, cwd: Path) -> bool:
-    """Whether the process was still at work after so many seconds, and was killed."""
+def at_work(words: list[str], folder: Path, cwd: Path) -> subprocess.Popen[bytes] | None:
+    """A process that has added to the run's journal, or None where it ended before it did."""
+    journal = folder / JOURNAL
+    before = journal.stat().st_size if journal.exists() else 0
     process = subprocess.Popen(command(*words), cwd=cwd, stderr=subprocess.DEVNULL)
+    while not journal.exists() or journal.stat().st_size <= before:
+        if process.poll() is not None:
+            return None
+        time.sleep(POLL)
+    return process
+
+
+def killed(words: list[str], seconds: float, folder: Path, cwd: Path) -> bool:
+    """Whether the process was still at work so many seconds after its first line, and was killed."""
+    process = at_work(words, folder, cwd)
+    if process is None:
+        return False
     try:
         process.wait(seconds)
     except subprocess.TimeoutExpired:
@@ -55,24 +70,30 @@ def killed(words: list[str], seconds: float, cwd: Path) -> bool:
     return False
 
 
+def working_time(problem: str, seed: int, cwd: Path) -> float:
+    """Seconds from the first line of a whole run's journal to its end."""
+    folder = cwd / "whole" / f"{problem}-seed{seed}-001"
+    words = ["cleaning", problem, "--seed", str(seed), "--no-video", "--runs", "whole"]
+    process = at_work(words, folder, cwd)
+    assert process is not None, "a run that nobody kills writes a journal"
+    started = time.perf_counter()
+    process.wait()
+    return time.perf_counter() - started
+
+
 def survived(problem: str, seed: int, whole: float, rng: random.Random, cwd: Path) -> tuple[int, str]:
     """How often a run was killed, and what went wrong, if anything did."""
     words = ["cleaning", problem, "--seed", str(seed), "--no-video"]
     folder = cwd / "runs" / f"{problem}-seed{seed}-001"
     kills = 0
-    while True:
-        if not killed(words, rng.uniform(0, whole), cwd):
-            break
+    while killed(words, rng.uniform(0, whole), folder, cwd):
         kills += 1
-        if (folder / "run.json").exists():
-            why = unreadable(folder)
-            if why:
-                return kills, why
-            words = ["--resume", str(folder)]
+        why = unreadable(folder)
+        if why:
+            return kills, why
+        words = ["--resume", str(folder)]
         if rng.random() < 0.5:
             break
-    if not (folder / "run.json").exists():
-        return kills, ""  # killed before there was anything to lose
     if json.loads((folder / "run.json").read_text(encoding="utf-8")).get("episode") is None:
         ended = subprocess.run(command("--resume", str(folder)), cwd=cwd, capture_output=True, text=True)
         if ended.returncode not in (0, 3):
@@ -93,9 +114,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as temporary:
             cwd = Path(temporary)
             started = time.perf_counter()
-            if number:
-                subprocess.run(command("cleaning", problem, "--no-video", "--runs", "whole"), cwd=cwd)
-            whole = time.perf_counter() - started
+            whole = working_time(problem, asked.seed, cwd) if number else 0.0
             for seed in range(asked.seed, asked.seed + number):
                 died, wrong = survived(problem, seed, whole, rng, cwd)
                 kills += died

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -107,3 +108,9 @@ def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:
     assert not result.stderr
     share = next(line for line in result.stdout.splitlines() if line.startswith("areas matched right"))
     assert float(share.split()[-1]) > 0.8
+
+
+def test_a_run_killed_at_random_moments_loses_nothing(tmp_path: Path) -> None:
+    result = _run("faults.py", "--symbolic", "2", "--tables", "0", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert re.search(r"symbolic: 2 runs, [1-9]\d* kills, 0 failures", result.stdout)

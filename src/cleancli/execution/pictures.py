@@ -55,8 +55,11 @@ class Video:
     """An H.264 file of pictures at even steps of robot time; cut short by a crash, it can still be read."""
 
     def __init__(self, path: Path) -> None:
-        self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})
-        self._stream = self._container.add_stream("libx264", rate=VIDEO_RATE)
+        # Each second of the video is a fragment of its own, written as soon as it is over.
+        options = {"movflags": "frag_keyframe+empty_moov", "flush_packets": "1"}
+        self._container = av.open(str(path), "w", options=options)
+        self._stream = self._container.add_stream("libx264", rate=VIDEO_RATE, options={"tune": "zerolatency"})
+        self._stream.gop_size = VIDEO_RATE
         self._stream.pix_fmt = "yuv420p"  # the one colour layout that every player knows
         self._empty = True
         self._due = 0.0
