@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.cli.resume import alone_in, interruptions
+from cleancli.cli.running import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
 from cleancli.execution import checkpoint, record
 from cleancli.execution.journal import Acted, Ended, Resumed, read_journal

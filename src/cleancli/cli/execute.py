@@ -21,23 +21,22 @@ from cleancli.cli.live import show
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
-from cleancli.cli.resume import Inputs, alone_in, interruptions, unfinished
-from cleancli.execution.checkpoint import World, cut_back
+from cleancli.cli.resume import unfinished
+from cleancli.cli.running import Inputs, alone_in, interruptions, open_site
+from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
 from cleancli.execution.journal import Interrupted, Resumed
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
 from cleancli.execution.setup import EpisodeOptions, Job
-from cleancli.execution.site import Site, symbolic_site, table_site
+from cleancli.execution.site import Site
 from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics import Source
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain
-from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.table import PLANNERS
-from cleancli.scene.model import Scene
 from cleancli.shipped import find
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
@@ -160,7 +159,7 @@ def command(
         known,
     )
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
-    with closing(_site(inputs)) as site:
+    with closing(open_site(inputs)) as site:
         folder = free_folder(runs, f"{given.name}-seed{options.seed}")
         with alone_in(folder):
             header = _header(options, site.setup.job, _copied(sources, folder))
@@ -195,7 +194,7 @@ def _go_on(folder: Path, said: _Said) -> int:
     """Go on with a run that was cut short, from its last checkpoint."""
     begun = unfinished(folder)
     world = None if begun.saved is None else begun.saved.world
-    with closing(_site(begun.inputs, world)) as site:
+    with closing(open_site(begun.inputs, world)) as site:
         dropped = cut_back(folder, begun.saved)
         after = 0 if begun.saved is None else begun.saved.episode.actions
         resumed = Resumed(after, dropped)
@@ -251,30 +250,6 @@ def _carry_out(
     elif not said.quiet:
         click.echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
-
-
-def _site(inputs: Inputs, world: World | None = None) -> Site:
-    """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
-
-    Raises UsageError for what it has not, Refused (E706) where the checkpoint is another world's.
-    """
-    given, options, job = inputs.given, inputs.options, inputs.job
-    with located_in(*inputs.sources), planning_refused(inputs.sources):
-        try:
-            if isinstance(given, Scene):
-                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
-                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
-                return table_site(inputs.domain, given, options, job, world)
-            if STRATEGIES[options.strategy].needs_places:
-                raise click.UsageError(
-                    f"--strategy {options.strategy} goes by places, which only a scene has"
-                )
-            return symbolic_site(inputs.domain, given, options, world)
-        except (KeyError, TypeError, ValueError) as error:
-            if world is None:
-                raise
-            message = f"the last checkpoint is not one of this world: {error}"
-            raise Refused([Diagnostic("E706", message, None)]) from None
 
 
 def _by_time(objective: str | None, domain: Domain) -> bool:

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import signal
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -17,26 +13,14 @@ import click
 import msgspec
 
 from cleancli import __version__
+from cleancli.cli.running import Inputs
 from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import checked_domain, kind_of, load_problem
-from cleancli.language.model import Domain, Problem
 from cleancli.report.run import Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene
-from cleancli.scene.model import Scene
-
-
-@dataclass(frozen=True, slots=True)
-class Inputs:
-    """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last."""
-
-    domain: Domain
-    given: Problem | Scene
-    sources: tuple[Source, ...]
-    options: EpisodeOptions
-    job: Job | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,48 +31,6 @@ class Unfinished:
     header: Mapping[str, Any]
     saved: Saved | None
     video: bool
-
-
-@contextmanager
-def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other processes from working on the same run. Raises UsageError where one does already."""
-    try:
-        import fcntl  # not on Windows, where two at once are the user's own concern
-    except ImportError:
-        yield
-        return
-    # The folder itself: its files are replaced by others while the run goes on.
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(handle)
-        raise click.UsageError(f"another process works on {folder}") from None
-    try:
-        yield
-    finally:
-        os.close(handle)
-
-
-@contextmanager
-def interruptions() -> Iterator[list[int]]:
-    """What Ctrl-C adds to, for a loop to look at where it may end; a library would swallow an exception, or
-    be left half done by it. Pressed three times, it interrupts at once."""
-    pressed: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield pressed
-        return
-
-    def press(number: int, _: object) -> None:
-        pressed.append(number)
-        if len(pressed) > 2:
-            raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGINT, press)
-    try:
-        yield pressed
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def unfinished(folder: Path) -> Unfinished:

@@ -1,0 +1,101 @@
+"""What a new run and one that goes on share: what goes in, where it takes place, and who may disturb it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from cleancli.cli.inputs import located_in
+from cleancli.cli.refusal import planning_refused
+from cleancli.execution.checkpoint import World
+from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.site import Site, symbolic_site, table_site
+from cleancli.execution.strategies import STRATEGIES
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.scene.model import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last."""
+
+    domain: Domain
+    given: Problem | Scene
+    sources: tuple[Source, ...]
+    options: EpisodeOptions
+    job: Job | None
+
+
+def open_site(inputs: Inputs, world: World | None = None) -> Site:
+    """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
+
+    Raises UsageError for what it has not, Refused (E706) where the checkpoint is another world's.
+    """
+    given, options, job = inputs.given, inputs.options, inputs.job
+    with located_in(*inputs.sources), planning_refused(inputs.sources):
+        try:
+            if isinstance(given, Scene):
+                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
+                return table_site(inputs.domain, given, options, job, world)
+            if STRATEGIES[options.strategy].needs_places:
+                raise click.UsageError(
+                    f"--strategy {options.strategy} goes by places, which only a scene has"
+                )
+            return symbolic_site(inputs.domain, given, options, world)
+        except (KeyError, TypeError, ValueError) as error:
+            if world is None:
+                raise
+            message = f"the last checkpoint is not one of this world: {error}"
+            raise Refused([Diagnostic("E706", message, None)]) from None
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Keep other processes from working on the same run. Raises UsageError where one does already."""
+    try:
+        import fcntl  # not on Windows, where two at once are the user's own concern
+    except ImportError:
+        yield
+        return
+    # The folder itself: its files are replaced by others while the run goes on.
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise click.UsageError(f"another process works on {folder}") from None
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def interruptions() -> Iterator[list[int]]:
+    """What Ctrl-C adds to, for a loop to look at where it may end; a library would swallow an exception, or
+    be left half done by it. Pressed three times, it interrupts at once."""
+    pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
+
+    def press(number: int, _: object) -> None:
+        pressed.append(number)
+        if len(pressed) > 2:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
