@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 
@@ -59,6 +60,23 @@ def dying_at_sync(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.fsync", dies)
 
 
+def deaths(
+    dying: Callable[[int, pytest.MonkeyPatch], None], moments: Iterable[int], monkeypatch: pytest.MonkeyPatch
+) -> Iterator[int]:
+    """The moments at which a run died, each a run of its own; ends with the first that it outlives."""
+    for moment in moments:
+        shutil.rmtree("cut", ignore_errors=True)
+        with monkeypatch.context() as patched:
+            dying(moment, patched)
+            try:
+                run([*WORDS, "--runs", "cut"])
+            except Killed:
+                pass
+            else:
+                return
+        yield moment
+
+
 @pytest.fixture(autouse=True)
 def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -74,22 +92,13 @@ def test_a_run_that_dies_anywhere_is_readable_and_goes_on_to_the_same_end(
     assert run([*WORDS, "--runs", "whole"]) == 0
     whole = Path("whole/three_areas-seed5-001")
     folder = Path("cut/three_areas-seed5-001")
-    for events in range(0, 40, 3):
-        shutil.rmtree("cut", ignore_errors=True)
-        with monkeypatch.context() as patched:
-            dying_after(events, patched)
-            try:
-                run([*WORDS, "--runs", "cut"])
-            except Killed:
-                pass
-            else:
-                break
+    for events in deaths(dying_after, range(0, 40, 3), monkeypatch):
         assert "episode" not in json.loads((folder / "run.json").read_text())
         assert read_journal(folder).cut
         assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
         journal = read_journal(folder)
         assert not journal.cut
-        assert actions(folder) == actions(whole)
+        assert actions(folder) == actions(whole), f"cut after {events} events"
         assert sum(isinstance(each, Resumed) for each in journal.records) == 1
         ended = journal.records[-1]
         assert isinstance(ended, Ended)
@@ -105,20 +114,11 @@ def test_a_run_that_dies_anywhere_is_readable_and_goes_on_to_the_same_end(
 def test_a_run_that_dies_at_any_write_goes_on_to_the_same_end(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run([*WORDS, "--runs", "whole"]) == 0
     whole, folder = Path("whole/three_areas-seed5-001"), Path("cut/three_areas-seed5-001")
-    for number in itertools.count():
-        shutil.rmtree("cut", ignore_errors=True)
-        with monkeypatch.context() as patched:
-            dying_at_sync(number, patched)
-            try:
-                run([*WORDS, "--runs", "cut"])
-            except Killed:
-                pass
-            else:
-                break
+    for number in deaths(dying_at_sync, itertools.count(), monkeypatch):
         if (folder / "run.json").exists():
             ended = json.loads((folder / "run.json").read_text()).get("episode") is not None
             assert run(["execute", "--resume", str(folder), "--quiet"]) == (2 if ended else 0)
-            assert actions(folder) == actions(whole)
+            assert actions(folder) == actions(whole), f"cut at write {number}"
             assert ended or not [p for p in folder.rglob(".*") if p.is_file()]
     assert number > 10
 

@@ -129,7 +129,10 @@ def _clear_look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: S
     motions = yield from cell.withdraw()
     if motions.failure:
         return replace(state, reason=f"the arm cannot leave the camera's view: {motions.failure}")
-    state = replace(state, spent=_with_motion(state.spent, purpose, motions))
+    seconds = motions.transit + motions.seconds
+    state = replace(
+        state, spent=_with(state.spent, purpose, seconds, transits=state.spent.transits + seconds)
+    )
     state = yield from _look(cell, state, purpose, stroke)
     return replace(state, clear_looks=state.clear_looks + 1)
 
@@ -147,7 +150,9 @@ def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke 
     yield Looked(sight.situation, sight.frame, sight.seconds, purpose)
     # With a move in the queue the arm is on its way to it while the picture is understood.
     waited = 0.0 if purpose is Purpose.AFTER and state.queue else sight.seconds
-    return replace(state, spent=_with_look(state.spent, purpose, waited))
+    return replace(
+        state, spent=_with(state.spent, purpose, waited, perceiving=state.spent.perceiving + waited)
+    )
 
 
 def _carry_out(setup: Setup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
@@ -245,24 +250,13 @@ def _seen_before(domain: Domain) -> tuple[tuple[int, int], ...]:
     return tuple((index, count) for index, count in counts if count)
 
 
-def _with_motion(spent: Account, purpose: Purpose, motions: Motions) -> Account:
-    """The account after the arm has left the view."""
-    seconds = motions.transit + motions.seconds
+def _with(spent: Account, purpose: Purpose, seconds: float, **otherwise: float) -> Account:
+    """The account after a look for some purpose, or a way out of view for it, took so long; `otherwise`: what
+    it comes to where the look is no more than the loop's next one."""
     match purpose:
         case Purpose.LEARNING:
             return replace(spent, learning=spent.learning + seconds)
         case Purpose.EXTRA:
             return replace(spent, extra_perceptions=spent.extra_perceptions + seconds)
         case Purpose.FIRST | Purpose.AFTER:
-            return replace(spent, transits=spent.transits + seconds)
-
-
-def _with_look(spent: Account, purpose: Purpose, seconds: float) -> Account:
-    """The account after a look that was waited for so long."""
-    match purpose:
-        case Purpose.LEARNING:
-            return replace(spent, learning=spent.learning + seconds)
-        case Purpose.EXTRA:
-            return replace(spent, extra_perceptions=spent.extra_perceptions + seconds)
-        case Purpose.FIRST | Purpose.AFTER:
-            return replace(spent, perceiving=spent.perceiving + seconds)
+            return replace(spent, **otherwise)
