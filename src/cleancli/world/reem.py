@@ -37,15 +37,21 @@ class Reem:
         """(k, 14) joints along the rag's path and back to rest in between where the dustpan takes part."""
         right, left = self._right.joints(), self._left.joints()
         if path.dustpan is None:
-            return self._checked(_one(self._right.planned(path, offset, right), left))
-        lower = self._left.put_down(path.dustpan, left)
-        push = self._right.planned(path, offset, right)
-        rest = np.array(build_for(1).rest)
-        back = self._right.through_air(push[-1], rest, TRANSIT_SPEED)
-        away = self._left.emptied(path.dustpan, lower[-1])
+            return self._checked(_one(np.concatenate(self._right.pieces(path, offset, right)), left))
+        lower, turning, lifting = self._left.put_down(path.dustpan, left)
+        *push, leaving = self._right.pieces(path, offset, right)
+        pushed, held = np.concatenate(push), turning[-1]
+        back = self._right.through_air(leaving[-1], np.array(build_for(1).rest), TRANSIT_SPEED)
+        away = np.concatenate((lifting, self._left.emptied(path.dustpan, lifting[-1])))
         return self._checked(
             np.concatenate(
-                (_other(lower, right), _one(np.concatenate((push, back)), lower[-1]), _other(away, rest))
+                (
+                    _other(lower, right),
+                    _one(pushed, lower[-1]),
+                    _both(leaving, turning),
+                    _one(back, held),
+                    _other(away, back[-1]),
+                )
             )
         )
 
@@ -140,3 +146,10 @@ def _one(right: _Array, left: _Array) -> _Array:
 
 def _other(left: _Array, right: _Array) -> _Array:
     return np.column_stack((np.tile(right, (len(left), 1)), left))
+
+
+def _both(right: _Array, left: _Array) -> _Array:
+    """Both at once; who is done first waits."""
+    count = max(len(right), len(left))
+    waiting = [np.concatenate((way, np.repeat(way[-1:], count - len(way), axis=0))) for way in (right, left)]
+    return np.column_stack(waiting)
