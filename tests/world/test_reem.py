@@ -12,7 +12,7 @@ import pytest
 
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import forward
-from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
@@ -101,8 +101,25 @@ def test_arms_that_would_touch_do_not_move(scene: MakeScene) -> None:
         drive._checked(here[None])
         crossed = np.concatenate((drive._right.joints(), drive._left.joints()))
         crossed[[0, 7]] = 1.2, -1.2
-        with pytest.raises(Exception, match="touch each other"):
+        with pytest.raises(Unreachable, match="the arms would touch each other"):
             drive._checked(crossed[None])
+
+
+def test_a_hand_that_would_touch_the_dustpan_does_not_move(scene: MakeScene) -> None:
+    setting = desk(scene)
+    with closing(PybulletTable(setting, LOW_RAG)) as table:
+        table.start(tool_path("pickUp", (AREA,), setting))
+        drive, way = table._drive, table._ahead.copy()
+        assert isinstance(drive, Reem)
+        drive._checked(way)
+        heights = forward(drive._arms[1], way[:, 7:])[:, 2, 3]
+    times = np.arange(1, len(way))
+    right, left = (np.diff(part, axis=0).any(axis=1) for part in np.hsplit(way, 2))
+    down = times[right & (heights[1:] < 0.01)][0]
+    leaving = times[left & (times > down)][0]  # the rag still stands on the dustpan
+    lifted = times[(heights[1:] > 0.05) & (times > leaving)][0]
+    with pytest.raises(Unreachable, match="the right arm would touch the dustpan"):
+        drive._checked(np.concatenate((way[leaving, :7], way[lifted, 7:]))[None])
 
 
 def test_what_the_rag_can_not_reach_fails_with_a_reason(scene: MakeScene) -> None:

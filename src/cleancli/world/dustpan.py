@@ -127,6 +127,22 @@ def dustpan_for(engine: Engine) -> Held:
     return Held(tuple(links), -1, half, tune)
 
 
+def outline(frames: _Array) -> _Array:
+    """(n, 4, 2, 3) both ends of the upper edges of the three walls, and of the plate's middle line, of
+    dustpans with `frames` (n, 4, 4), metres."""
+    y, side = robots.PAN_WIDTH / 2 + robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    ends = np.array(
+        [
+            [(-PAN_LENGTH, -y, side), (0, -y, side)],
+            [(-PAN_LENGTH, y, side), (0, y, side)],
+            [(0, -y, _BACK + side), (0, y, _BACK + side)],
+            [(-PAN_LENGTH, 0, robots.PAN_LIP), (0, 0, _BACK)],
+        ]
+    )
+    turned: _Array = np.einsum("nij,skj->nski", frames[:, :3, :3], ends)
+    return turned + frames[:, None, None, :3, 3]
+
+
 def within(frame: _Array, points: _Array) -> NDArray[np.bool_]:
     """(n,) whether each of `points` (n, 3) lies in a dustpan whose frame is `frame` (4, 4)."""
     local = (points - frame[:3, 3]) @ frame[:3, :3]
