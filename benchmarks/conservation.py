@@ -104,8 +104,8 @@ def random_action(rng: np.random.Generator, scene: Scene) -> tuple[str, tuple[El
     return action, tuple(ellipses)
 
 
-def try_table(robot: str, number: int, actions: int, rng: np.random.Generator) -> list[str]:
-    """Random actions upon one table; everything that went wrong."""
+def try_table(robot: str, number: int, actions: int, rng: np.random.Generator) -> tuple[list[str], int]:
+    """Random actions upon one table; what went wrong, and how many actions failed (out of reach)."""
     edge = ("north", "east", "south", "west")[number % 4]
     scene = scene_for(robot, edge)
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
@@ -134,7 +134,7 @@ def try_table(robot: str, number: int, actions: int, rng: np.random.Generator) -
         print(
             f"{robot}, table {number} ({edge}): {actions} actions, {failed} failed; {where} {truth.on_floor}"
         )
-    return wrong
+    return wrong, failed
 
 
 def main() -> int:
@@ -146,12 +146,17 @@ def main() -> int:
     options = parser.parse_args()
     rng, began = np.random.default_rng(options.seed), time.process_time()
     wrong: list[str] = []
+    done = options.actions
     for number in range(-(-options.actions // ROUND)):
-        wrong += try_table(options.robot, number, min(ROUND, options.actions - number * ROUND), rng)
+        more, failed = try_table(options.robot, number, min(ROUND, options.actions - number * ROUND), rng)
+        wrong, done = wrong + more, done - failed
     for fault in wrong[:20]:
         print(fault)
     spent = time.process_time() - began
-    print(f"{options.robot}: {len(wrong)} faults in {options.actions} actions, {spent:.0f} s of CPU")
+    print(
+        f"{options.robot}: {len(wrong)} faults in {options.actions} actions, {done} of them carried out,"
+        f" {spent:.0f} s of CPU"
+    )
     return 1 if wrong else 0
 
 
