@@ -7,7 +7,8 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 - ink: how much ink a pass takes.
 
 All of it takes more than an hour of CPU. With --keep every trial is written to a file as soon as it is done,
-and trials that stand there already are not done again. `--quick` tries little of everything.
+and trials that stand there already are not done again. `--action NAME` makes the rows of one action alone.
+`--quick` tries little of everything.
 """
 
 from __future__ import annotations
@@ -300,6 +301,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--part", choices=("actions", "path", "ink"), help="[default: all of them]")
+    parser.add_argument("--action", choices=tuple(ARITIES), help="[default: all of them]")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     repeat = 2 if options.quick else options.repeat
@@ -307,6 +309,7 @@ def main() -> None:
     grasps = ("wide", "corner") if options.quick else tuple(SHIPPED)
     kinds = ("compact",) if options.quick else tuple(LAYOUTS)
     names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(ARITIES)
+    names = (options.action,) if options.action else names
     parts = {
         "actions": lambda: actions(run, names, kinds, grasps),
         "path": lambda: paths(run if options.quick else replace(run, repeat=3 * repeat), kinds),

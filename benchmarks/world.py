@@ -51,7 +51,7 @@ DESK = replace(
     SCENE,
     surface=Surface(0.50, 0.40, 0.45, (205, 198, 184)),
     container=Container("south", 0.0, 0.32, 0.16),
-    dirt=(Scattered(40, (-0.12, -0.15), (0.12, 0.15)),),
+    dirt=(Scattered(40, (-0.06, -0.16), (0.20, 0.06)),),
 )
 SCENES = {
     robot: replace(scene, robot=robot) for robot, scene in (("gantry", SCENE), ("wam", SMALL), ("reem", DESK))

@@ -122,6 +122,7 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
     }
     assert askers == {
         "cli/execute.py",
+        "cli/scene.py",
         "environment/clean_table.py",
         "execution/site.py",
         "execution/trials.py",

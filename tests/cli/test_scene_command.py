@@ -43,6 +43,13 @@ def test_a_scene_is_told_and_drawn(scene: str, tmp_path: Path, capsys: pytest.Ca
     assert [dirt["of"] for dirt in json.loads(capsys.readouterr().out)["dirt"]] == ["peas", "lentils"]
 
 
+def test_what_lies_out_of_reach_is_counted(scene: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["scene", scene, "--robot", "reem"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[1].startswith("robot: reem, reaches 3"), "a fifth to two fifths of a table so large"
+    assert said[3] == "out of reach: 3 of 9 pieces of dirt"
+
+
 def test_without_a_display_the_window_is_refused(
     scene: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

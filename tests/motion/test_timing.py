@@ -63,6 +63,11 @@ def test_the_tool_stops_where_it_comes_down_and_runs_on_around_a_corner() -> Non
     assert off < 2e-3, "a corner is rounded off by less than a lentil"
 
 
+def test_the_tool_stops_between_a_slope_and_the_way_up() -> None:
+    parts = line((0, 0, 0, 0), (0.1, 0, 0, 0), (0.15, 0, 0.008, 0), (0.15, 0, 0.058, 0))
+    assert [leg.points[-1].tolist()[:3] for leg in parts] == [[0.1, 0, 0], [0.15, 0, 0.008], [0.15, 0, 0.058]]
+
+
 def test_standing_still_takes_no_time() -> None:
     assert line((0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 0)) == ()
     assert len(timed(Course(np.zeros((1, 4)), np.zeros(1), np.ones(1)), LIMITS, STEP)) == 0

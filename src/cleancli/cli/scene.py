@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
@@ -17,8 +18,9 @@ from cleancli.cli.inputs import open_scene
 from cleancli.execution.overlay import reach_map
 from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Purpose, derived
+from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
-from cleancli.world.reach import reach
+from cleancli.world.reach import missed, reach
 from cleancli.world.table import PybulletTable
 
 _FILE = click.Path(path_type=Path, dir_okay=False)
@@ -28,6 +30,9 @@ _FILE = click.Path(path_type=Path, dir_okay=False)
 @click.argument("scene", shell_complete=problems)
 @click.option("--out", type=_FILE, help="Write a PNG picture: what the camera sees, beside the room.")
 @click.option("--reach", "reached", type=_FILE, help="Write a PNG map of where the robot reaches.")
+@click.option(
+    "--robot", type=click.Choice(DRIVES), help="The robot that stands there. [default: the scene's]"
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of where dirt lies. [default: the scene's]")
 @click.option("--gui", is_flag=True, help="Show the table in a window until that is closed.")
 @click.option("--json", "as_data", is_flag=True, help="Print it as JSON.")
@@ -35,6 +40,7 @@ def command(
     scene: str,
     out: Path | None,
     reached: Path | None,
+    robot: str | None,
     seed: int | None,
     gui: bool,
     as_data: bool,
@@ -43,17 +49,32 @@ def command(
     if gui and not has_display():
         raise MissingPart("--gui needs a display, and there is none here; --out writes a picture instead")
     _, setting = open_scene(scene)
+    setting = setting if robot is None else replace(setting, robot=robot)
     seed = setting.seed if seed is None else seed
     with closing(PybulletTable(setting, derived(seed, Purpose.WORLD), gui)) as table:
         if out is not None:
             seen = table.observe().colour
             height = len(seen)
             write_png(out, np.hstack([seen, table.picture(height * 4 // 3, height)]))
+        places, able = reach(setting)
         if reached is not None:
-            write_png(reached, reach_map(setting, *reach(setting)))
-        said = json.dumps(_described(setting), indent=2) if as_data else _printed(setting)
+            write_png(reached, reach_map(setting, places, able))
+        truth = table.truth()
+        lying = np.concatenate((truth.left[:, :2], truth.ink[:, :2]))
+        found = Reached(float(able.mean()), len(lying), missed(lying, places, able))
+        said = json.dumps(_described(setting, found), indent=2) if as_data else _printed(setting, found)
         click.echo(said)
         table.show()
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """The share of the surface that the robot reaches; pieces of dirt on it, and how many the robot does not
+    reach. A piece of ink is a cell of it."""
+
+    share: float
+    pieces: int
+    missed: int
 
 
 def has_display() -> bool:
@@ -63,10 +84,9 @@ def has_display() -> bool:
     return True
 
 
-def _described(setting: Scene) -> dict[str, object]:
+def _described(setting: Scene, found: Reached) -> dict[str, object]:
     """Lengths in metres, angles in radians."""
     surface, container = setting.surface, setting.container
-    _, reached = reach(setting)
     return {
         "scene": setting.name,
         "surface": {
@@ -76,7 +96,7 @@ def _described(setting: Scene) -> dict[str, object]:
             "tilt": list(surface.tilt),
         },
         "container": {"edge": container.edge, "offset": container.offset, "width": container.width},
-        "robot": {"drive": setting.robot, "reaches": float(reached.mean())},
+        "robot": {"drive": setting.robot, "reaches": found.share, "misses": found.missed},
         "rag": {"grasp": setting.rag.grasp.name, "width": setting.rag.width},
         "dirt": [_dirt(dirt) for dirt in setting.dirt],
     }
@@ -92,16 +112,17 @@ def _dirt(dirt: Dirt) -> dict[str, object]:
             return {"of": "ink", "along": [list(point) for point in along], "width": width}
 
 
-def _printed(setting: Scene) -> str:
+def _printed(setting: Scene, found: Reached) -> str:
     surface, container = setting.surface, setting.container
-    _, reached = reach(setting)
     lines = [
         f"{setting.name}: a surface of {_cm(surface.width)} x {_cm(surface.depth)} cm, friction"
         f" {surface.friction:g}; a container {_cm(container.width)} cm wide at the {container.edge} edge",
-        f"robot: {setting.robot}, reaches {reached.mean():.0%} of the surface;"
+        f"robot: {setting.robot}, reaches {found.share:.0%} of the surface;"
         f" rag: {_cm(setting.rag.width)} cm wide, grasp {setting.rag.grasp.name}",
         f"dirt: {', '.join(map(_named, setting.dirt))}",
     ]
+    if found.missed:
+        lines.append(f"out of reach: {found.missed} of {found.pieces} pieces of dirt")
     return "\n".join(lines)
 
 

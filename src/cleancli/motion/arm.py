@@ -158,7 +158,7 @@ def why_not(arm: Arm, target: _Array) -> str:
     reach = float(np.linalg.norm(goal[:3, 3] - arm.lengths[6] * goal[:3, 2]))
     upper, lower = np.hypot(arm.offsets[2], arm.lengths[2]), np.hypot(arm.offsets[3], arm.lengths[4])
     if reach > upper + lower:
-        return f"{100 * (reach - upper - lower):.0f} cm too far"
+        return f"{100 * (reach - upper - lower):.1f} cm too far"
     return "too near the shoulder" if reach < abs(upper - lower) else "a joint would pass its limit"
 
 

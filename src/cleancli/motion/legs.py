@@ -46,9 +46,11 @@ def legs(waypoints: tuple[Waypoint, ...], offset: _Array) -> tuple[Leg, ...]:
     speeds = speeds[kept]
     steps = np.diff(corners, axis=0) * (1, 1, 1, LEVER)
     level = np.abs(steps[:, 2]) < _SHORTEST
+    steep = np.abs(steps[:, 2]) > np.linalg.norm(steps[:, :2], axis=1)
     headings = steps / np.linalg.norm(steps, axis=1)[:, None]
     back = (headings[1:] * headings[:-1]).sum(axis=1) < np.cos(SHARPEST)
-    stops = [0, *(np.flatnonzero((level[1:] != level[:-1]) | back) + 1).tolist(), len(corners) - 1]
+    turns = back | (level[1:] != level[:-1]) | (steep[1:] != steep[:-1])
+    stops = [0, *(np.flatnonzero(turns) + 1).tolist(), len(corners) - 1]
     return tuple(
         _leg(corners[begin : end + 1] + offset, speeds[begin:end], bool(level[begin]))
         for begin, end in pairwise(stops)

@@ -12,8 +12,9 @@ from cleancli.perception.area import Ellipse
 from cleancli.perception.ellipses import boundary
 from cleancli.scene.model import Scene
 
-PAN_LENGTH = 0.16  # from its lip back to where it is held; chosen
 PAN_SLOPE = 0.12  # measured: at 0.25 nothing climbs it
+# Chosen, all that follows.
+PAN_LENGTH = 0.16  # from its lip back to where it is held
 ONTO_PAN = 0.05  # the rag goes so far onto it
 RAG_GAP = 2e-3  # and so far above it, so that the cloth does not push it away
 CLEARANCE = 0.02  # the rag comes down this far behind the dirt; the lip lies half as far before it

@@ -91,18 +91,18 @@ class ArmDrive:
 
     def follow(self, path: ToolPath, offset: _Array) -> _Array:
         """(k, 7) joints of a way through the air to the first waypoint, then of the path."""
-        return self.planned(path, offset, self.joints())
+        return np.concatenate(self.pieces(path, offset, self.joints()))
 
-    def planned(self, path: ToolPath, offset: _Array, here: _Array) -> _Array:
-        """As `follow`, from the joints `here` (7,)."""
+    def pieces(self, path: ToolPath, offset: _Array, here: _Array) -> tuple[_Array, ...]:
+        """As `follow`, from the joints `here` (7,), apart: (k, 7) joints through the air and of each leg."""
         parts = legs(path.waypoints, offset)
         if not parts:
             first = path.waypoints[0]
             point = np.array((first.x, first.y, first.z, first.yaw)) + offset
-            return self.through_air(here, nearest_pose(self._arm, point), first.speed)
+            return (self.through_air(here, nearest_pose(self._arm, point), first.speed),)
         strokes = stroke(self._arm, parts, path.interpolation, here, SEED)
         transit = self.through_air(here, strokes[0][0], path.waypoints[0].speed)
-        return np.concatenate((transit, *map(self.timed, strokes, parts)))
+        return transit, *map(self.timed, strokes, parts)
 
     def timed(self, joints: _Array, leg: Leg) -> _Array:
         """(k, 7) joints for each physics step along a leg, given those for its points."""

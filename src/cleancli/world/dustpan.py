@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.arm import everywhere, forward, inverse, poses, swivel_of
+from cleancli.motion.arm import everywhere, forward, poses
 from cleancli.motion.clearance import clear
 from cleancli.motion.joint_path import Lean
-from cleancli.motion.legs import Leg, legs
+from cleancli.motion.legs import legs
 from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import Dustpan, Unreachable
 from cleancli.motion.pick_up import CARRY_HEIGHT, PAN_LENGTH, PAN_SLOPE
@@ -26,6 +26,7 @@ from cleancli.world.physics import Engine
 _Array = NDArray[np.float64]
 
 _TRIED = 3  # of several ways, nearest first
+_TURNING = 30  # poses of a turn
 _JUMP = 0.3  # rad a joint may turn from one pose to the next
 _BACK = PAN_SLOPE * PAN_LENGTH  # height of the wedge where it is held
 
@@ -33,53 +34,50 @@ _BACK = PAN_SLOPE * PAN_LENGTH  # height of the wedge where it is held
 class PanDrive(ArmDrive):
     """An arm that puts a dustpan down, carries it level, and tips it."""
 
-    def put_down(self, pan: Dustpan, here: _Array) -> _Array:
-        """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface."""
+    def put_down(self, pan: Dustpan, here: _Array) -> tuple[_Array, _Array, _Array]:
+        """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface; of raising its lip
+        there; of lifting it."""
         low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
-        (leg,) = legs((high, low), np.zeros(4))
-        frames = poses(leg.points, np.linspace(robots.PAN_LEAN, 0, len(leg.points)))
-        for joints in self._steadily(frames, here):
+        (leg,) = legs((low, high), np.zeros(4))
+        still = np.tile(leg.points[:1], (_TURNING, 1))
+        tilts = np.linspace(0, robots.PAN_HELD, _TURNING)
+        more = np.linspace(robots.PAN_HELD, robots.PAN_LEAN, len(leg.points))
+        frames = poses(np.concatenate((still, leg.points)), np.concatenate((tilts, more)))
+        for down in self._steadily(frames[::-1], here):
+            lip, up = np.split(down[::-1], (_TURNING,))
             try:
-                return np.concatenate(
-                    (self.through_air(here, joints[0], TRANSIT_SPEED), self.timed(joints, leg))
-                )
+                there = self.through_air(here, down[0], TRANSIT_SPEED)
             except Unreachable:
                 continue
+            turning, lifting = self._turned(lip, robots.PAN_HELD, low.speed), self.timed(up, leg)
+            down_again = self.timed(up[::-1], leg), self._turned(lip[::-1], robots.PAN_HELD, low.speed)
+            return np.concatenate((there, *down_again)), turning, lifting
         raise Unreachable(low.x, low.y, "the dustpan can't be put down there and lifted again")
 
     def emptied(self, pan: Dustpan, here: _Array) -> _Array:
-        """(k, 7) joints from the surface to over the container, level all the way; tipped there; and to
-        rest."""
-        low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
-        (leg,) = legs((low, high), np.zeros(4))
-        up = self._raised(leg, here)
-        goal, tilts = pan.empty, np.linspace(robots.PAN_LEAN, pan.tip, 30)
+        """(k, 7) joints from where the dustpan was lifted to, `here` (7,), to over the container, level all
+        the way; tipped there; and to rest."""
+        goal, tilts = pan.empty, np.linspace(robots.PAN_LEAN, pan.tip, _TURNING)
         frames = poses(np.tile((goal.x, goal.y, goal.z, goal.yaw), (len(tilts), 1)), tilts)
-        for tipped in self._steadily(frames, up[-1]):
+        for tipped in self._steadily(frames, here):
             try:
-                carried = self.through_air(up[-1], tipped[0], TRANSIT_SPEED, Lean(*robots.PAN_LEANS))
+                carried = self.through_air(here, tipped[0], TRANSIT_SPEED, Lean(*robots.PAN_LEANS))
             except Unreachable:
                 continue
-            ways = np.linspace(0, PAN_LENGTH * abs(pan.tip), len(tipped))
-            over = timed(Course(tipped, ways, np.full(len(tipped), TRANSIT_SPEED)), self._limits, par.STEP)
+            over = self._turned(tipped, pan.tip, TRANSIT_SPEED)
             still = np.repeat(over[-1:], round(robots.PAN_HOLD / par.STEP), axis=0)
             rest = self.through_air(tipped[0], np.array(self._build.rest), TRANSIT_SPEED)
-            return np.concatenate((self.timed(up, leg), carried, over, still, over[::-1], rest))
+            return np.concatenate((carried, over, still, over[::-1], rest))
         raise Unreachable(pan.empty.x, pan.empty.y, "the dustpan can't be carried there level and tipped")
 
     def holds(self, points: _Array) -> NDArray[np.bool_]:
         """(n,) which of `points` (n, 3) lie in the dustpan."""
         return within(forward(self._arm, self.joints()[None])[0], points)
 
-    def _raised(self, leg: Leg, here: _Array) -> _Array:
-        """Joints (n, 7) from `here` (7,) along a leg upwards, meanwhile raising the lip."""
-        count = len(leg.points)
-        swivel, branch = swivel_of(self._arm, here)
-        frames = poses(leg.points, np.linspace(0, robots.PAN_LEAN, count))
-        joints = inverse(self._arm, frames, np.full(count, swivel), np.tile(branch, (count, 1)))
-        if np.isnan(joints).any() or not clear(self._arm, joints).all():
-            raise Unreachable(leg.points[0, 0], leg.points[0, 1], "the dustpan can't be lifted there")
-        return joints
+    def _turned(self, joints: _Array, angle: float, speed: float) -> _Array:
+        """(k, 7) joints of a turn about the held end through `joints` (n, 7), the lip at that speed, m/s."""
+        ways = np.linspace(0, PAN_LENGTH * abs(angle), len(joints))
+        return timed(Course(joints, ways, np.full(len(joints), speed)), self._limits, par.STEP)
 
     def _steadily(self, frames: _Array, here: _Array) -> Iterator[_Array]:
         """Joints (n, 7) for `frames` (n, 4, 4) with one swivel of the elbow, those first that begin near the
@@ -127,6 +125,22 @@ def dustpan_for(engine: Engine) -> Held:
                 engine.setCollisionFilterPair(body, other, link, -1, 0)
 
     return Held(tuple(links), -1, half, tune)
+
+
+def outline(frames: _Array) -> _Array:
+    """(n, 4, 2, 3) both ends of the upper edges of the three walls, and of the plate's middle line, of
+    dustpans with `frames` (n, 4, 4), metres."""
+    y, side = robots.PAN_WIDTH / 2 + robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    ends = np.array(
+        [
+            [(-PAN_LENGTH, -y, side), (0, -y, side)],
+            [(-PAN_LENGTH, y, side), (0, y, side)],
+            [(0, -y, _BACK + side), (0, y, _BACK + side)],
+            [(-PAN_LENGTH, 0, robots.PAN_LIP), (0, 0, _BACK)],
+        ]
+    )
+    turned: _Array = np.einsum("nij,skj->nski", frames[:, :3, :3], ends)
+    return turned + frames[:, None, None, :3, 3]
 
 
 def within(frame: _Array, points: _Array) -> NDArray[np.bool_]:

@@ -23,6 +23,11 @@ def reach(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     return places, ROBOTS[scene.robot].reaches(np.column_stack((places, height, yaw)), scene)
 
 
+def missed(points: NDArray[np.float64], places: NDArray[np.float64], reached: NDArray[np.bool_]) -> int:
+    """How many of `points` (m, 2) lie nearest to one of the `places` (n, 2) that are not `reached` (n,)."""
+    return sum(not reached[np.abs(places - point).sum(axis=1).argmin()] for point in points)
+
+
 def _axis(length: float) -> NDArray[np.float64]:
     """Places at most a step apart, from one end to the other."""
     return np.linspace(-length / 2, length / 2, int(np.ceil(length / STEP)) + 1)

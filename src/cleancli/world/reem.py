@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.motion.arm import Arm, Capsule
+from cleancli.motion.arm import Arm, Capsule, forward
 from cleancli.motion.clearance import SELF_GAP, hull_ends, segment_gaps
 from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable
@@ -13,10 +13,13 @@ from cleancli.scene.model import Scene
 from cleancli.world import parameters as par
 from cleancli.world import robots
 from cleancli.world.arm_drive import ArmDrive, Build, rag_for
-from cleancli.world.dustpan import PanDrive, dustpan_for
+from cleancli.world.dustpan import PanDrive, dustpan_for, outline
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]
+
+ARMS_TOUCH = "the arms would touch each other"
+PAN_TOUCHED = "the right arm would touch the dustpan"
 
 
 class Reem:
@@ -37,15 +40,21 @@ class Reem:
         """(k, 14) joints along the rag's path and back to rest in between where the dustpan takes part."""
         right, left = self._right.joints(), self._left.joints()
         if path.dustpan is None:
-            return self._checked(_one(self._right.planned(path, offset, right), left))
-        lower = self._left.put_down(path.dustpan, left)
-        push = self._right.planned(path, offset, right)
-        rest = np.array(build_for(1).rest)
-        back = self._right.through_air(push[-1], rest, TRANSIT_SPEED)
-        away = self._left.emptied(path.dustpan, lower[-1])
+            return self._checked(_one(np.concatenate(self._right.pieces(path, offset, right)), left))
+        lower, turning, lifting = self._left.put_down(path.dustpan, left)
+        *push, leaving = self._right.pieces(path, offset, right)
+        pushed, held = np.concatenate(push), turning[-1]
+        back = self._right.through_air(leaving[-1], np.array(build_for(1).rest), TRANSIT_SPEED)
+        away = np.concatenate((lifting, self._left.emptied(path.dustpan, lifting[-1])))
         return self._checked(
             np.concatenate(
-                (_other(lower, right), _one(np.concatenate((push, back)), lower[-1]), _other(away, rest))
+                (
+                    _other(lower, right),
+                    _one(pushed, lower[-1]),
+                    _both(leaving, turning),
+                    _one(back, held),
+                    _other(away, back[-1]),
+                )
             )
         )
 
@@ -90,16 +99,16 @@ class Reem:
         return self._left.holds(points)
 
     def _checked(self, joints: _Array) -> _Array:
-        """The same joints, if the two arms keep clear of each other; looked at every twentieth of a
-        second."""
+        """The same joints, if the arms keep clear of each other, and the right one of the dustpan; looked at
+        every twentieth of a second."""
         some = joints[:: max(1, round(0.05 / par.STEP))]
-        ends = hull_ends(self._arms[0], some[:, :7]), hull_ends(self._arms[1], some[:, 7:])
+        right, left = (hull_ends(arm, part) for arm, part in zip(self._arms, np.hsplit(some, 2), strict=True))
+        pan = outline(forward(self._arms[1], some[:, 7:]))
         for i, first in enumerate(self._arms[0].hulls):
             for k, second in enumerate(self._arms[1].hulls):
-                gaps = segment_gaps(ends[0][:, i], ends[1][:, k]) - first.radius - second.radius
-                if len(gaps) and gaps.min() < SELF_GAP:
-                    x, y, _ = ends[0][gaps.argmin(), -1, 1]
-                    raise Unreachable(float(x), float(y), "the arms would touch each other")
+                _refuse_near(right[:, i], left[:, k], first.radius + second.radius + SELF_GAP, ARMS_TOUCH)
+            for k in range(pan.shape[1]):
+                _refuse_near(right[:, i], pan[:, k], first.radius + SELF_GAP, PAN_TOUCHED)
         return joints
 
 
@@ -134,9 +143,25 @@ def build_for(side: int) -> Build:
     return Build(robots.REEM_MASSES, robots.REEM_TORQUE, rest, robots.REEM_COLOUR)
 
 
+def _refuse_near(first: _Array, second: _Array, least: float, reason: str) -> None:
+    """Raise Unreachable if lines with the ends `first` and `second` (n, 2, 3) ever come nearer than `least`,
+    metres."""
+    gaps = segment_gaps(first, second)
+    if len(gaps) and gaps.min() < least:
+        x, y, _ = first[gaps.argmin(), 1]
+        raise Unreachable(float(x), float(y), reason)
+
+
 def _one(right: _Array, left: _Array) -> _Array:
     return np.column_stack((right, np.tile(left, (len(right), 1))))
 
 
 def _other(left: _Array, right: _Array) -> _Array:
     return np.column_stack((np.tile(right, (len(left), 1)), left))
+
+
+def _both(right: _Array, left: _Array) -> _Array:
+    """Both at once; who is done first waits."""
+    count = max(len(right), len(left))
+    waiting = [np.concatenate((way, np.repeat(way[-1:], count - len(way), axis=0))) for way in (right, left)]
+    return np.column_stack(waiting)

@@ -58,8 +58,8 @@ REEM_HIGH = (2.6, 2.2, 2.75, 2.44, 2.09, 1.57, 2.09)
 REEM_SPEED = (2.7, 3.66, 4.58, 4.58, 1.95, 1.76, 1.76)
 REEM_ACCELERATION = (6.0, 6.0, 8.0, 8.0, 8.0, 8.0, 8.0)
 REEM_SHOULDERS = 0.20  # each beside the middle
-# The shoulders are above the table's edge, and so high above the surface: of the places tried, those from
-# which most areas can be picked up (docs/world.md).
+# Chosen among a few by how much of the surface can be picked up from there (docs/world.md): the shoulders are
+# above the table's edge, and so high above the surface.
 REEM_ABOVE = 0.40
 REEM_TOOL = 0.08
 REEM_POSTURE = (0.0, 0.8, 0.0, 1.6, 0.0, 0.6, 0.0)
@@ -83,6 +83,7 @@ PAN_WALL, PAN_WALL_HEIGHT = 4e-3, 0.025
 PAN_FRICTION = 0.3
 PAN_MASS = 0.05  # of each of its four parts
 PAN_GAP = 2e-4  # below it while it stands on the surface
+PAN_HELD = 0.20  # rad: the lip is raised so far while the rag leaves: what lies on the slope creeps down
 PAN_LEAN = 0.35  # rad: the lip is raised so far while it is carried,
 PAN_LEANS = (0.15, 0.60, 0.30)  # at least, at most, and to either side
 PAN_HOLD = 0.6  # seconds that it stays tipped

@@ -1,0 +1,22 @@
+"""Where the numbers of the simulated world come from."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from cleancli.motion import pace, pick_up
+from cleancli.world import parameters, robots
+
+SOURCES = re.compile("chosen|measured|manual|published|common figures")
+
+
+@pytest.mark.parametrize("module", [parameters, robots, pace, pick_up])
+def test_every_number_names_its_source_or_the_word_chosen(module: object) -> None:
+    with open(module.__file__, encoding="utf-8") as file:
+        text = file.read()
+    for paragraph in re.split(r"\n\s*\n", text):
+        if re.search(r"^[A-Z][A-Z_, ]*[:=]", paragraph, re.M):
+            said = " ".join(re.findall("#(.*)", paragraph)).lower()
+            assert SOURCES.search(said), paragraph
