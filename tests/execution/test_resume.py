@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -177,6 +178,21 @@ def test_ctrl_c_stops_with_the_tool_up_and_says_how_to_go_on(capsys: pytest.Capt
     assert "stopped with the tool up" in rest
     assert "--resume runs/two_groups-seed1-001" in rest
     assert (Path("runs/two_groups-seed1-001") / "journal.jsonl").read_text().endswith("}\n")
+
+
+def test_a_run_does_not_begin_where_it_has_no_room(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=3 << 20))
+    assert run(WORDS) == 5
+    assert "a run needs up to 64 MB here, and 3 MB are free" in capsys.readouterr().err
+    assert not list(Path("runs").iterdir())
+
+
+def test_a_folder_that_cannot_be_made_ends_a_run_before_it_begins(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("file").write_text("")
+    assert run([*WORDS, "--runs", "file/runs"]) == 5
+    assert "file" in capsys.readouterr().err
 
 
 def _little_disk() -> None:

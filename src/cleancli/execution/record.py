@@ -7,8 +7,10 @@ so that a folder which cannot be written is met early.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -45,10 +47,20 @@ STEP_SIZE = (640, 480)
 VIDEO_SIZE = (400, 300)
 """Width and height of the room in a step's picture and in the video, which needs many more of them."""
 
+ROOM = 64 << 20
+"""Bytes that a long run takes: 60 actions with a picture of two thirds of a megabyte each, and a video."""
+
 
 def free_folder(parent: Path, stem: str) -> Path:
-    """Make and return a folder in `parent` named after `stem`, numbered so that nothing is overwritten."""
+    """Make and return a folder in `parent` named after `stem`, numbered so that nothing is overwritten.
+
+    Raises OSError where it cannot be made, or has less room than a long run takes.
+    """
     parent.mkdir(parents=True, exist_ok=True)
+    free = shutil.disk_usage(parent).free
+    if free < ROOM:
+        told = f"a run needs up to {ROOM >> 20} MB here, and {free >> 20} MB are free"
+        raise OSError(errno.ENOSPC, told, str(parent))
     for number in range(1, 1_000_000):
         folder = parent / f"{stem}-{number:03d}"
         try:
