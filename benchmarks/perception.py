@@ -26,6 +26,8 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
+from cleancli.motion.joint_path import nearest_pose
+from cleancli.motion.path import Unreachable
 from cleancli.perception import geometry
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.areas import enclosing_ellipses
@@ -53,6 +55,7 @@ from cleancli.world import camera as world_camera
 from cleancli.world import parameters as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
+from cleancli.world.wam import arm_for
 
 Points = NDArray[np.float64]
 
@@ -134,11 +137,10 @@ def one(seed: int, picture: Path | None) -> Result:
     rng = np.random.default_rng([seed, 1])
     scene = calibrated(scene, seed, extra, rng)
     with closing(PybulletTable(scene, seed)) as table:
-        if condition.tool == "in view":
-            x, y = rng.uniform((-0.25, -0.2), (0.25, 0.2))
-            table._drive.stand(np.array((x, y, 0.0, rng.uniform(-pi, pi))))
-        else:
+        if condition.tool == "away":
             withdrawn(table)
+        else:
+            in_view(table, scene, rng)
         frames = [noisy(table.observe(), extra, rng) for _ in range(FRAMES_PER_LOOK)]
         eye = frames[0].camera
         _, depth = world_camera.render(table._engine, eye, scene.light)
@@ -161,14 +163,14 @@ def drawn(seed: int) -> tuple[Scene, Condition, float]:
     kind = str(rng.choice(("lentils", "rice", "peas", "ink"), p=(0.4, 0.2, 0.2, 0.2)))
     texture, gradient = float(rng.choice((0.0, 0.0, 0.015, 0.03))), float(rng.choice((0.0, 0.0, 0.15, 0.3)))
     degrees, extra = (0.0, float(rng.uniform(5, 30)))[int(rng.random() < 0.6)], float(rng.choice((0.0, 3.0)))
-    tool = "in view" if seed % 3 == 0 else "away"
+    tool = {0: "arm", 3: "gantry"}.get(seed % 6, "away")
     top = Surface(0.8, 0.6, 0.45, SURFACES[name], texture=texture, grain=float(rng.uniform(0.01, 0.03)))
     light = Light(rng.uniform(-pi, pi), radians(rng.uniform(45, 85)), rng.uniform(0.5, 0.8), gradient)
     scene = Scene(
         f"table_{seed}",
         top,
         Container("east", 0.0, 0.3, 0.16),
-        "gantry",
+        "wam" if tool == "arm" else "gantry",
         Rag(WIDE, 0.12),
         CameraSetup(0.9, 640, 480, 525),
         layout(kind, top, rng),
@@ -239,6 +241,19 @@ def calibrated(scene: Scene, seed: int, extra: float, rng: np.random.Generator) 
         return replace(scene, calibration=calibrate(frames, scene, "drawn", rng))
     except NotClean:
         return scene
+
+
+def in_view(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> None:
+    """The robot with its tool on the surface, or up to 10 cm above it, wherever it reaches."""
+    while True:
+        x, y = rng.uniform((-0.25, -0.2), (0.25, 0.2))
+        point = np.array((x, y, rng.uniform(0.0, 0.1), rng.uniform(-pi, pi)))
+        try:
+            joints = point if scene.robot == "gantry" else nearest_pose(arm_for(scene), point)
+        except Unreachable:
+            continue
+        table._drive.stand(joints)
+        return
 
 
 def withdrawn(table: PybulletTable) -> None:
