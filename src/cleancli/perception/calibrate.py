@@ -77,7 +77,9 @@ def calibrate(frames: Sequence[Frame], scene: Scene, path: str, rng: np.random.G
         edge += 1
     found = replace(found, surface_edge=edge, object_edge=max(default.object_edge, edge + 2))
     found = replace(found, gradient=_smallest("gradient", found, lambda t: _is_clean(view, t)))
-    found = replace(found, contrast=_smallest("contrast", found, lambda t: _is_clean(view, t)))
+    # Without the gradient's margin, or it would be the contrast's only one.
+    barely = replace(found, gradient=found.gradient / MARGIN)
+    found = replace(found, contrast=_smallest("contrast", barely, lambda t: _is_clean(view, t)))
     return Calibration(path, found, _appearance(view, scene, found))
 
 

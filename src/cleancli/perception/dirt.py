@@ -30,6 +30,9 @@ CORE = 5
 """Pixels (width of a square) of a region around each pixel that counts for its size. A line of ink may be
 long; the background is wide, too."""
 
+RIM = 1 / 3
+"""Share of the strongest neighbour's contrast up to which a pixel is the rim of dirt, and none itself."""
+
 _MEAN = np.full((1, 3), 1 / 3, np.float32)
 
 
@@ -66,9 +69,9 @@ def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
     would eat up a lentil without them.
     """
     filtered = cv2.medianBlur(subtraction.left.view(np.uint8), 3).view(np.bool_)
-    # A pixel that dirt covers by half has half of the contrast of its strongest neighbour.
+    # A pixel that dirt covers by a third has a third of the contrast of a neighbour that it covers whole.
     strongest = cv2.dilate(subtraction.contrast, np.ones((3, 3), np.uint8))
-    least = np.maximum(np.float32(thresholds.contrast), strongest / 2)
+    least = np.maximum(np.float32(thresholds.contrast), strongest * np.float32(RIM))
     return np.asarray(filtered & (subtraction.contrast > least))
 
 
