@@ -19,7 +19,7 @@ from statistics import median
 
 import cv2
 import numpy as np
-from perception_tables import Condition, calibrated, drawn, in_view, noisy, withdrawn
+from perception_tables import Condition, calibrated, drawn, in_view, look, withdrawn
 from perception_truth import Comparison, compared, truth_of
 
 from cleancli.perception import geometry
@@ -76,7 +76,7 @@ def one(seed: int, picture: Path | None) -> Result:
             withdrawn(table)
         else:
             in_view(table, scene, rng)
-        frames = [noisy(table.observe(), extra, rng) for _ in range(FRAMES_PER_LOOK)]
+        frames = look(table, scene, FRAMES_PER_LOOK, extra, rng)
         truth = truth_of(table, frames[0].camera, scene)
     seen = perceive(frames, scene, rng)
     came = compared(truth, seen, scene)
@@ -148,8 +148,8 @@ def clean(count: int, first: int) -> int:
         scene = calibrated(scene, first + number, extra, rng)
         with closing(PybulletTable(replace(scene, dirt=()), first + number + 1)) as table:
             withdrawn(table)
-            for _ in range(min(25, count - 25 * number)):
-                areas += len(perceive([noisy(table.observe(), extra, rng)], scene, rng).areas)
+            for frame in look(table, scene, min(25, count - 25 * number), extra, rng):
+                areas += len(perceive([frame], scene, rng).areas)
     return areas
 
 

@@ -141,7 +141,7 @@ def calibrated(scene: Scene, seed: int, extra: float, rng: np.random.Generator) 
     """The scene with thresholds from its surface without dirt."""
     with closing(PybulletTable(replace(scene, dirt=()), seed)) as table:
         withdrawn(table)
-        frames = [noisy(table.observe(), extra, rng) for _ in range(CALIBRATION_FRAMES)]
+        frames = look(table, scene, CALIBRATION_FRAMES, extra, rng)
     try:
         return replace(scene, calibration=calibrate(frames, scene, "drawn", rng))
     except NotClean:
@@ -167,9 +167,16 @@ def withdrawn(table: PybulletTable) -> None:
         pass
 
 
-def noisy(frame: Frame, extra: float, rng: np.random.Generator) -> Frame:
-    """More noise of colour than the simulated camera has by itself."""
-    if not extra:
-        return frame
-    noise = extra * rng.standard_normal(frame.colour.shape, dtype=np.float32)
-    return replace(frame, colour=np.clip(np.round(frame.colour + noise), 0, 255).astype(np.uint8))
+def look(
+    table: PybulletTable, scene: Scene, number: int, extra: float, rng: np.random.Generator
+) -> list[Frame]:
+    """So many frames, each with noise of its own: that of the simulated camera, and `extra` of colour."""
+    colour, depth = world_camera.render(table._engine, table._camera, scene.light, table._finish)
+    frames = []
+    for clock in range(number):
+        seen = world_camera.noisy_colour(colour, rng)
+        if extra:
+            noise = extra * rng.standard_normal(seen.shape, dtype=np.float32)
+            seen = np.clip(np.round(seen + noise), 0, 255).astype(np.uint8)
+        frames.append(Frame(seen, world_camera.noisy_depth(depth, rng), table._camera, float(clock)))
+    return frames
