@@ -153,8 +153,9 @@ def test_the_same_seed_gives_the_same_observation() -> None:
 
 def test_no_surface_says_why() -> None:
     frame = synthetic.frame(NONE, 1)
-    with pytest.raises(NoSurface, match="depth is known at 0"):
-        see(replace(frame, depth=np.zeros_like(frame.depth)))
+    for unknown in (0.0, np.nan, np.inf):
+        with pytest.raises(NoSurface, match="depth is known at 0"):
+            see(replace(frame, depth=np.full_like(frame.depth, unknown)))
     with pytest.raises(NoSurface, match=r"-70 cm from where"):
         see(replace(frame, depth=np.full_like(frame.depth, 1.6)))
     rough = np.random.default_rng(0).uniform(0.5, 1.0, frame.depth.shape).astype(np.float32)
