@@ -71,11 +71,11 @@ def test_names_go_from_look_to_look(
 ) -> None:
     """In the second look the western area is gone, and something hides the eastern one."""
     series = tmp_path / "series"
-    shutil.copytree(frames, series / "1")
-    shutil.copytree(frames, series / "2")
+    shutil.copytree(frames, series / "look-9")
+    shutil.copytree(frames, series / "look-10")
     for number in range(3):
         for kind in ("colour", "depth"):
-            path = str(series / "2" / f"{kind}-{number:03}.png")
+            path = str(series / "look-10" / f"{kind}-{number:03}.png")
             picture = cv2.imread(path, cv2.IMREAD_UNCHANGED)
             picture[165:190, 90:115] = np.median(picture[165:190, 130:155], axis=(0, 1))
             picture[80:160, 220:280] = 700 if kind == "depth" else 30
