@@ -119,8 +119,8 @@ def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
 
 
 def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32]:
-    """Worked out around what is left alone, 0 elsewhere; 1, the contrast of black, where no background is
-    near enough to compare with."""
+    """Worked out around what is left alone, 0 elsewhere. Where no background is near, as in a corner that the
+    arm cuts off, it is that to all background; without any, 1, the contrast of black."""
     size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)
     shown = cv2.bitwise_and(colour, colour, mask=weight)
     total = cv2.boxFilter(shown, cv2.CV_32F, size, normalize=False)
@@ -129,9 +129,10 @@ def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32
     near = np.flatnonzero(cv2.dilate(left.view(np.uint8), np.ones((5, 5), np.uint8)))
     compared = number.ravel()[near]
     mean = total.reshape(-1, 3)[near] / np.maximum(compared, np.float32(1))[:, None]
+    mean[compared < 1] = cv2.mean(colour, weight)[:3]
     brightness = np.maximum(mean.mean(axis=1), np.float32(DARKEST))
     differences = colour.reshape(-1, 3)[near] - mean
     found = np.sqrt((differences * differences).mean(axis=1)) / brightness
     contrast = np.zeros(left.shape, np.float32)
-    contrast.ravel()[near] = np.where(compared < 1, np.float32(1), found)
+    contrast.ravel()[near] = found if background.any() else np.float32(1)
     return contrast
