@@ -21,6 +21,7 @@ HEAVY = {
     "scipy",
     "ompl",
     "pybullet",
+    "rerun",
     "toppra",
     "click",
     "rich",

@@ -6,6 +6,7 @@ import json
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -70,11 +71,11 @@ def test_names_go_from_look_to_look(
 ) -> None:
     """In the second look the western area is gone, and something hides the eastern one."""
     series = tmp_path / "series"
-    shutil.copytree(frames, series / "1")
-    shutil.copytree(frames, series / "2")
+    shutil.copytree(frames, series / "look-9")
+    shutil.copytree(frames, series / "look-10")
     for number in range(3):
         for kind in ("colour", "depth"):
-            path = str(series / "2" / f"{kind}-{number:03}.png")
+            path = str(series / "look-10" / f"{kind}-{number:03}.png")
             picture = cv2.imread(path, cv2.IMREAD_UNCHANGED)
             picture[165:190, 90:115] = np.median(picture[165:190, 130:155], axis=(0, 1))
             picture[80:160, 220:280] = 700 if kind == "depth" else 30
@@ -101,9 +102,38 @@ def test_without_rerun_the_part_is_named(
     assert not (tmp_path / "x.rrd").exists()
 
 
-def test_a_rerun_recording_is_written(frames: Path, scene: str, tmp_path: Path) -> None:
-    pytest.importorskip("rerun", reason="170 MB, and so no part of the test extra")
+def test_a_rerun_recording_holds_steps_ellipses_and_names(
+    frames: Path, scene: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Read by Rerun's own reader."""
+    chunk = pytest.importorskip("rerun.chunk", reason="170 MB, and so no part of the test extra")
     path = tmp_path / "x.rrd"
-    assert run(["perceive", str(frames), "--scene", scene, "--rrd", str(path)]) == 0
-    assert path.read_bytes()[:3] == b"RRF"
+    assert run(["perceive", str(frames), "--scene", scene, "--json", "--rrd", str(path)]) == 0
+    (look,) = json.loads(capsys.readouterr().out)["looks"]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frames", "small.nid", "x.rrd"]
+    chunks = {c.entity_path.strip("/"): c for c in chunk.RrdReader(path).stream()}
+    steps = {"surface", "without_edges", "dirty", "without_specks", "believed", "hidden"}
+    pictures = {f"camera/{name}" for name in (*steps, "colour", "depth", "ellipses")}
+    assert set(chunks) == {"camera", "areas", "state", *pictures}
+    assert all({"look", "robot"} <= set(c.timeline_names) for name, c in chunks.items() if name != "camera")
+    assert (chunks["camera/colour"].num_rows, chunks["camera/depth"].num_rows) == (3, 3)
+    (blob,), *_ = column(chunks["camera/colour"], "EncodedImage:blob")
+    assert cv2.imdecode(np.array(blob, np.uint8), cv2.IMREAD_COLOR).shape == (240, 320, 3)
+    ((believed,),) = column(chunks["camera/believed"], "SegmentationImage:buffer")
+    assert 20 < np.count_nonzero(believed) < 400
+    (labels,), (strips,) = (
+        column(chunks["camera/ellipses"], f"LineStrips2D:{n}") for n in ("labels", "strips")
+    )
+    assert [label.split()[0] for label in labels] == ["a1", "a2"]
+    assert look["areas"][1]["size"] in labels[1].split()
+    assert np.mean(strips[1], axis=0) == pytest.approx((160 + 0.307 * 262 / 0.9, 120), abs=4)
+    assert column(chunks["areas"], "Scalars:scalars") == [[2.0]]
+    ((told,),) = column(chunks["state"], "TextDocument:text")
+    assert "dirt(a1) = True" in told.splitlines()
+
+
+def column(chunk: Any, name: str) -> list[Any]:
+    """What each row of a chunk holds in one column."""
+    values = chunk.to_record_batch().column(name).to_pylist()
+    assert isinstance(values, list)
+    return values

@@ -268,6 +268,24 @@ def test_too_much_to_plan_for_is_partly_ignored_and_said(capsys: pytest.CaptureF
     assert data(capsys, "--option", "counted=1", "--evaluate", "push(d2)")["plan"] == ["push(d2)"]
 
 
+def test_areas_beyond_the_cap_of_a_scene_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("pybullet")
+    places = "at = (20 cm, 0 cm)", "at = (-20 cm, -20 cm)"
+    dirt = " ".join(f"group {{ count = 6 of = lentils {place} radius = 1 cm }}" for place in places)
+    Path("two_groups.nid").write_text(f"scene two_groups {{ dirt {{ {dirt} }} symbols {{ most = 1 }} }}")
+    words = ["plan", "cleaning", "two_groups.nid", "--samples", "10", "--threads", "1"]
+    assert run([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    names = found["left_out"]
+    assert names
+    assert found["ignored"] == []
+    assert found["plan"]
+    assert not any(name in action for name in names for action in found["plan"])
+    assert run(words) == 0
+    assert f"planned without {', '.join(names)}: beyond `most` of the scene's" in capsys.readouterr().out
+    assert data(capsys)["left_out"] == []
+
+
 def test_values_as_libprada_computes_them(capsys: pytest.CaptureFixture[str]) -> None:
     found = data(capsys, "--compat", "libprada", "--evaluate", "push(d1) push(d1)")
     # The second push is worth 0.6 * 0.4 of its probability 0.4: what applies and what is set are independent.

@@ -1,4 +1,4 @@
-"""A limit to what is planned for: which areas are left out, and that only plans don't know of them."""
+"""A limit to what is planned for: which areas are left out."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import synthetic
 
-from cleancli.language.model import Fact, Object
 from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.cap import left_out, without
+from cleancli.perception.cap import left_out
 from cleancli.scene.model import Scene
 
 
@@ -35,20 +34,3 @@ def test_the_smallest_or_the_farthest_are_left_out() -> None:
 def test_what_is_left_out_comes_back_when_there_is_room() -> None:
     assert left_out(AREAS[:3], scene(2, "smallest")) == ("a2",)
     assert left_out(AREAS[:2], scene(2, "smallest")) == ()
-
-
-def test_a_plan_knows_nothing_of_what_is_left_out() -> None:
-    objects = tuple(Object(name, "area") for name in ("a1", "a2", "a3"))
-    state = frozenset(
-        {
-            Fact("dirt", ("a1",)),
-            Fact("dirt", ("a2",)),
-            Fact("near", ("a1", "a2")),
-            Fact("traversal", ("a1", "bin", "a3")),
-        }
-    )
-    assert without({"a2"}, objects, state) == (
-        (objects[0], objects[2]),
-        frozenset({Fact("dirt", ("a1",)), Fact("traversal", ("a1", "bin", "a3"))}),
-    )
-    assert without((), objects, state) == (objects, state)

@@ -153,8 +153,9 @@ def test_the_same_seed_gives_the_same_observation() -> None:
 
 def test_no_surface_says_why() -> None:
     frame = synthetic.frame(NONE, 1)
-    with pytest.raises(NoSurface, match="depth is known at 0"):
-        see(replace(frame, depth=np.zeros_like(frame.depth)))
+    for unknown in (0.0, np.nan, np.inf):
+        with pytest.raises(NoSurface, match="depth is known at 0"):
+            see(replace(frame, depth=np.full_like(frame.depth, unknown)))
     with pytest.raises(NoSurface, match=r"-70 cm from where"):
         see(replace(frame, depth=np.full_like(frame.depth, 1.6)))
     rough = np.random.default_rng(0).uniform(0.5, 1.0, frame.depth.shape).astype(np.float32)
@@ -175,3 +176,18 @@ def test_frames_that_do_not_fit_are_refused() -> None:
     ):
         with pytest.raises(BadFrame):
             see(*frames)
+
+
+def test_a_corner_that_the_arm_cuts_off_is_no_dirt() -> None:
+    frame = synthetic.frame(NONE, 1)
+    rows, columns = np.nonzero(see(frame).steps.surface)
+    top, left = rows.min(), columns.min()
+    arm = np.zeros(frame.depth.shape, np.bool_)
+    arm[:, left + 16 : left + 60] = arm[top + 16 : top + 60, :] = True
+    arm[top + 60 :, : left + 16] = True
+    hidden = replace(
+        frame,
+        depth=np.where(arm, np.float32(0.6), frame.depth),
+        colour=np.where(arm[:, :, None], np.uint8(190), frame.colour),
+    )
+    assert see(hidden).areas == ()

@@ -7,7 +7,7 @@ import pytest
 
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import load_problem
-from cleancli.language.model import Domain, Fact, Problem
+from cleancli.language.model import Domain, Fact, Problem, without_objects
 from cleancli.planning.fewer import fewer
 
 SPOTS = """
@@ -70,3 +70,11 @@ def test_without_a_count_of_single_objects_nothing_is_ignored() -> None:
     pairs = SPOTS.replace("count ?a - spot: dirt(?a)", "count ?a ?b - spot: dirt(?a), dirt(?b)")
     for text in (paid, pairs):
         assert fewer(*spots(text=text), 1).ignored == ()
+
+
+def test_without_objects_their_facts_go_too_and_nothing_else() -> None:
+    _, problem = spots()
+    left = without_objects(problem, {"b", "sink"})
+    assert names(left) == ["a", "c", "d", "e"]
+    assert {fact.objects for fact in left.state} == {("a",), ("c",), ("d",), ("c", "d"), ("a", "e")}
+    assert without_objects(problem, ()) == problem

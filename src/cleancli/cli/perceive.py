@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -129,11 +130,16 @@ def _recorded(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
     if (folder / CAMERA).exists():
         yield str(folder), load_frames(folder)
         return
-    looks = sorted(path.parent for path in folder.glob(f"*/{CAMERA}"))
+    looks = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=_by_numbers)
     if not looks:
         raise BadRecording(f"{folder}: neither {CAMERA} nor a folder with one")
     for look in looks:
         yield str(look), load_frames(look)
+
+
+def _by_numbers(folder: Path) -> list[str | int]:
+    """Sorts `look-9` before `look-10`; words and numbers take turns, so that like meets like."""
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", folder.name)]
 
 
 def _seen(

@@ -19,12 +19,12 @@ from cleancli.cli.plan_options import planner_named, planner_options, planners_n
 from cleancli.cli.plan_picture import check_picture, draw_picture
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
-from cleancli.cli.seen import look
+from cleancli.cli.seen import Seen, look
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import read_source
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain
 from cleancli.planning.compare import compared
 from cleancli.planning.evaluate import evaluate
 from cleancli.planning.fewer import Fewer, fewer
@@ -124,7 +124,8 @@ def command(
     seconds: dict[str, float] = {}
     _, sources, model = open_domain(domain, compat=compat is not None)
     sources = (*sources, read_source(find(problem, "problems")))
-    model, given, seed = _seen(model, problem, sources, seed, seconds)
+    seen, seed = _seen(model, problem, sources, seed, seconds)
+    model, given = seen.domain, seen.problem
     options = planner_options(
         given,
         samples=samples,
@@ -138,7 +139,7 @@ def command(
     calls = None if evaluate is None else read_actions(evaluate, model, given)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
-        job = _job(model, given, calls, options, objective == "time", seconds)
+        job = _job(seen, calls, options, objective == "time", seconds)
         if calls is not None:
             _evaluate(job, calls, wanted, seconds)
         elif compare is not None:
@@ -160,20 +161,18 @@ def _refuse_together() -> None:
 
 def _seen(
     model: Domain, problem: str, sources: Sequence[Source], seed: int | None, seconds: dict[str, float]
-) -> tuple[Domain, Problem, int | None]:
+) -> tuple[Seen, int | None]:
     """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
     given = open_problem(problem, model)
     if not isinstance(given, Scene):
-        return model, given, seed
+        return Seen(model, given, ()), seed
     seed = given.seed if seed is None else seed
     with _timed(seconds, "look"), located_in(*sources), working("looking at the table"):
-        model, seen = look(model, given, seed)
-    return model, seen, seed
+        return look(model, given, seed), seed
 
 
 def _job(
-    model: Domain,
-    problem: Problem,
+    seen: Seen,
     calls: Sequence[Call] | None,
     options: Options,
     time_discounts: bool,
@@ -181,13 +180,13 @@ def _job(
 ) -> Job:
     """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
     name or libPRADA is followed."""
-    smaller = Fewer(problem)
+    model, smaller = seen.domain, Fewer(seen.problem)
     with _timed(seconds, "ground"):
         if calls is None and not options.compat:
-            smaller = fewer(model, problem, options.counted)
+            smaller = fewer(model, seen.problem, options.counted)
         task = with_calls(ground(model, smaller.problem, compat=options.compat), model, calls or ())
         prepared = prepare(by_time(task) if time_discounts else task)
-    return Job(model, smaller.problem, prepared, options, smaller.ignored)
+    return Job(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
 
 
 def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:

@@ -35,13 +35,13 @@ def echo_plan(
         extra = {
             "goal_reached": reached,
             "empty_because": None if plan.actions else why_nothing(job.task),
-            "ignored": list(job.ignored),
+            **_not_planned_for(job),
             "seconds": dict(seconds),
         }
         _echo_data({"problem": job.problem.name, **_plan_data(plan), **extra, **_explained(job, expected)})
         return
     _echo_actions(job, plan, expected)
-    _echo_ignored(job)
+    _echo_not_planned_for(job)
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.3g}"
     click.echo(
         f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plan.samples} samples,"
@@ -50,7 +50,10 @@ def echo_plan(
     click.echo("seconds: " + ", ".join(f"{phase} {spent:.3f}" for phase, spent in seconds.items()))
 
 
-def _echo_ignored(job: Job) -> None:
+def _echo_not_planned_for(job: Job) -> None:
+    if job.left_out:
+        names = ", ".join(job.left_out)
+        click.echo(f"planned without {names}: beyond `most` of the scene's `symbols` (§4.2.1)")
     if job.ignored:
         names = ", ".join(job.ignored)
         click.echo(
@@ -115,7 +118,7 @@ def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
     """A row for each planner."""
     if as_data:
         planners = [_row_data(row) for row in rows]
-        common = {"problem": job.problem.name, "horizon": job.task.horizon, "ignored": list(job.ignored)}
+        common = {"problem": job.problem.name, "horizon": job.task.horizon, **_not_planned_for(job)}
         _echo_data({**common, "planners": planners})
         return
     table = plain_table(
@@ -133,7 +136,7 @@ def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
         numbers = (str(len(plan.actions)), f"{plan.value:.4f}", plan.measure, _true(row.true), f"{spent:.3f}")
         table.add_row(row.planner, first, *numbers)
     print_table(table)
-    _echo_ignored(job)
+    _echo_not_planned_for(job)
     click.echo(f"horizon {job.task.horizon}; true value: of doing the plan's actions, whatever happens")
 
 
@@ -162,6 +165,10 @@ def _plan_data(plan: Plan) -> dict[str, object]:
         "horizon": plan.horizon,
         "coverage": plan.coverage,
     }
+
+
+def _not_planned_for(job: Job) -> dict[str, object]:
+    return {"ignored": list(job.ignored), "left_out": list(job.left_out)}
 
 
 def _explained(job: Job, expected: Forecast | None) -> dict[str, object]:

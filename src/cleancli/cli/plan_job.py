@@ -17,13 +17,14 @@ from cleancli.planning.prepared import Prepared
 @dataclass(frozen=True, slots=True)
 class Job:
     """A problem, ready for planners that are asked with these options; `ignored` are objects that it had too
-    many of (§4.2.1)."""
+    many of (§4.2.1), `left_out` the areas beyond its scene's cap."""
 
     domain: Domain
     problem: Problem
     prepared: Prepared
     options: Options
     ignored: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def task(self) -> Task:

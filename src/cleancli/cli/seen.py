@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import dataclass
 
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.progress import working
@@ -10,6 +11,16 @@ from cleancli.execution.seeds import Purpose, derived
 from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What one look at a table says: the actions that its robot has skills for, what there is to plan for,
+    and the areas that the scene's cap leaves out of it."""
+
+    domain: Domain
+    problem: Problem
+    left_out: tuple[str, ...]
 
 
 def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Problem]:
@@ -21,12 +32,13 @@ def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Pr
     given = open_problem(problem, model)
     if isinstance(given, Scene):
         with located_in(*sources), working("looking at the table"):
-            model, given = look(model, given, given.seed)
+            seen = look(model, given, given.seed)
+        return sources, seen.domain, seen.problem
     return sources, model, given
 
 
-def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
-    """What one look at the scene's table says, and the actions that its robot has skills for.
+def look(domain: Domain, scene: Scene, seed: int) -> Seen:
+    """What one look at the scene's table says.
 
     The world and its eyes are imported here: a written problem needs neither.
     """
@@ -35,4 +47,5 @@ def look(domain: Domain, scene: Scene, seed: int) -> tuple[Domain, Problem]:
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
-        return within_reach(domain, scene.robot), look_once(domain, scene, table, seed)
+        problem, left_out = look_once(domain, scene, table, seed)
+    return Seen(within_reach(domain, scene.robot), problem, left_out)

@@ -12,10 +12,10 @@ from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.seeds import Purpose, derived
 from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path
 from cleancli.motion.path import ToolPath
-from cleancli.perception.cap import left_out, without
+from cleancli.perception.cap import left_out
 from cleancli.perception.occlusion import MOSTLY, remember
 from cleancli.perception.perceive import perceive
 from cleancli.perception.symbols import symbolize
@@ -69,8 +69,8 @@ class TableCell:
 
     def problem(self, situation: Situation) -> Problem:
         """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""
-        objects, state = without(situation.left_out, situation.objects, situation.state)
-        return Problem(self._scene.name, self._domain.name, objects, state)
+        seen = Problem(self._scene.name, self._domain.name, situation.objects, situation.state)
+        return without_objects(seen, situation.left_out)
 
     def is_done(self, situation: Situation) -> bool:
         """Whether no dirt is believed to be there."""
@@ -125,9 +125,11 @@ class TableCell:
         return Motions(arrived - started, ended - arrived, failure)
 
 
-def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> Problem:
-    """Move the arm out of view, look at the table once, and say what there is to plan for."""
+def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> tuple[Problem, tuple[str, ...]]:
+    """Move the arm out of view, look at the table once, and say what there is to plan for, and which areas
+    the scene leaves out of plans."""
     cell = TableCell(domain, scene, robot, seed)
     for _ in cell.withdraw():
         pass
-    return cell.problem(cell.look(None, None, 0, 0).situation)
+    situation = cell.look(None, None, 0, 0).situation
+    return cell.problem(situation), situation.left_out

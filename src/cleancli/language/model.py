@@ -9,7 +9,8 @@ reports a mistake that needs objects to be seen (`Rule`), and equality ignores t
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from cleancli.language.diagnostics import Span
@@ -295,3 +296,10 @@ class Problem(Record):
     planner: str | None = None
     samples: int | None = None
     seed: int | None = None
+
+
+def without_objects(problem: Problem, names: Collection[str]) -> Problem:
+    """The problem without the objects of these names, and without all facts about them."""
+    objects = tuple(thing for thing in problem.objects if thing.name not in names)
+    state = frozenset(fact for fact in problem.state if not any(name in names for name in fact.objects))
+    return replace(problem, objects=objects, state=state)

@@ -18,10 +18,12 @@ from cleancli.perception.surface import Mask
 ROUNDS = 40
 """Rounds of Titterington's iteration; the ellipse is then within 2 % of the smallest one's axes."""
 
-CELL = 0.002
+CELL = 0.001
 """Metres: width of the cells of the surface between which gaps are measured."""
 
-_CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+_CORNERS = np.array([[-0.25, -0.25], [0.25, -0.25], [0.25, 0.25], [-0.25, 0.25]])
+"""How far dirt reaches in a pixel at its border, from the middle: such a pixel is covered by half or whole,
+and the border is a quarter of a pixel beyond its middle on average."""
 
 
 def group(patches: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, link: float) -> tuple[Area, ...]:
@@ -52,9 +54,9 @@ def linked(middles: Points, sizes: Points, link: float) -> NDArray[np.int64]:
     empty = np.ones((rows, columns), np.uint8)
     empty[cells[:, 1], cells[:, 0]] = 0
     to_dirt = cv2.distanceTransform(empty, cv2.DIST_L2, cv2.DIST_MASK_5) * CELL
-    # Half a link around every piece: those that touch are linked. Distances between middles are a piece's
-    # width longer than the gaps.
-    reach = (link + np.sqrt(sizes.mean())) / 2
+    # Half a link around every piece: those that touch are linked. Distances between middles are longer than
+    # the gaps by a quarter of a piece's width at both ends, as in `_CORNERS`.
+    reach = (link + np.sqrt(sizes.mean()) / 2) / 2
     _, labels = cv2.connectedComponents((to_dirt <= reach).view(np.uint8), connectivity=8)
     _, owners = np.unique(labels[cells[:, 1], cells[:, 0]], return_inverse=True)
     return np.asarray(owners, np.int64)
@@ -91,7 +93,7 @@ def _half_turn(angle: float) -> float:
 
 
 def _hull(pixels: Points) -> Points:
-    """The convex hull of whole pixels: of their corners, not of their middles."""
+    """The convex hull of the dirt in these pixels."""
     corners = (pixels[:, None, :] + _CORNERS).reshape(-1, 2)
     return np.asarray(cv2.convexHull(corners.astype(np.float32))[:, 0, :], np.float64)
 

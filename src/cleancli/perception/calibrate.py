@@ -76,8 +76,11 @@ def calibrate(frames: Sequence[Frame], scene: Scene, path: str, rng: np.random.G
     while edge < default.surface_edge and not _is_clean(view, replace(found, surface_edge=edge)):
         edge += 1
     found = replace(found, surface_edge=edge, object_edge=max(default.object_edge, edge + 2))
-    found = replace(found, gradient=_smallest("gradient", found, lambda t: _is_clean(view, t)))
-    found = replace(found, contrast=_smallest("contrast", found, lambda t: _is_clean(view, t)))
+    trusted = [_trusted(frame, view, found) for frame in frames]
+    found = replace(found, gradient=_smallest("gradient", found, lambda t: _is_clean(view, t, trusted)))
+    # Without the gradient's margin, or it would be the contrast's only one.
+    barely = replace(found, gradient=found.gradient / MARGIN)
+    found = replace(found, contrast=_smallest("contrast", barely, lambda t: _is_clean(view, t, trusted)))
     return Calibration(path, found, _appearance(view, scene, found))
 
 
@@ -113,15 +116,21 @@ def _is_flat(view: _View, thresholds: Thresholds) -> bool:
     return True
 
 
-def _is_clean(view: _View, thresholds: Thresholds) -> bool:
-    """Whether no patch of dirt is seen in any frame."""
-    return not any(_dirty(frame, view, thresholds) for frame in view.frames)
+def _is_clean(view: _View, thresholds: Thresholds, trusted: Sequence[Mask] = ()) -> bool:
+    """Whether no patch of dirt is seen in any frame; `trusted` are their masks, if they are known."""
+    masks = trusted or (_trusted(frame, view, thresholds) for frame in view.frames)
+    return not any(
+        _dirty(frame, mask, view, thresholds) for frame, mask in zip(view.frames, masks, strict=True)
+    )
 
 
-def _dirty(frame: Frame, view: _View, thresholds: Thresholds) -> bool:
+def _trusted(frame: Frame, view: _View, thresholds: Thresholds) -> Mask:
     on_surface = surface.surface_mask(frame, view.seen_as, view.extent, thresholds)
     objects = surface.object_mask(frame, view.seen_as, thresholds)
-    trusted = surface.without_edges(on_surface, objects, thresholds)
+    return surface.without_edges(on_surface, objects, thresholds)
+
+
+def _dirty(frame: Frame, trusted: Mask, view: _View, thresholds: Thresholds) -> bool:
     subtraction = dirt.subtract_background(frame.colour, trusted, view.seen_as.pixel_areas, thresholds)
     filtered = dirt.without_specks(subtraction, thresholds)
     return bool(dirt.without_small_patches(filtered, view.seen_as.pixel_areas, thresholds).any())

@@ -6,10 +6,9 @@ them, until a later look in which they are not among the smallest or farthest an
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from math import dist
 
-from cleancli.language.model import Object, State
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import place_at_mouth
 from cleancli.scene.model import Scene
@@ -30,11 +29,3 @@ def left_out(areas: Sequence[Area], scene: Scene) -> tuple[str, ...]:
 
     number = max(0, len(areas) - thresholds.most)
     return tuple(area.name for area in sorted(areas, key=rank)[:number])
-
-
-def without(
-    names: Collection[str], objects: Sequence[Object], state: State
-) -> tuple[tuple[Object, ...], State]:
-    """The objects and facts that have nothing to do with these names."""
-    kept = tuple(thing for thing in objects if thing.name not in names)
-    return kept, frozenset(fact for fact in state if not any(name in names for name in fact.objects))

@@ -30,6 +30,9 @@ CORE = 5
 """Pixels (width of a square) of a region around each pixel that counts for its size. A line of ink may be
 long; the background is wide, too."""
 
+RIM = 1 / 3
+"""Share of the strongest neighbour's contrast up to which a pixel is the rim of dirt, and none itself."""
+
 _MEAN = np.full((1, 3), 1 / 3, np.float32)
 
 
@@ -66,9 +69,9 @@ def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
     would eat up a lentil without them.
     """
     filtered = cv2.medianBlur(subtraction.left.view(np.uint8), 3).view(np.bool_)
-    # A pixel that dirt covers by half has half of the contrast of its strongest neighbour.
+    # A pixel that dirt covers by a third has a third of the contrast of a neighbour that it covers whole.
     strongest = cv2.dilate(subtraction.contrast, np.ones((3, 3), np.uint8))
-    least = np.maximum(np.float32(thresholds.contrast), strongest / 2)
+    least = np.maximum(np.float32(thresholds.contrast), strongest * np.float32(RIM))
     return np.asarray(filtered & (subtraction.contrast > least))
 
 
@@ -116,8 +119,8 @@ def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
 
 
 def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32]:
-    """Worked out around what is left alone, 0 elsewhere; 1, the contrast of black, where no background is
-    near enough to compare with."""
+    """Worked out around what is left alone, 0 elsewhere. Where no background is near, as in a corner that the
+    arm cuts off, it is that to all background; without any, 1, the contrast of black."""
     size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)
     shown = cv2.bitwise_and(colour, colour, mask=weight)
     total = cv2.boxFilter(shown, cv2.CV_32F, size, normalize=False)
@@ -126,9 +129,10 @@ def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32
     near = np.flatnonzero(cv2.dilate(left.view(np.uint8), np.ones((5, 5), np.uint8)))
     compared = number.ravel()[near]
     mean = total.reshape(-1, 3)[near] / np.maximum(compared, np.float32(1))[:, None]
+    mean[compared < 1] = cv2.mean(colour, weight)[:3]
     brightness = np.maximum(mean.mean(axis=1), np.float32(DARKEST))
     differences = colour.reshape(-1, 3)[near] - mean
     found = np.sqrt((differences * differences).mean(axis=1)) / brightness
     contrast = np.zeros(left.shape, np.float32)
-    contrast.ravel()[near] = np.where(compared < 1, np.float32(1), found)
+    contrast.ravel()[near] = found if background.any() else np.float32(1)
     return contrast

@@ -13,11 +13,14 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from cleancli.perception.frame import Camera, Frame
 
 CAMERA = "camera.json"
 MILLIMETRES = 1000
+ROUNDED = 0.01
+"""How far a rotation written by hand may be from one."""
 FARTHEST = 65.535  # metres; what is farther away is written as unknown
 
 
@@ -68,15 +71,25 @@ def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
             pose,
             located,
         )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
         raise BadRecording(f"{path}: no description of a camera ({error!r})") from error
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
         raise BadRecording(f"{path}: `pose` must be a matrix of 4 rows of 4 numbers")
+    if not _is_rigid(pose):
+        raise BadRecording(f"{path}: `pose` must be a rotation and a place, its last row 0 0 0 1")
+    if min(camera.width, camera.height) <= 0:
+        raise BadRecording(f"{path}: `width` and `height` must be above 0")
     if not (camera.focal > 0 and all(map(math.isfinite, (camera.focal, x, y, *clocks)))):
         raise BadRecording(f"{path}: `focal` must be above 0, and all numbers finite")
     if not clocks:
         raise BadRecording(f"{path}: `clocks` lists no frame")
     return camera, clocks
+
+
+def _is_rigid(pose: NDArray[np.float64]) -> bool:
+    turn = pose[:3, :3]
+    is_rotation = np.allclose(turn @ turn.T, np.eye(3), atol=ROUNDED) and np.linalg.det(turn) > 0
+    return bool(is_rotation and np.allclose(pose[3], (0, 0, 0, 1), atol=ROUNDED))
 
 
 def _read_frame(folder: Path, number: int, camera: Camera, clock: float) -> Frame:

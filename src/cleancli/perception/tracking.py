@@ -16,7 +16,7 @@ from cleancli.perception.ellipses import Points, contains, gap, points_within
 NEAR, FAR = 0.01, 0.03
 """Metres around an area's ellipse in which dirt found later may be its own: noise, a flap's touch."""
 
-BESIDE = 0.03
+BESIDE = 0.02
 """Metres beside the cloth's way, and beyond its end, to which it pushes dirt as well."""
 
 ROLLED = 0.10
@@ -211,14 +211,14 @@ def _assigned(
     shares = flow / had[:, None] * flow / np.maximum(has, 1e-12) + np.array(bonus)[:, None]
     shares[flow == 0] = 0
     standing = np.array([_standing(old, after, stroke) for old in before])
-    rows, columns = linear_sum_assignment(shares + standing, maximize=True)
     # Away from most of an area's dirt, its name goes on only with dirt that is mostly its own.
     may = standing > 0
     may[np.arange(len(flow)), flow.argmax(axis=1)] = True
     may[flow.argmax(axis=0), np.arange(flow.shape[1])] = True
-    may &= shares + standing > 0
+    worth = np.where(may, shares + standing, 0)
+    rows, columns = linear_sum_assignment(worth, maximize=True)
     pairs = zip(rows.tolist(), columns.tolist(), strict=True)
-    return {column: before[row].name for row, column in pairs if may[row, column]}
+    return {column: before[row].name for row, column in pairs if worth[row, column] > 0}
 
 
 def _standing(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Flow:

@@ -7,10 +7,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cleancli.compiler.evaluate import StateView
-from cleancli.language.model import Condition, Count, Domain, Equality, Literal, Object, Problem, RewardKind
+from cleancli.language.model import (
+    Condition,
+    Count,
+    Domain,
+    Equality,
+    Literal,
+    Object,
+    Problem,
+    RewardKind,
+    without_objects,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +50,7 @@ def fewer(domain: Domain, problem: Problem, most: int) -> Fewer:
     candidates = [name for name in reversed(counted) if name not in kept]
     ranked = sorted(candidates, key=lambda name: shared[name])
     dropped = set(ranked[: max(len(counted) - most, 0)])
-    objects = tuple(o for o in problem.objects if o.name not in dropped)
-    state = frozenset(fact for fact in problem.state if dropped.isdisjoint(fact.objects))
-    return Fewer(
-        replace(problem, objects=objects, state=state), tuple(name for name in counted if name in dropped)
-    )
+    return Fewer(without_objects(problem, dropped), tuple(name for name in counted if name in dropped))
 
 
 def _decreasing(domain: Domain) -> Count | None:

@@ -36,8 +36,8 @@ class Thresholds:
     contrast: float = 0.10
     """A pixel whose colour differs from that of the background around it by a smaller share of the brightness
     belongs to it."""
-    patch: float = 5.5e-6
-    """Area below which a patch is no dirt: half of a grain of rice."""
+    patch: float = 3.5e-6
+    """Area below which a patch is no dirt: a third of a grain of rice."""
     agreement: float = 2 / 3
     """The share of the frames showing a pixel in which it must be dirty to be believed so."""
 
