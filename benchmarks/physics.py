@@ -26,7 +26,7 @@ import numpy as np
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
 from cleancli.cli.act import COUNTED, in_order
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import Outcome, attempt
 from cleancli.language.diagnostics import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, tool_path
@@ -236,7 +236,7 @@ def passes(grasp: str, seed: int) -> Row:
     scene = replace(BASE, dirt=(line,), rag=Rag(held, held.width))
     area = Ellipse((-0.10, 0.0), (0.034, 0.004), np.pi / 2)
     left = []
-    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
+    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
         for _ in range(PASSES):
             table.start(tool_path("moveToContainerStraight", (area,), scene))
             while table.poll() is Status.RUNNING:

@@ -15,7 +15,7 @@ from cleancli.execution.entries import Entries
 from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, Looked, Moved
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.site import table_site
 from cleancli.execution.table_cell import look_once
@@ -134,7 +134,7 @@ def test_areas_that_are_gone_are_remembered_without_dirt(
 
 def test_the_same_seed_sees_the_same(domain: Domain, scene: Scene) -> None:
     def first() -> object:
-        with closing(PybulletTable(scene, derived(4, Purpose.WORLD))) as table:
+        with closing(PybulletTable(scene, derived(4, Stream.WORLD))) as table:
             return look_once(domain, scene, table, 4)
 
     assert first() == first()

@@ -12,7 +12,7 @@ import numpy as np
 
 from cleancli.cli.completion import problems
 from cleancli.cli.progress import counted, working
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import replace_file
 from cleancli.language.load import parse_as, read_source
@@ -50,7 +50,7 @@ def command(
     seed = setting.seed if seed is None else seed
     _refuse_other_file(out)
     frames = load_frames(recorded) if recorded else tuple(_photographed(setting, seed, count))
-    rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
+    rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     try:
         with working("lowering the thresholds"):
             found = calibrate(frames, setting, str(out), rng)
@@ -88,7 +88,7 @@ def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
     from cleancli.world.robot import Status
     from cleancli.world.table import PybulletTable
 
-    with closing(PybulletTable(replace(setting, dirt=()), derived(seed, Purpose.WORLD))) as table:
+    with closing(PybulletTable(replace(setting, dirt=()), derived(seed, Stream.WORLD))) as table:
         table.withdraw()
         while table.poll() is Status.RUNNING:
             pass

@@ -16,7 +16,7 @@ from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.execution.pictures import write_png
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out
@@ -121,7 +121,7 @@ def _photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
     """The scene's table with the tool at rest. The world is imported here: recorded frames need none."""
     from cleancli.world.table import PybulletTable
 
-    with closing(PybulletTable(setting, derived(seed, Purpose.WORLD))) as table:
+    with closing(PybulletTable(setting, derived(seed, Stream.WORLD))) as table:
         return tuple(table.observe() for _ in range(FRAMES))
 
 
@@ -149,7 +149,7 @@ def _seen(
     seed: int,
 ) -> Iterator[_Seen]:
     """What each look shows; areas that are hidden in one stay as they were in the look before."""
-    rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
+    rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     areas: tuple[Area, ...] = ()
     named = 0
     for source, frames in sets:

@@ -17,7 +17,7 @@ from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
 from cleancli.execution.overlay import reach_map
 from cleancli.execution.pictures import write_png
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
 from cleancli.world.reach import missed, reach
@@ -51,7 +51,7 @@ def command(
     _, setting = open_scene(scene)
     setting = setting if robot is None else replace(setting, robot=robot)
     seed = setting.seed if seed is None else seed
-    with closing(PybulletTable(setting, derived(seed, Purpose.WORLD), gui)) as table:
+    with closing(PybulletTable(setting, derived(seed, Stream.WORLD), gui)) as table:
         if out is not None:
             seen = table.observe().colour
             height = len(seen)

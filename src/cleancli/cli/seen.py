@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.progress import working
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics import Source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
@@ -46,6 +46,6 @@ def look(domain: Domain, scene: Scene, seed: int) -> Seen:
     from cleancli.execution.table_cell import look_once
     from cleancli.world.table import PybulletTable
 
-    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
+    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
         problem, left_out = look_once(domain, scene, table, seed)
     return Seen(within_reach(domain, scene.robot), problem, left_out)

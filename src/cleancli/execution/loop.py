@@ -101,7 +101,7 @@ def _decide(setup: Setup, cell: Workcell, state: EpisodeState, situation: Situat
         state.rest,
         state.actions,
         # Every decision draws for itself: the seed of a run and the number of moves before name it.
-        seeds.derived(options.seed, seeds.Purpose.PLANNING) + state.actions,
+        seeds.derived(options.seed, seeds.Stream.PLANNING) + state.actions,
     )
     decision = STRATEGIES[options.strategy].decide(now, options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.

@@ -1,4 +1,4 @@
-"""One seed for a run, split per purpose, so that drawing more for one purpose changes no other."""
+"""One seed for a run, split into streams, so that drawing more from one changes no other."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import enum
 import numpy as np
 
 
-class Purpose(enum.IntEnum):
+class Stream(enum.IntEnum):
     """What randomness is wanted for; numbers are part of a run's identity and never reused."""
 
     WORLD = 0
@@ -15,7 +15,7 @@ class Purpose(enum.IntEnum):
     PLANNING = 2
 
 
-def derived(seed: int, purpose: Purpose) -> int:
-    """A 63-bit seed for one purpose."""
-    state = np.random.SeedSequence(seed, spawn_key=(purpose,)).generate_state(1, np.uint64)
+def derived(seed: int, stream: Stream) -> int:
+    """A 63-bit seed for one stream."""
+    state = np.random.SeedSequence(seed, spawn_key=(stream,)).generate_state(1, np.uint64)
     return int(state[0] >> np.uint64(1))

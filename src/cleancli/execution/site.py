@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.execution.checkpoint import World
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
@@ -46,7 +46,7 @@ def table_site(
     """
     job = usual_job(scene) if job is None else job
     state = None if world is None else from_arrays(world)
-    table = PybulletTable(scene, derived(options.seed, Purpose.WORLD), state=state)
+    table = PybulletTable(scene, derived(options.seed, Stream.WORLD), state=state)
     return Site(
         Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),
         TableCell(domain, scene, table, options.seed),

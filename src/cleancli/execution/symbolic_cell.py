@@ -9,7 +9,7 @@ import numpy as np
 
 from cleancli.compiler.task import Assignment, GroundAction
 from cleancli.execution.events import StrokeEnded
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.model import Problem
@@ -24,7 +24,7 @@ class SymbolicCell:
 
     def __init__(self, world: World, problem: Problem, seed: int) -> None:
         self._world, self._problem = world, problem
-        self._seed = derived(seed, Purpose.WORLD)
+        self._seed = derived(seed, Stream.WORLD)
         self.assignment: Assignment = world.task.initial
         self.clock = 0.0
 

@@ -9,7 +9,7 @@ from math import dist
 import numpy as np
 
 from cleancli.execution.events import Moved, StrokeEnded
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.model import Domain, Problem, without_objects
@@ -39,7 +39,7 @@ class TableCell:
 
     def __init__(self, domain: Domain, scene: Scene, robot: Robot, seed: int) -> None:
         self._domain, self._scene, self._robot = domain, scene, robot
-        self._seed = derived(seed, Purpose.PERCEPTION)
+        self._seed = derived(seed, Stream.PERCEPTION)
 
     @property
     def clock(self) -> float:

@@ -14,7 +14,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.seeds import Purpose, derived
+from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.table_cell import FRAMES_PER_LOOK
 from cleancli.motion.actions import ARITIES, tool_path
 from cleancli.motion.path import ToolPath
@@ -76,8 +76,8 @@ def attempt(
     Raises NoSkill if the scene's robot doesn't have the action.
     """
     arity = ARITIES[action]
-    with closing(PybulletTable(scene, derived(seed, Purpose.WORLD))) as table:
-        rng = np.random.default_rng(derived(seed, Purpose.PERCEPTION))
+    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
+        rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
         frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
         start = table.truth()
         try:
