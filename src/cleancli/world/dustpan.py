@@ -120,14 +120,8 @@ def walls() -> tuple[tuple[_Triple, _Triple], ...]:
 def dustpan_for(engine: Engine) -> Held:
     """The dustpan in the hand of an arm."""
     colour = [*(c / 255 for c in robots.PAN_COLOUR), 1]
-    corners = plate()
-    middle = corners.mean(axis=0)
-    around = (corners - middle).tolist()
-    touched = engine.createCollisionShape(engine.GEOM_MESH, vertices=around)
-    _narrow(engine, touched)
-    faces = _faces(len(around) // 2)
-    seen = engine.createVisualShape(engine.GEOM_MESH, vertices=around, indices=faces, rgbaColor=colour)
-    parts = [(tuple(middle.tolist()), touched, seen)]
+    middle = plate().mean(axis=0)
+    parts = [(tuple(middle.tolist()), *_hull(engine, plate() - middle, colour))]
     for half, place in walls():
         box = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half)
         look = engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=colour)
@@ -148,12 +142,27 @@ def dustpan_for(engine: Engine) -> Held:
     return Held(links, -1, robots.PAN_WIDTH / 2, tune)
 
 
-def _narrow(engine: Engine, shape: int) -> None:
-    """Give a hull the margin of particles instead of the engine's own 1 mm. The engine sets it for a body's
-    base only, but then for all bodies that have the shape: so it is first given to one that goes again."""
-    spare = engine.createMultiBody(baseMass=0, baseCollisionShapeIndex=shape)
+def _hull(engine: Engine, corners: _Array, colour: list[float]) -> tuple[int, int]:
+    """Shapes of a prism, to touch and to see.
+
+    A hull has a margin of 1 mm around it, unless told otherwise. The engine can tell a body's base only, but
+    what it sets holds for all that have the shape: so a body is told that goes again.
+    """
+    touched: int = engine.createCollisionShape(engine.GEOM_MESH, vertices=corners.tolist())
+    spare = engine.createMultiBody(baseMass=0, baseCollisionShapeIndex=touched)
     engine.changeDynamics(spare, -1, collisionMargin=par.PARTICLE_MARGIN)
     engine.removeBody(spare)
+    faces = corners[_faces(len(corners) // 2)]  # each has corners of its own, or edges would look round
+    normals = np.cross(faces[1::3] - faces[::3], faces[2::3] - faces[::3])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen: int = engine.createVisualShape(
+        engine.GEOM_MESH,
+        vertices=faces.tolist(),
+        indices=list(range(len(faces))),
+        normals=np.repeat(normals, 3, axis=0).tolist(),
+        rgbaColor=colour,
+    )
+    return touched, seen
 
 
 def _faces(count: int) -> list[int]:
