@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import closing
+from itertools import product
 
 import numpy as np
 import pytest
@@ -16,16 +17,20 @@ from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
-from cleancli.world.dustpan import within
+from cleancli.world.arm_drive import TOOL
+from cleancli.world.dustpan import plate, walls, within
+from cleancli.world.parameters import PARTICLES
 from cleancli.world.reem import Reem
 from cleancli.world.robot import Robot, Status
-from cleancli.world.robots import PAN_HELD
+from cleancli.world.robots import PAN_GAP, PAN_HELD
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]
 Finish = Callable[[Robot], Status]
 
 AREA = Ellipse((-0.02, 0.03), (0.03, 0.03), 0.0)
+SIGNS = tuple(product((-1, 1), repeat=3))
+LINK, DISTANCE = 3, 8  # of a contact, as the engine tells it
 LOW_RAG = 3  # a seed whose first stroke comes down low, so that no lentil slips under the rag
 
 
@@ -80,6 +85,45 @@ def test_the_lip_is_raised_while_the_rag_leaves(scene: MakeScene) -> None:
     assert rag[end, 2, 3] > rag[begin, 2, 3] + 0.02
     np.testing.assert_allclose(pan[end, :3, 3], pan[begin, :3, 3], atol=1e-6)
     np.testing.assert_allclose(np.arcsin(-pan[[begin, end], 2, 0]), (0, PAN_HELD), atol=2e-3)
+
+
+def test_no_corner_of_the_dustpan_goes_below_the_surface(scene: MakeScene) -> None:
+    ends = [np.array(place) + half * np.array(sign) for half, place in walls() for sign in SIGNS]
+    corners = np.concatenate((plate(), ends))
+    setting = desk(scene)
+    half = np.array((setting.surface.width, setting.surface.depth)) / 2
+    gaps: dict[str, list[float]] = {"standing": [], "lip raised": []}
+    with closing(PybulletTable(setting, LOW_RAG)) as table:
+        table.start(tool_path("pickUp", (AREA,), setting))
+        drive = table._drive
+        assert isinstance(drive, Reem)
+        frames = forward(drive._arms[1], table._ahead[:, 7:])
+        led = np.einsum("nij,kj->nki", frames[:, :3, :3], corners) + frames[:, None, :3, 3]
+        assert led[(np.abs(led[..., :2]) < half).all(axis=2), 2].min() > PAN_GAP / 2
+        engine, pan = table._engine, drive._left._body
+        while table.poll() is Status.RUNNING:
+            frame = forward(drive._arms[1], drive._left.joints()[None])[0]
+            if frame[2, 3] < 2 * PAN_GAP:
+                points = engine.getClosestPoints(pan, table._top, 0.01)
+                pose = "standing" if -frame[2, 0] < 1e-3 else "lip raised"
+                gaps[pose].append(min(point[DISTANCE] for point in points if point[LINK] > TOOL))
+    for pose in gaps:
+        assert len(gaps[pose]) > 60, pose
+        assert min(gaps[pose]) > PAN_GAP / 2, f"so the engine finds it: {pose}"
+
+
+def test_a_dustpan_put_down_on_particles_presses_none_far_into_the_table(scene: MakeScene) -> None:
+    below = tuple(Group(12, (-0.13, 0.03), 0.06, of) for of in ("lentils", "rice", "peas"))
+    setting = scene(*below, edge="south", robot="reem", size=(0.50, 0.40))
+    deepest = 0.0
+    with closing(PybulletTable(setting, 1)) as table:
+        table.start(tool_path("pickUp", (AREA,), setting))
+        while table.poll() is Status.RUNNING:
+            places = table.truth().positions
+            inner = (np.abs(places[:, :2]) < (0.24, 0.19)).all(axis=1)
+            deepest = min(deepest, float(places[inner, 2].min()))
+    pea = PARTICLES["peas"].size[2]
+    assert -pea / 2 < deepest < -pea / 4, "some were below its lip"
 
 
 def test_the_right_arm_pushes_as_one_arm_does(scene: MakeScene, finish: Finish) -> None:

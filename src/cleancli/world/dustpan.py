@@ -1,5 +1,5 @@
-"""The dustpan: a flat wedge with three walls, held at its far end; its frame's x points from the lip to
-there."""
+"""The dustpan: a sloping plate with a thin lip and three walls, held at its far end; its frame's x points
+from the lip to there."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ from cleancli.motion.timing import Course, timed
 from cleancli.world import parameters as par
 from cleancli.world import robots
 from cleancli.world.arm_drive import TOOL, ArmDrive, Held
-from cleancli.world.links import UPRIGHT, Link
+from cleancli.world.links import Link
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]
+_Triple = tuple[float, float, float]
 
 _TRIED = 3  # of several ways, nearest first
 _TURNING = 30  # poses of a turn
 _JUMP = 0.3  # rad a joint may turn from one pose to the next
-_BACK = PAN_SLOPE * PAN_LENGTH  # height of the wedge where it is held
+_BACK = PAN_SLOPE * PAN_LENGTH  # how much higher the slope is where it is held
 
 
 class PanDrive(ArmDrive):
@@ -90,31 +91,45 @@ class PanDrive(ArmDrive):
         yield from found[np.argsort(np.abs(found[:, 0] - here).max(axis=1), kind="stable")][:_TRIED]
 
 
+def plate() -> _Array:
+    """(10, 3) corners of the hull whose upper side is the slope, without the margin that the engine adds all
+    around; metres in the dustpan's frame. Its underside is flat behind the lip, then it slopes as well."""
+    margin, level = par.PARTICLE_MARGIN, float(np.hypot(1, PAN_SLOPE))  # a plane's height, its thickness 1
+    front, back = margin - PAN_LENGTH, -margin
+    top = robots.PAN_LIP - margin * level + PAN_SLOPE * (np.array((front, back)) + PAN_LENGTH)
+    under = top - (robots.PAN_WALL - 2 * margin) * level
+    bend = front + (margin - under[0]) / PAN_SLOPE
+    side = [(front, margin), (front, top[0]), (back, top[1]), (back, under[1]), (bend, margin)]
+    half = robots.PAN_WIDTH / 2 - margin
+    return np.array([(x, y, z) for y in (-half, half) for x, z in side])
+
+
+def walls() -> tuple[tuple[_Triple, _Triple], ...]:
+    """Half the size, and the middle, of the three walls; metres in the dustpan's frame. The rear one, which
+    is behind the edge about which the lip is raised, ends above it."""
+    half, wall, high = robots.PAN_WIDTH / 2, robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    side = (PAN_LENGTH / 2, wall / 2, high / 2)
+    rear = (wall / 2, half + wall, (_BACK + high - wall) / 2)
+    return (
+        (side, (-PAN_LENGTH / 2, half + wall / 2, high / 2)),
+        (side, (-PAN_LENGTH / 2, -half - wall / 2, high / 2)),
+        (rear, (wall / 2, 0.0, (_BACK + high + wall) / 2)),
+    )
+
+
 def dustpan_for(engine: Engine) -> Held:
     """The dustpan in the hand of an arm."""
-    half = robots.PAN_WIDTH / 2
-    lip, wall, high = robots.PAN_LIP, robots.PAN_WALL, robots.PAN_WALL_HEIGHT
     colour = [*(c / 255 for c in robots.PAN_COLOUR), 1]
-    # A box leaning back, its upper front edge the lip: what would be in the table touches nothing (below).
-    lean = float(np.arctan(PAN_SLOPE))
-    thick = robots.PAN_WALL
-    normal = np.array((-np.sin(lean), 0.0, np.cos(lean)))
-    middle = np.array((-PAN_LENGTH / 2, 0.0, lip + _BACK / 2)) - thick / 2 * normal
-    turn = (0.0, -float(np.sin(lean / 2)), 0.0, float(np.cos(lean / 2)))
-    plate = (PAN_LENGTH / 2 / np.cos(lean), half, thick / 2), tuple(middle), turn
-    walls = (
-        plate,
-        ((PAN_LENGTH / 2, wall / 2, high / 2), (-PAN_LENGTH / 2, half + wall / 2, high / 2), UPRIGHT),
-        ((PAN_LENGTH / 2, wall / 2, high / 2), (-PAN_LENGTH / 2, -half - wall / 2, high / 2), UPRIGHT),
-        ((wall / 2, half + wall, (_BACK + high) / 2), (wall / 2, 0.0, (_BACK + high) / 2), UPRIGHT),
+    middle = plate().mean(axis=0)
+    parts = [(tuple(middle.tolist()), *_hull(engine, plate() - middle, colour))]
+    for half, place in walls():
+        box = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half)
+        look = engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=colour)
+        parts.append((place, box, look))
+    links = tuple(
+        Link(TOOL, engine.JOINT_FIXED, (0, 0, 1), robots.PAN_MASS, place, touched=box, seen=look)
+        for place, box, look in parts
     )
-    links = []
-    for extent, place, turn in walls:
-        box = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=extent)
-        look = engine.createVisualShape(engine.GEOM_BOX, halfExtents=extent, rgbaColor=colour)
-        links.append(
-            Link(TOOL, engine.JOINT_FIXED, (0, 0, 1), robots.PAN_MASS, place, turn, touched=box, seen=look)
-        )
 
     def tune(body: int) -> None:
         for link in range(TOOL + 1, TOOL + 1 + len(links)):
@@ -124,7 +139,42 @@ def dustpan_for(engine: Engine) -> Held:
             for other in range(body):  # the furniture: where the dustpan goes is planned, not felt
                 engine.setCollisionFilterPair(body, other, link, -1, 0)
 
-    return Held(tuple(links), -1, half, tune)
+    return Held(links, -1, robots.PAN_WIDTH / 2, tune)
+
+
+def _hull(engine: Engine, corners: _Array, colour: list[float]) -> tuple[int, int]:
+    """Shapes of a prism, to touch and to see.
+
+    A hull has a margin of 1 mm around it, unless told otherwise. The engine can tell a body's base only, but
+    what it sets holds for all that have the shape: so a body is told that goes again.
+    """
+    touched: int = engine.createCollisionShape(engine.GEOM_MESH, vertices=corners.tolist())
+    spare = engine.createMultiBody(baseMass=0, baseCollisionShapeIndex=touched)
+    engine.changeDynamics(spare, -1, collisionMargin=par.PARTICLE_MARGIN)
+    engine.removeBody(spare)
+    faces = corners[_faces(len(corners) // 2)]  # each has corners of its own, or edges would look round
+    normals = np.cross(faces[1::3] - faces[::3], faces[2::3] - faces[::3])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen: int = engine.createVisualShape(
+        engine.GEOM_MESH,
+        vertices=faces.tolist(),
+        indices=list(range(len(faces))),
+        normals=np.repeat(normals, 3, axis=0).tolist(),
+        rgbaColor=colour,
+    )
+    return touched, seen
+
+
+def _faces(count: int) -> list[int]:
+    """Corners of a prism's triangles, by number, counter-clockwise from outside: `count` of its end at low y,
+    clockwise from outside, then those of the other."""
+    faces: list[int] = []
+    for k in range(1, count - 1):
+        faces += [0, k + 1, k, count, count + k, count + k + 1]
+    for k in range(count):
+        following = (k + 1) % count
+        faces += [k, following, count + k, following, count + following, count + k]
+    return faces
 
 
 def outline(frames: _Array) -> _Array:
