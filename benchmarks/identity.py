@@ -1,7 +1,8 @@
 """Whether areas keep their names: python benchmarks/identity.py [pushes] [--seed N]
 
-Random layouts of lentils, rice and peas, random actions of the gantry upon areas that perception found, one
-look with the tool withdrawn before and after each. Truth comes from the particles, which have identities.
+Random layouts of lentils, rice and peas, random actions of the gantry upon areas that perception found, those
+of a join `near` each other, and one look with the tool withdrawn before and after each. Truth comes from the
+particles, which have identities.
 
 A particle belongs to the area in whose ellipse it lies, or within 5 mm of it; of several, to the nearest. An
 area's heir is the area that holds most of its particles after the push; if several do, the one of its name.
@@ -24,6 +25,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from itertools import pairwise, permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +35,7 @@ from cleancli.motion.actions import SKILLS, tool_path
 from cleancli.perception.area import Area
 from cleancli.perception.ellipses import boundary, contains
 from cleancli.perception.perceive import perceive
+from cleancli.perception.symbols import are_near
 from cleancli.perception.tracking import Merge, Split, Stroke, Tracked, track
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
@@ -67,6 +70,7 @@ class Score:
     """Areas matched right, and how many there were: all, and those that moved. Of splits and merges, how many
     were both named and true, named, and true."""
 
+    action: str
     areas: tuple[int, int]
     moved: tuple[int, int]
     splits: tuple[int, int, int]
@@ -117,17 +121,25 @@ def _round(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> Iter
             yield Push(action, stroke, areas, seen, places_before, places)
         areas = track(areas, seen, stroke, named + 1).areas
         named = max([named, *(int(area.name[1:]) for area in areas)])
-        possible = [name for name in sorted(SKILLS) if SKILLS[name].arity <= len(areas)]
+        actions = {name: list(chains(areas, skill.arity, scene)) for name, skill in sorted(SKILLS.items())}
+        possible = [name for name, chosen in actions.items() if chosen]
         if not possible:
             return
         action = str(rng.choice(possible))
-        chosen = [areas[i] for i in rng.choice(len(areas), SKILLS[action].arity, replace=False)]
+        chosen = actions[action][rng.integers(len(actions[action]))]
         path = tool_path(action, tuple(area.ellipse for area in chosen), scene)
         places_before = places
         _finish(table, lambda path=path: table.start(path))
         _finish(table, table.withdraw)
         points = tuple((w.x, w.y) for w in path.waypoints if w.z <= 0)
         stroke = Stroke(tuple(area.name for area in chosen), points, scene.rag.width / 2)
+
+
+def chains(areas: tuple[Area, ...], arity: int, scene: Scene) -> Iterator[tuple[Area, ...]]:
+    """What an action can be done upon: different areas, each `near` the one before, as joins ask (§3.2.3)."""
+    for chosen in permutations(areas, arity):
+        if all(are_near(a.ellipse, b.ellipse, scene.symbols) for a, b in pairwise(chosen)):
+            yield chosen
 
 
 def _finish(table: PybulletTable, begin) -> None:  # type: ignore[no-untyped-def]
@@ -191,6 +203,7 @@ def judge(push: Push, tracked: Tracked) -> Score:
         if not (far[old == i] < MOVED).all():
             moved, moved_right = moved + 1, moved_right + fits
     return Score(
+        push.action,
         (right, len(push.before)),
         (moved_right, moved),
         _splits(push, tracked, flow, heirs),
@@ -246,6 +259,10 @@ def report(scores: list[Score]) -> float:
     print(f"areas matched right    {areas[0]:5} of {areas[1]:5}  {areas[0] / max(1, areas[1]):.3f}")
     print(f"  of those that moved  {moved[0]:5} of {moved[1]:5}  {moved[0] / max(1, moved[1]):.3f}")
     print(f"pushes without mistake {whole:5} of {len(scores):5}  {whole / max(1, len(scores)):.3f}")
+    for action in sorted(SKILLS):
+        of = np.array([score.areas for score in scores if score.action == action]).reshape(-1, 2)
+        found, there = of.sum(axis=0)
+        print(f"  {action:23} {found:5} of {there:5}  {found / max(1, there):.3f}, {len(of)} times")
     for what, (both, named, true) in (("splits", splits), ("merges", merges)):
         print(f"{what}: {named} named, {both} of them true; {true} true")
     return float(areas[0] / max(1, areas[1]))

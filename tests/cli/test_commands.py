@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -27,13 +27,18 @@ def cleancli(*words: str | Path, cwd: Path, **environment: str) -> subprocess.Co
     )
 
 
+def _spent_on_others() -> float:
+    """Seconds of CPU that processes which this one started have taken, once they have ended."""
+    return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+
+
 def test_help_answers_at_once(tmp_path: Path) -> None:
-    """The best of five, so that a busy machine does not decide."""
+    """The best of five, in seconds of CPU, so that a busy machine does not decide."""
     spent = []
     for _ in range(5):
-        started = time.perf_counter()
+        started = _spent_on_others()
         result = cleancli("--help", cwd=tmp_path)
-        spent.append(time.perf_counter() - started)
+        spent.append(_spent_on_others() - started)
         assert result.returncode == 0
         assert "execute" in result.stdout
     assert min(spent) < 0.3
