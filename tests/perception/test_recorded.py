@@ -98,7 +98,7 @@ def test_a_picture_that_is_none_and_one_that_is_missing_are_named(
     with pytest.raises(BadRecording, match=r"uint8 .480, 640., but camera\.json asks for uint16"):
         load_frames(tmp_path)
     (tmp_path / "colour-000.png").unlink()
-    with pytest.raises(OSError, match=r"colour-000\.png"):
+    with pytest.raises(BadRecording, match=r"colour-000\.png: missing"):
         load_frames(tmp_path)
 
 

@@ -102,6 +102,8 @@ def _read_frame(folder: Path, number: int, camera: Camera, clock: float) -> Fram
 def _read_image(
     path: Path, shape: tuple[int, ...], kind: type[np.uint8] | type[np.uint16]
 ) -> cv2.typing.MatLike:
+    if not path.exists():
+        raise BadRecording(f"{path}: missing, though {CAMERA} gives this frame a clock")
     data = np.frombuffer(path.read_bytes(), np.uint8)
     image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
     if image is None:
