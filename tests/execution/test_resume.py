@@ -78,6 +78,15 @@ def deaths(
         yield moment
 
 
+def cut_short(monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of a run that died after 20 events."""
+    with monkeypatch.context() as patched:
+        dying_after(20, patched)
+        with pytest.raises(Killed):
+            run(WORDS)
+    return Path("runs/three_areas-seed5-001")
+
+
 @pytest.fixture(autouse=True)
 def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -127,11 +136,7 @@ def test_a_run_that_dies_at_any_write_goes_on_to_the_same_end(monkeypatch: pytes
 def test_two_processes_do_not_go_on_with_one_run(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with monkeypatch.context() as patched:
-        dying_after(20, patched)
-        with pytest.raises(Killed):
-            run(WORDS)
-    folder = Path("runs/three_areas-seed5-001")
+    folder = cut_short(monkeypatch)
     with alone_in(folder):
         assert run(["execute", "--resume", str(folder)]) == 2
     assert "another process works on" in capsys.readouterr().err
@@ -240,11 +245,7 @@ def test_what_cannot_go_on_is_told(
 def test_other_texts_and_broken_checkpoints_are_told(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with monkeypatch.context() as patched:
-        dying_after(20, patched)
-        with pytest.raises(Killed):
-            run(WORDS)
-    folder = Path("runs/three_areas-seed5-001")
+    folder = cut_short(monkeypatch)
     copy = folder / "files" / "three_areas.nid"
     text = copy.read_text()
     copy.write_text(text + "# another\n")
