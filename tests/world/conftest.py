@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 
 import pytest
@@ -55,3 +57,17 @@ def finish() -> Callable[[Robot], Status]:
         return status
 
     return poll
+
+
+@pytest.fixture
+def in_two_processes() -> Callable[[str], tuple[str, str]]:
+    """What a script prints, in one process and in another."""
+
+    def printed(script: str) -> tuple[str, str]:
+        command = [sys.executable, "-c", script]
+        first, second = (
+            subprocess.run(command, capture_output=True, text=True, check=True).stdout for _ in range(2)
+        )
+        return first, second
+
+    return printed

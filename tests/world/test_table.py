@@ -181,11 +181,10 @@ print(table.truth().positions.tobytes().hex(), frame.depth.tobytes().hex(), fram
 """
 
 
-def test_the_same_seed_is_the_same_world_bit_for_bit_in_another_process() -> None:
-    command = [sys.executable, "-c", _TWICE]
-    first, second = (
-        subprocess.run(command, capture_output=True, text=True, check=True).stdout for _ in range(2)
-    )
+def test_the_same_seed_is_the_same_world_bit_for_bit_in_another_process(
+    in_two_processes: Callable[[str], tuple[str, str]],
+) -> None:
+    first, second = in_two_processes(_TWICE)
     assert len(first) > 1000
     assert first == second
 
