@@ -15,6 +15,7 @@ from cleancli.compiler.task import (
     RewardCondition,
     StateVariable,
     Task,
+    by_time,
 )
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import load_domain, load_problem
@@ -94,7 +95,16 @@ def random_task(seed: int) -> Task:
         horizon=5,
         discount=0.9,
         discounts=(0.9,) * 6,
+        step=None,
+        untimed=tuple(f"act{i}" for i in range(6)),
     )
+
+
+def timed(task: Task) -> Task:
+    """The same, discounted by time: its actions last 1 s, 2 s and so on, and all of them set the pace."""
+    seconds = [float(index + 1) for index in range(len(task.actions))]
+    actions = tuple(replace(a, duration=s) for a, s in zip(task.actions, seconds, strict=True))
+    return by_time(replace(task, actions=actions, step=sum(seconds) / len(seconds), untimed=()))
 
 
 def weighted_task(seed: int) -> Task:

@@ -11,7 +11,7 @@ import domains
 import pytest
 
 from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Task, by_time
+from cleancli.compiler.task import Task
 from cleancli.compiler.transition import exact_value
 from cleancli.planning import beam
 from cleancli.planning.beam import best_sequence
@@ -55,8 +55,7 @@ def test_the_best_of_all_sequences_is_found(
 ) -> None:
     task = replace(domains.costly_task(seed), horizon=2)
     if seed % 2:
-        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-        task = by_time(replace(task, actions=actions))
+        task = domains.timed(task)
     certain, origins = determinize(task)
     assert all(o.probability == 1 for rule in certain.rules for o in rule.outcomes)
     assert [certain.discounts[i] for i in range(len(origins))] == [task.discounts[o] for o in origins]

@@ -13,7 +13,7 @@ import pytest
 import reference
 from scipy import stats
 
-from cleancli.compiler.task import Assignment, Task, by_time, held
+from cleancli.compiler.task import Assignment, Task, held
 from cleancli.compiler.transition import (
     SupportTooLargeError,
     covering_rule,
@@ -34,8 +34,7 @@ SEEDS = range(6)
 
 def case(seed: int) -> tuple[Task, list[int]]:
     task = domains.weighted_task(seed)
-    actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-    task = by_time(replace(task, actions=actions)) if seed % 2 else task
+    task = domains.timed(task) if seed % 2 else task
     return task, np.random.default_rng(seed).integers(len(task.actions), size=4).tolist()
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Assignment, GroundCondition, Task, by_time
+from cleancli.compiler.task import Assignment, GroundCondition, Task
 from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
 from cleancli.planning import rational
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
@@ -107,8 +107,7 @@ def exact(task: Task, **options: Any) -> Plan:
 def test_floats_fractions_and_the_recursion_agree(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=3)
     if seed % 2:
-        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-        task = by_time(replace(task, actions=actions))
+        task = domains.timed(task)
     plan = exact(task)
     assert plan.value == pytest.approx(optimum(task)(task.initial, 3), abs=1e-12)
     slow = exact(task, arithmetic="rational")

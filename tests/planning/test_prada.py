@@ -426,6 +426,8 @@ def held(reward: float, cost: float, horizon: int, discount: float = 0.9) -> Tas
         horizon=horizon,
         discount=discount,
         discounts=(discount,),
+        step=None,
+        untimed=("do",),
     )
 
 

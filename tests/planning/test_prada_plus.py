@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cleancli.compiler.task import Assignment, GroundOutcome, Task, by_time
+from cleancli.compiler.task import Assignment, GroundOutcome, Task
 from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
 from cleancli.language.model import OutcomeKind
 from cleancli.planning import annealing
@@ -44,8 +44,7 @@ def spread(task: Task) -> float:
 def test_runs_are_worth_what_the_process_says(seed: int) -> None:
     task = domains.weighted_task(seed)
     if seed % 2:
-        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-        task = by_time(replace(task, actions=actions))
+        task = domains.timed(task)
     rng, prepared = np.random.default_rng(seed), prepare(task)
     for length in (0, 1, 3, 5):
         chosen = rng.integers(len(task.actions), size=length).tolist()

@@ -71,7 +71,8 @@ def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
-    task = by_time(timed(seed)) if seed % 2 else domains.weighted_task(seed)
+    task = domains.weighted_task(seed)
+    task = domains.timed(task) if seed % 2 else task
     rng = np.random.default_rng(seed)
     actions = rng.integers(len(task.actions), size=4)
     idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(task.horizon))])
@@ -83,14 +84,8 @@ def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
     assert abs(mean - exact_value(task, actions.tolist())) < stats.norm.isf(1e-5) * error
 
 
-def timed(seed: int) -> Task:
-    task = domains.weighted_task(seed)
-    actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-    return replace(task, actions=actions)
-
-
 def test_time_discounts_by_duration() -> None:
-    task = by_time(timed(1))
+    task = domains.timed(domains.weighted_task(1))
     assert task.discounts == pytest.approx([0.9 ** ((i + 1) / 3.5) for i in range(6)])
     for actions in ([0], [5], [5, 0, 3, 3]):
         value, factor, distribution = 0.0, 1.0, {task.initial: 1.0}
@@ -113,8 +108,8 @@ def test_time_discounts_by_duration() -> None:
 
 
 def test_equal_durations_discount_as_steps_do() -> None:
-    task = timed(3)
-    equal = replace(task, actions=tuple(replace(a, duration=4.0) for a in task.actions))
+    task = domains.weighted_task(3)
+    equal = replace(task, actions=tuple(replace(a, duration=4.0) for a in task.actions), step=4.0, untimed=())
     assert by_time(equal).discounts == pytest.approx(task.discounts)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import domains
 import pytest
 
-from cleancli.compiler.task import Task, by_time
+from cleancli.compiler.task import Task
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS
@@ -22,8 +22,7 @@ def plan(name: str, task: Task, **options: Any) -> Plan:
 def test_episodes_tend_to_the_optimum(seed: int) -> None:
     task = replace(domains.costly_task(seed), horizon=3)
     if seed == 4:
-        actions = tuple(replace(a, duration=float(i + 1)) for i, a in enumerate(task.actions))
-        task = by_time(replace(task, actions=actions))
+        task = domains.timed(task)
     best = plan("exact", task)
     assert best.value > 0.1
     few, many = (plan("uct", task, samples=n) for n in (20, 100_000))

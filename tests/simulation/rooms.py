@@ -39,6 +39,17 @@ JAMMING = DOORS.replace("0.4: nothing", "0.4: jammed(?d), force(?d) += 1").repla
 PAID = DOORS.replace("reward { decrease(shut) }", "reward { 0.5 * opened - 0.2 * cost }")
 """The same, but that open doors pay in each step, and pushing costs."""
 
+STORMY = DOORS.replace("oil(?d - door) [", "storm() [duration = 2 s, cost = 3]  oil(?d - door) [").replace(
+    "  reward",
+    """  rule storm_in: storm() {
+    when exists ?d - door: not open(?d)
+    then 0.3: forall ?d - door => open(?d)
+         0.7: nothing
+  }
+  reward""",
+)
+"""The same with an action without parameters."""
+
 TWO_DOORS = "init { force(a) = 1, force(b) = 1 }"
 
 
@@ -54,8 +65,9 @@ def problem(known: Domain, inside: str = TWO_DOORS) -> Problem:
 
 
 def saying(*actions: str) -> Planner:
-    """A planner that always says the same actions, written like `push(a)`."""
-    said = tuple(GroundAction(text[:-3], (text[-2],), None) for text in actions)
+    """A planner that always says the same actions, written like `push(a)` or `storm()`."""
+    calls = [text.removesuffix(")").split("(") for text in actions]
+    said = tuple(GroundAction(name, (argument,) if argument else (), None) for name, argument in calls)
 
     def planner(prepared: Prepared, options: Options) -> Plan:
         return plan(prepared, said)

@@ -49,6 +49,7 @@ def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, *
         (rooms.DOORS, ("push(a)", "oil(b)", "push(a)", "push(b)")),
         (rooms.PAID, ("push(a)", "push(a)", "oil(b)")),
         (rooms.JAMMING, ("push(a)", "push(a)", "oil(a)")),
+        (rooms.STORMY, ("storm()", "push(a)", "storm()")),
     ],
 )
 def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], timed: bool) -> None:
@@ -94,7 +95,26 @@ def test_actions_that_can_change_nothing_cost_and_last() -> None:
     assert found.seconds == pytest.approx(24)
     timed = world_of(actual, given, timed=True)
     first = do(timed, timed.task.initial, found.actions[0], np.random.default_rng(0))[0]
-    assert first.discount == pytest.approx(0.95 ** (8 / 6))  # the mean of 4 s and 8 s
+    assert first.discount == pytest.approx(
+        0.95 ** (8 / 4)
+    )  # here nothing comes of oil, so pushing is the pace
+
+
+def test_the_pace_is_that_of_what_has_an_effect_somewhere() -> None:
+    """Not of what happens to occur: here no door can be pushed, and knocking does nothing anywhere."""
+    text = rooms.DOORS.replace("actions    {", "actions    { knock() [duration = 99 s] ").replace(
+        "  reward", "  rule k: knock() { then 1: nothing }\n  reward"
+    )
+    known = rooms.domain(text)
+    given = rooms.problem(known, "init { jammed(a), jammed(b), force(a) = 1, force(b) = 1 }")
+    world = world_of(known, given, timed=True)
+    rng = np.random.default_rng(0)
+    expected = {"push(a)": 4.0, "oil(a)": 10.0, "knock()": 99.0}
+    for said, seconds in expected.items():
+        (action,) = rooms.saying(said)(
+            Agent(rooms.saying(), known, given).prepared(given.state, 30), Options()
+        ).actions
+        assert do(world, world.task.initial, action, rng)[0].discount == pytest.approx(0.95 ** (seconds / 7))
 
 
 def test_robot_time_needs_every_duration() -> None:

@@ -62,6 +62,8 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False) -> Task:
         horizon=rewards.horizon,
         discount=problem.discount,
         discounts=(problem.discount,) * len(actions),
+        step=_step(domain),
+        untimed=tuple(sorted(action.name for action in domain.actions if action.duration is None)),
     )
 
 
@@ -191,6 +193,14 @@ def _ground_actions(domain: Domain, found: Iterable[Case]) -> tuple[GroundAction
     costs = costs_of(domain)
     names = sorted({(domain.rules[case.rule].action, case.objects) for case in found})
     return tuple(GroundAction(name, objects, durations[name], costs[name]) for name, objects in names)
+
+
+def _step(domain: Domain) -> float | None:
+    """The mean duration of the actions with a rule that has an effect; of all where no rule has any."""
+    acting = {rule.action for rule in domain.rules if any(outcome.effects for outcome in rule.outcomes)}
+    durations = [action.duration for action in domain.actions if action.name in acting or not acting]
+    known = [duration for duration in durations if duration is not None]
+    return sum(known) / len(known) if known and len(known) == len(durations) else None
 
 
 def _outcomes(

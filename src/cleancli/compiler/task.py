@@ -87,7 +87,9 @@ class Task:
     has steps for a count (§4.2.2).
 
     What comes after an action is worth `discounts` of it times less, per action; after doing nothing for a
-    step, `discount` times (§3.3, where the text writes α for γ).
+    step, `discount` times (§3.3, where the text writes α for γ). `step` is how many seconds such a step stands
+    for where time discounts: the mean duration of the domain's actions with a rule that has an effect, whatever
+    occurs in the problem. It is None where the actions of `untimed` have no duration.
     """
 
     variables: tuple[StateVariable, ...]
@@ -102,6 +104,8 @@ class Task:
     horizon: int
     discount: float
     discounts: tuple[float, ...]
+    step: float | None
+    untimed: tuple[str, ...]
 
 
 def holds(condition: GroundCondition, assignment: Assignment) -> bool:
@@ -137,16 +141,13 @@ def without(task: Task, excluded: Collection[tuple[str, tuple[str, ...]]]) -> Ta
 def by_time(task: Task) -> Task:
     """The same task where time discounts and not the number of steps (a semi-Markov process).
 
-    An action's discount is γ to the power of its duration over the mean duration of the domain's actions
-    that occur; so values keep their scale, and `duration` must be known for each. Raises `NoDurationError`.
+    An action's discount is γ to the power of its duration over `step`: so values keep their scale, and it
+    depends on nothing that is planned or asked for. Raises `NoDurationError` where a duration is not known.
     """
-    names = {action.name: action.duration for action in task.actions}
-    unknown = sorted(name for name, duration in names.items() if duration is None)
-    if unknown:
-        raise NoDurationError(unknown)
-    seconds = [action.duration or 0.0 for action in task.actions]
-    mean = sum(d or 0.0 for d in names.values()) / max(len(names), 1)
-    return replace(task, discounts=tuple(task.discount ** (s / mean) if mean else 1.0 for s in seconds))
+    if task.step is None or task.untimed:
+        raise NoDurationError(task.untimed)
+    seconds = [task.step if action.duration is None else action.duration for action in task.actions]
+    return replace(task, discounts=tuple(task.discount ** (each / task.step) for each in seconds))
 
 
 class NoDurationError(ValueError):

@@ -20,13 +20,15 @@ from cleancli.language.model import Domain, Fact, Problem, State
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """A problem under the rules that hold. `task` also lists each declared action once without objects and
-    without rules: it stands for the groundings that can change nothing, and says what they cost. `rest` are
-    the facts that never change, `numbers` the actions' indices."""
+    """A problem under the rules that hold. After the grounded actions, `task` lists each declared action once
+    more, without rules: it stands for the groundings that can change nothing, and says what they cost. `numbers`
+    are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the facts that never
+    change."""
 
     task: Task
     rest: State
     numbers: Mapping[tuple[str, tuple[str, ...]], int]
+    idle: Mapping[str, int]
     has_goal: bool
 
     def facts(self, assignment: Assignment) -> State:
@@ -51,26 +53,17 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
 
     Raises `Refused` (E6xx) and `NoDurationError`.
     """
-    grounded = ground(domain, problem)
-    task = _with_idle_actions(by_time(grounded) if timed else grounded, domain, timed)
+    grounded, costs = ground(domain, problem), costs_of(domain)
+    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name]) for a in domain.actions)
+    actions = grounded.actions + idle
+    task = replace(grounded, actions=actions, discounts=(grounded.discount,) * len(actions))
     return World(
-        task,
+        by_time(task) if timed else task,
         unchanging_facts(task, problem.state),
-        {(action.name, action.objects): index for index, action in enumerate(task.actions)},
+        {(action.name, action.objects): index for index, action in enumerate(grounded.actions)},
+        {action.name: index for index, action in enumerate(idle, start=len(grounded.actions))},
         bool(problem.goal),
     )
-
-
-def _with_idle_actions(task: Task, domain: Domain, timed: bool) -> Task:
-    """The task with one action more for each that is declared."""
-    costs = costs_of(domain)
-    known = {action.name: discount for action, discount in zip(task.actions, task.discounts, strict=True)}
-    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name]) for a in domain.actions)
-    unknown = replace(task, actions=idle, discounts=(task.discount,) * len(idle))
-    if timed and any(action.name not in known for action in idle):
-        unknown = by_time(unknown)
-    discounts = [known.get(a.name, d) for a, d in zip(idle, unknown.discounts, strict=True)]
-    return replace(task, actions=task.actions + idle, discounts=(*task.discounts, *discounts))
 
 
 def changing_facts(task: Task, assignment: Assignment) -> State:
@@ -107,7 +100,7 @@ def do(
     episode meets the same luck whoever planned it."""
     number = world.numbers.get((action.name, action.objects))
     if number is None:
-        number = world.numbers[action.name, ()]
+        number = world.idle[action.name]
     task = world.task
     drawn, after = sample(task, state, number, rng)
     if drawn is None:
