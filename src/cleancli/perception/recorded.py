@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.language.edit import replace_file
 from cleancli.language.plain import read_plain
 from cleancli.perception.frame import Camera, Frame
 
@@ -41,7 +42,7 @@ def save_frames(frames: Sequence[Frame], folder: Path) -> None:
         depth = np.rint(np.where(known, frame.depth, 0) * MILLIMETRES).astype(np.uint16)
         for name, image in ((_colour(number), bgr), (_depth(number), depth)):
             _, data = cv2.imencode(".png", image)
-            (folder / name).write_bytes(data.tobytes())
+            replace_file(folder / name, data.tobytes())
     camera = frames[0].camera
     described = {
         "width": camera.width,
@@ -51,7 +52,7 @@ def save_frames(frames: Sequence[Frame], folder: Path) -> None:
         "pose": camera.pose.tolist() if camera.located else None,
         "clocks": [frame.clock for frame in frames],
     }
-    (folder / CAMERA).write_text(json.dumps(described, indent=2) + "\n", encoding="utf-8")
+    replace_file(folder / CAMERA, json.dumps(described, indent=2) + "\n")
 
 
 def load_frames(folder: Path) -> tuple[Frame, ...]:
