@@ -46,6 +46,18 @@ def test_a_file_that_others_may_write_is_not_used(kept: Path, mode: int) -> None
     assert read_cached(kept) is None
 
 
+def test_a_file_that_is_kept_is_ours_alone_whatever_was_there(kept: Path) -> None:
+    kept.chmod(0o666)
+    before = os.umask(0)
+    try:
+        write_cached(kept, grammar())
+        write_cached(kept.with_name("other.parser"), grammar())
+    finally:
+        os.umask(before)
+    assert read_cached(kept) is not None
+    assert read_cached(kept.with_name("other.parser")) is not None
+
+
 def test_where_nothing_can_be_kept_nothing_is_left(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder")
     write_cached(tmp_path / "file" / "nid.parser", grammar())

@@ -14,7 +14,7 @@ from cleancli.cli.completion import problems
 from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics import Level, Refused
-from cleancli.language.edit import replace_file
+from cleancli.language.edit import write_atomically
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
@@ -48,7 +48,7 @@ def command(
     """
     setting = _scene_to_calibrate(scene)
     seed = setting.seed if seed is None else seed
-    _refuse_other_file(out)
+    before = _calibration_to_replace(out)
     frames = load_frames(recorded) if recorded else tuple(_photographed(setting, seed, count))
     rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     try:
@@ -56,7 +56,7 @@ def command(
             found = calibrate(frames, setting, str(out), rng)
     except (BadFrame, NoSurface, NotClean) as error:
         raise BadRecording(f"{recorded or 'the camera'}: {error}") from error
-    replace_file(out, as_text(found))
+    write_atomically(out, as_text(found), before)
     click.echo(as_text(found).rstrip() if as_data else _printed(found, len(frames), out))
 
 
@@ -71,8 +71,9 @@ def _scene_to_calibrate(name_or_path: str) -> Scene:
     return replace(setting, calibration=None)
 
 
-def _refuse_other_file(out: Path) -> None:
-    """What is no calibration is hardly meant to be replaced by one."""
+def _calibration_to_replace(out: Path) -> str | None:
+    """The text of the file as it is, None where there is none yet. What is no calibration is hardly meant to
+    be replaced by one."""
     if not out.resolve().parent.is_dir():
         raise click.BadParameter(f"there is no folder `{out.parent}`", param_hint="--out")
     if out.exists():
@@ -81,6 +82,7 @@ def _refuse_other_file(out: Path) -> None:
         except BadCalibration as error:
             message = f"`{out}` exists, and is no calibration: {error}"
             raise click.BadParameter(message, param_hint="--out") from error
+    return read_source(out).text if out.exists() else None
 
 
 def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:

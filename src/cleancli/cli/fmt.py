@@ -48,14 +48,13 @@ def _format(name: str, check: bool, diff: bool) -> bool:
     is_new = text != source.text
     if diff:
         echo_difference(source, text, "formatted")
-    elif is_new and (check or name != STDIN):
-        click.echo(f"{'would format' if check else 'formatted'} {source.path}", err=name == STDIN)
-    if check or diff:
-        return is_new
-    if name == STDIN:
+    elif is_new and check:
+        click.echo(f"would format {source.path}", err=name == STDIN)
+    elif name == STDIN and not check:
         sys.stdout.buffer.write(text.encode("utf-8"))
     elif is_new:
         write_atomically(Path(name), text, source.text)
+        click.echo(f"formatted {source.path}")
     return is_new
 
 

@@ -45,10 +45,10 @@ def command(
     _check([texts[source.path] for source in sources], len(checked.sources))
     for source in sources:
         echo_difference(source, texts[source.path].text, "renamed")
-    places = sum(map(len, edits.values()))
-    click.echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
     if write:
         write_all(Change(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
+    places = sum(map(len, edits.values()))
+    click.echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
 
 
 def _found(name: str, folder: str, write: bool) -> Path:

@@ -1,15 +1,16 @@
-"""The one place that changes files of the user: edits at spans, and a write that replaces all or nothing."""
+"""The one place that changes files of the user: edits at spans, and writes that replace all or nothing."""
 
 from __future__ import annotations
 
 import errno
 import os
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from cleancli.language.diagnostics import Diagnostic, Refused, Span
+from cleancli.language.hold import Meanwhile, Original, locked
+from cleancli.language.swap import New, overwrite, put_in_place
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +42,8 @@ def apply_edits(text: str, edits: Iterable[Edit]) -> str:
 
 
 def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:
-    """Replace a file in one step, if it still reads as it did; see `replace_file`.
-
-    Refuses (E006) if the file no longer reads `expected_old_text` (None: it must not exist). Raises OSError
-    where it cannot be read or written.
-    """
+    """Replace a file in one step, if it still reads `expected_old_text` (None: it must not exist); see
+    `write_all`."""
     write_all([Change(Path(path), text, expected_old_text)])
 
 
@@ -59,82 +57,60 @@ class Change:
 
 
 def write_all(changes: Iterable[Change]) -> None:
-    """Replace several files, each in one step, after all of them were found to read as expected.
+    """Replace several files, all of them or none, after all were found to read as expected.
 
-    Refuses (E006) before the first is replaced, naming all that do not. Raises OSError where one cannot be
-    read or written, or is read-only; none is replaced then.
+    What another program saves meanwhile stays: then nothing is written (E006, naming all files that do not
+    read as expected). Owner, group and mode stay, and a link still leads where it led. Raises OSError where a
+    file cannot be read or written, is read-only, or has several names.
     """
     changes = tuple(changes)
-    refused = [diagnostic for change in changes if (diagnostic := _unexpected(change)) is not None]
-    if refused:
-        raise Refused(refused)
-    for change in changes:
-        if change.expected is not None:
-            _refuse_read_only(change.path)
-    _replace((change.path, change.text) for change in changes)
+    places = {change.path: Path(os.path.realpath(change.path)) for change in changes}
+    with locked(places.values()) as originals:
+        now = {path: originals[place] for path, place in places.items()}
+        refused = [
+            found for change in changes if (found := _unexpected(change, now[change.path])) is not None
+        ]
+        if refused:
+            raise Refused(refused)
+        for path, original in now.items():
+            if original is not None:
+                _refuse_unwritable(path, original.status)
+        try:
+            put_in_place([New(places[c.path], c.text.encode("utf-8"), now[c.path]) for c in changes])
+        except Meanwhile as meanwhile:
+            named = next(path for path, place in places.items() if place == meanwhile.path)
+            raise Refused([_refusal(named, meanwhile.what)]) from None
 
 
-def _unexpected(change: Change) -> Diagnostic | None:
-    try:
-        now: bytes | None = change.path.read_bytes()
-    except FileNotFoundError:
-        now = None
-    if now == (None if change.expected is None else change.expected.encode("utf-8")):
+def _unexpected(change: Change, original: Original | None) -> Diagnostic | None:
+    expected = None if change.expected is None else change.expected.encode("utf-8")
+    if (None if original is None else original.content) == expected:
         return None
-    what = "already exists" if change.expected is None else "has changed on disk since it was read"
-    return Diagnostic("E006", f"`{change.path}` {what}", None, help="nothing was written")
+    return _refusal(
+        change.path, "already exists" if expected is None else "has changed on disk since it was read"
+    )
 
 
-def _refuse_read_only(path: Path) -> None:
-    """A file could be replaced wherever its folder can be written; one that is read-only is meant to stay."""
-    if not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
+def _refusal(path: Path, what: str) -> Diagnostic:
+    return Diagnostic("E006", f"`{path}` {what}", None, help="nothing was written")
+
+
+def _refuse_unwritable(path: Path, status: os.stat_result) -> None:
+    """A file could be replaced wherever its folder can be written; one that is read-only is meant to stay,
+    and one with several names would be parted from the others."""
+    if not (status.st_mode & 0o222 and os.access(path, os.W_OK)):
         raise PermissionError(errno.EACCES, "read-only, and so nothing was written", str(path))
+    if status.st_nlink > 1:
+        told = "it has several names (hard links), which would be parted, and so nothing was written"
+        raise OSError(errno.EMLINK, told, str(path))
 
 
-def replace_file(path: Path | str, content: str | bytes) -> None:
+def replace_file(path: Path | str, content: str | bytes, mode: int | None = None) -> None:
     """Write a file, text as UTF-8, so that it holds the old content or the new one, whatever happens.
 
-    Line ends are written as they are and permissions kept; a symlink stays and its target is replaced.
-    Raises OSError where the file cannot be written.
+    For files that this program has made: what another program has put there is replaced. Line ends are
+    written as they are, and permissions are kept, or those of `mode`; a symlink stays and its target is
+    replaced. Raises OSError where the file cannot be written.
     """
-    _replace([(Path(path), content)])
-
-
-def _replace(files: Iterable[tuple[Path, str | bytes]]) -> None:
-    """Write every content beside its file before the first file is replaced: a full disk or a folder that
-    cannot be written then changes none."""
-    written: list[tuple[Path, Path]] = []
-    try:
-        for path, content in files:
-            target = path.resolve()
-            mode = target.stat().st_mode & 0o7777 if target.exists() else _default_mode()
-            handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-            written.append((Path(name), target))
-            with os.fdopen(handle, "wb") as file:
-                file.write(content.encode("utf-8") if isinstance(content, str) else content)
-                file.flush()
-                os.fsync(file.fileno())
-            Path(name).chmod(mode)
-        for temporary, target in written:
-            temporary.replace(target)
-    finally:
-        for temporary, _ in written:
-            temporary.unlink(missing_ok=True)
-    for folder in sorted({target.parent for _, target in written}):
-        _sync_folder(folder)
-
-
-def _default_mode() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the rename itself durable where the system lets a folder be opened."""
-    if os.name == "posix":
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
+    raw = content.encode("utf-8") if isinstance(content, str) else content
+    overwrite(Path(os.path.realpath(path)), raw, mode)

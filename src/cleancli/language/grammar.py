@@ -14,13 +14,13 @@ import io
 import os
 import stat
 import sys
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 
 import lark
 from lark import Lark
 
+from cleancli.language.edit import replace_file
 from cleancli.language.lexer import ContextLexer
 from cleancli.shipped import shipped
 
@@ -78,11 +78,4 @@ def write_cached(path: Path, parser: Lark) -> None:
     parser.save(data)
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(_DIGEST(data.getvalue()).digest() + data.getvalue())
-            Path(name).replace(path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+        replace_file(path, _DIGEST(data.getvalue()).digest() + data.getvalue(), mode=0o600)
