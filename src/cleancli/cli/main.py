@@ -104,8 +104,13 @@ def run(arguments: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return ExitCode.FILES
     except OSError as error:
-        click.echo(f"error: {error}", err=True)
+        click.echo(f"error: {_said(error)}", err=True)
         return ExitCode.FILES
+
+
+def _said(error: OSError) -> str:
+    """The file and the reason; an error of our own says both in its message."""
+    return str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
 
 
 def _print_refused(refused: Refused) -> None:

@@ -8,6 +8,7 @@ from typing import BinaryIO
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import Findings
 from cleancli.language.parse import kind_of, parse
+from cleancli.language.plain import TooLarge, in_units, read_plain
 from cleancli.language.syntax import Root
 
 LARGEST = 8 * 1024 * 1024
@@ -18,12 +19,13 @@ def read_source(path: Path | str) -> Source:
     """The text of a file as it is, line ends included; refuses what is no UTF-8 text (E001 to E005)."""
     name = str(path)
     try:
-        if Path(path).is_dir():
-            raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a .nid file")])
-        with Path(path).open("rb") as file:
-            raw = file.read(LARGEST + 1)
+        raw = read_plain(path, LARGEST)
     except FileNotFoundError:
         raise Refused([Diagnostic("E001", f"no file `{name}`", None)]) from None
+    except IsADirectoryError:
+        raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a .nid file")]) from None
+    except TooLarge:
+        raise Refused([too_large(name)]) from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
@@ -32,12 +34,18 @@ def read_source(path: Path | str) -> Source:
 
 def read_stream(stream: BinaryIO, name: str) -> Source:
     """The text that a stream holds, under the name that its messages shall have; refuses as `read_source`."""
-    return Source(name, _decode(name, stream.read(LARGEST + 1)))
+    raw = stream.read(LARGEST + 1)
+    if len(raw) > LARGEST:
+        raise Refused([too_large(name)])
+    return Source(name, _decode(name, raw))
+
+
+def too_large(name: str) -> Diagnostic:
+    """E005 of a text that is larger than LARGEST."""
+    return Diagnostic("E005", f"`{name}` is larger than {in_units(LARGEST)}", None)
 
 
 def _decode(name: str, raw: bytes) -> str:
-    if len(raw) > LARGEST:
-        raise Refused([Diagnostic("E005", f"`{name}` is larger than {LARGEST >> 20} MiB", None)])
     bad = raw.find(b"\0")
     text = ""
     if bad < 0:

@@ -15,12 +15,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.language.plain import read_plain
 from cleancli.perception.frame import Camera, Frame
 
 CAMERA = "camera.json"
 MILLIMETRES = 1000
 ROUNDED = 0.01
 """How far a rotation written by hand may be from one."""
+LARGEST_CAMERA = 8 << 20
+LARGEST_PICTURE = 64 << 20
+"""Bytes of a file."""
 FARTHEST = 65.535  # metres; what is farther away is written as unknown
 
 
@@ -58,7 +62,7 @@ def load_frames(folder: Path) -> tuple[Frame, ...]:
 
 def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
     try:
-        described = json.loads(path.read_text(encoding="utf-8"))
+        described = json.loads(read_plain(path, LARGEST_CAMERA).decode("utf-8"))
         located = described.get("pose") is not None
         pose = np.array(described["pose"], np.float64) if located else np.eye(4)
         x, y = map(float, described["centre"])
@@ -71,6 +75,8 @@ def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
             pose,
             located,
         )
+    except RecursionError:
+        raise BadRecording(f"{path}: no description of a camera (it is nested too deeply)") from None
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
         raise BadRecording(f"{path}: no description of a camera ({error!r})") from error
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
@@ -104,7 +110,7 @@ def _read_image(
 ) -> cv2.typing.MatLike:
     if not path.exists():
         raise BadRecording(f"{path}: missing, though {CAMERA} gives this frame a clock")
-    data = np.frombuffer(path.read_bytes(), np.uint8)
+    data = np.frombuffer(read_plain(path, LARGEST_PICTURE), np.uint8)
     image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
     if image is None:
         raise BadRecording(f"{path}: no PNG picture")

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
-import math
+import sys
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TypeGuard
 
+from cleancli.language.plain import read_plain
+
 FORMAT = "cleancli calibration 1"
 """What the file's key `format` says; another number means other keys."""
+
+LARGEST = 1 << 20
+"""Bytes of such a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +86,10 @@ def as_text(calibration: Calibration) -> str:
 def read_calibration(file: Path, path: str) -> Calibration:
     """The calibration in a file that goes by the name `path`. Raises OSError and BadCalibration."""
     try:
-        described = json.loads(file.read_bytes().decode("utf-8"))
-    except (ValueError, RecursionError) as error:
+        described = json.loads(read_plain(file, LARGEST).decode("utf-8"))
+    except RecursionError:
+        raise BadCalibration("it is nested too deeply") from None
+    except ValueError as error:
         raise BadCalibration("it is no JSON") from error
     if not isinstance(described, dict) or described.get("format") != FORMAT:
         raise BadCalibration(f'its `format` is not "{FORMAT}"')
@@ -132,4 +139,5 @@ def _colour(described: object) -> tuple[float, float, float]:
 
 
 def _is_number(value: object) -> TypeGuard[int | float]:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether it is finite and fits a float."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
