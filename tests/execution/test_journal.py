@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import get_args
 
@@ -33,15 +34,20 @@ from cleancli.execution.journal import (
 )
 from cleancli.language.diagnostics import Refused, Source
 
+# What docs/runs.md says that numbers may be.
 numbers = some.floats(allow_nan=False, allow_infinity=False)
+times = some.floats(0, 1e9)
+metres, lengths = some.floats(-1e3, 1e3), some.floats(0, 1e3)
+shares = some.floats(0, 1)
+kinds = some.sampled_from(["change", "nothing", "noise"])
 names = some.text(max_size=8)
 facts = some.builds(
     journal.FactEntry, names, some.lists(names).map(tuple), some.booleans() | some.integers(0, 9) | names
 )
-seconds = some.dictionaries(names, numbers)
-pairs = some.tuples(numbers, numbers)
-areas = some.builds(AreaEntry, names, pairs, pairs, numbers, numbers, some.booleans())
-chances = some.builds(Chance, numbers, names, some.lists(facts).map(tuple))
+seconds = some.dictionaries(names, times)
+centres, axes = some.tuples(metres, metres), some.tuples(lengths, lengths)
+areas = some.builds(AreaEntry, names, centres, axes, some.floats(-10, 10), lengths, some.booleans())
+chances = some.builds(Chance, shares, kinds, some.lists(facts).map(tuple))
 expected = some.builds(Expected, some.none() | names, some.lists(chances, max_size=3).map(tuple))
 arguments = some.lists(names, max_size=3).map(tuple)
 steps = some.lists(some.builds(StepEntry, names, arguments, expected), max_size=3).map(tuple)
@@ -49,31 +55,31 @@ count = some.integers(0, 99)
 records: some.SearchStrategy[Record] = some.one_of(
     some.builds(
         Looked,
-        numbers,
-        numbers,
+        times,
+        times,
         some.lists(areas, max_size=3).map(tuple),
         some.dictionaries(names, names),
         some.lists(facts).map(tuple),
         names,
     ),
-    some.builds(Planned, names, numbers, numbers, names, some.none() | numbers, steps),
+    some.builds(Planned, names, times, numbers, names, some.none() | shares, steps),
     some.builds(Started, count, names, arguments, expected),
     some.builds(
         Acted,
         count,
         names,
         arguments,
-        numbers,
+        times,
         seconds,
         some.none() | names,
         some.none() | count,
         some.lists(facts).map(tuple),
     ),
-    some.builds(Failed, count, names, arguments, numbers, seconds, names),
+    some.builds(Failed, count, names, arguments, times, seconds, names),
     some.builds(Spent, seconds),
     some.builds(Resumed, count, count),
-    some.builds(Interrupted, numbers),
-    some.builds(Ended, numbers, names, some.booleans(), count, seconds),
+    some.builds(Interrupted, times),
+    some.builds(Ended, times, names, some.booleans(), count, seconds),
 )
 
 
@@ -81,7 +87,19 @@ def written(*lines: str) -> Source:
     return Source("journal.jsonl", "".join(line + "\n" for line in lines))
 
 
-@given(some.lists(records, max_size=4))
+def outcomes_were_expected(some_records: list[Record]) -> bool:
+    """Whether each outcome counts among those that its action was expected to have."""
+    pairs = [r for r in some_records if isinstance(r, Started | Acted | Failed)]
+    return all(
+        not isinstance(start, Started)
+        or not isinstance(end, Acted)
+        or end.outcome is None
+        or end.outcome < len(start.expected.outcomes)
+        for start, end in pairwise(pairs)
+    )
+
+
+@given(some.lists(records, max_size=4).filter(outcomes_were_expected))
 def test_records_are_read_as_written(some_records: list[Record]) -> None:
     found = decode(written(*map(encode, some_records)))
     assert found.records == tuple(some_records)
@@ -127,6 +145,38 @@ def test_what_is_no_record_is_refused_with_its_place(line: str, reason: str) -> 
     assert first.span is not None
     assert source.text[first.span.start : first.span.end] == line
     assert refused.value.sources == (source,)
+
+
+@pytest.mark.parametrize(
+    ("record", "field"),
+    [
+        (Spent({"actions": -1.0}), "$.seconds[...]"),
+        (Spent({"actions": 1e300}), "$.seconds[...]"),
+        (Interrupted(-2.0), "$.clock"),
+        (Failed(10**30, "push", (), 0.0, {}, ""), "$.number"),
+        (Acted(1, "push", (), 0.0, {}, None, -1, ()), "$.outcome"),
+        (Started(1, "push", (), Expected(None, (Chance(1.5, "change", ()),))), "$.expected.outcomes[0].prob"),
+        (
+            Started(1, "push", (), Expected(None, (Chance(1.0, "miracle", ()),))),
+            "$.expected.outcomes[0].kind",
+        ),
+        (Looked(0, 0, (AreaEntry("a1", (1e9, 0), (1, 1), 0, 0),), {}, ()), "$.areas[0].centre[0]"),
+    ],
+)
+def test_numbers_that_no_run_has_are_refused_with_their_field(record: Record, field: str) -> None:
+    with pytest.raises(Refused) as refused:
+        decode(written(encode(Resumed(1, 0)), json.dumps(json.loads(encode(record)))))
+    (found,) = refused.value.diagnostics
+    assert found.code == "E702"
+    assert field in found.message
+    assert found.span is not None
+
+
+def test_an_outcome_that_the_action_was_not_expected_to_have_is_refused() -> None:
+    begun = Started(1, "push", (), Expected("r", (Chance(1.0, "change", ()),)))
+    acted = Acted(1, "push", (), 0.0, {}, "r", 1, ())
+    with pytest.raises(Refused, match="outcome 1 of an action that was expected to have 1"):
+        decode(written(encode(begun), encode(acted)))
 
 
 def test_a_folder_without_a_journal_is_an_error(tmp_path: Path) -> None:

@@ -8,11 +8,13 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 from run_folders import RECORDS, write_run
 
 from cleancli.cli.main import run
+from cleancli.execution.pictures import VIDEO_INTERVAL, Video
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
@@ -83,6 +85,60 @@ def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, run_folde
         page.evaluate(f"getComputedStyle(document.body).{what}") for what in ("backgroundColor", "color")
     )
     assert (brightness(ground) > brightness(ink)) == (scheme == "light")
+
+
+LONG = {
+    "episode": {"reason": "r" * 300, "clean": False, "actions": 3, "seconds": {"k" * 60: 3.0, "total": 3.0}},
+    "options": {"strategy": "s" * 90, "planner": "p" * 90, "o" * 80: "v" * 120},
+    "versions": {"l" * 70: "9" * 90},
+    "files": [
+        {"path": "/a_folder_without_any_blank" * 9 + "/cleaning.nid", "sha256": "a" * 64},
+        {"path": "/another" * 30 + "/" + "x" * 120 + ".nid", "sha256": "b" * 64},
+    ],
+}
+"""Words, names and paths that have no place to be broken at."""
+
+
+@pytest.mark.parametrize("width", [320, 414, 768, 1024, 1600])
+def test_long_names_stay_within_the_window_and_their_box(
+    browser: Browser, width: int, tmp_path: Path
+) -> None:
+    one, two = write_run(tmp_path / ("n" * 200), pictures=1, **LONG), write_run(tmp_path / "two", pictures=0)
+    assert run(["report", str(one)]) == 0
+    assert run(["report", str(one), str(two), "--html", str(tmp_path / "both.html")]) == 0
+    for path in (one / "report.html", tmp_path / "both.html"):
+        page, _ = opened(browser, path, width)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        out = page.evaluate(
+            """[...document.querySelectorAll('.card')].flatMap(card => [...card.querySelectorAll('*')].filter(
+              e => !e.closest('.scroll, .curve, .time, .axis')
+                && e.getBoundingClientRect().right > card.getBoundingClientRect().right + 1
+            ).map(e => e.outerHTML.slice(0, 80)))"""
+        )
+        assert out == []
+        page.close()
+
+
+def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browser, run_folder: Path) -> None:
+    video = Video(run_folder / "video.mp4")
+    for number in range(60):
+        video.add(np.full((300, 400, 3), 4 * number, np.uint8), number * VIDEO_INTERVAL, "wiping")
+    video.close()
+    assert run(["report", str(run_folder)]) == 0
+    page, wrong = opened(browser, run_folder / "report.html")
+    assert wrong == []
+    played = page.evaluate(
+        """async () => {
+          const video = document.querySelector('video');
+          video.muted = true;
+          await video.play();
+          await new Promise(done => video.addEventListener('timeupdate', done));
+          return [video.videoWidth, video.videoHeight, video.error, video.currentTime];
+        }"""
+    )
+    assert played[:3] == [400, 328, None]
+    assert played[3] > 0
+    assert [each for each in wrong if "video.mp4" not in each] == []
 
 
 def test_runs_side_by_side(browser: Browser, tmp_path: Path) -> None:

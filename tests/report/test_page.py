@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import html
 import json
+import re
+import struct
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from run_folders import RECORDS, SECONDS, write_run
+from run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
+from cleancli.execution.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
 from cleancli.report.page import run_page, ticks
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import read_run
@@ -86,3 +92,135 @@ def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path, capsys: pytest
     assert run(["report"]) == ExitCode.USAGE
     whole = write_run(tmp_path / "run", pictures=0)
     assert run(["report", str(whole), "--html", str(tmp_path / "no" / "where.html")]) == ExitCode.FILES
+
+
+# ---- what the page says (docs/report.md)
+
+
+def text_of(page: str) -> str:
+    """What a reader sees: the page without its tags, blanks made one."""
+    body = re.sub(r"<style>.*?</style>", "", page, flags=re.S)
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", body)).split())
+
+
+def steps_told(page: str) -> list[str]:
+    """The text of each step's section, that of the first look aside."""
+    return [text_of(part) for part in re.findall(r'id="step-[1-9]\d*">(.*?)</section>', page, re.S)]
+
+
+def noted(page: str) -> list[str]:
+    """What stands beside each action in one phrase."""
+    return [html.unescape(note) for note in re.findall(r'<span class="note[^"]*">([^<]*)</span>', page)]
+
+
+def test_the_figures_at_the_top_count_what_went_as_was_likeliest(tmp_path: Path) -> None:
+    told = text_of(run_page(read_run(write_run(tmp_path / "run", pictures=0))))
+    assert "in all 36.5 s actions 3 went as was likeliest 1 of 3 dirty areas seen at last 0" in told
+    assert "particles truly left 1 of 28" in told
+    assert "on the floor" not in told, "none fell"
+    fallen = {"particles": 28, "on_table": 0, "on_floor": 2}
+    told = text_of(run_page(read_run(write_run(tmp_path / "fallen", pictures=0, truth=fallen))))
+    assert "particles truly left 0 of 28 particles on the floor 2" in told
+
+
+def test_a_run_that_is_cut_short_says_so_and_tells_its_time_so_far(tmp_path: Path) -> None:
+    page = run_page(read_run(write_run(tmp_path / "cut", RECORDS[:10], 0, episode=None, truth=None)))
+    told = text_of(page)
+    assert "cut short the run has not ended: it was stopped or killed, or still goes on" in told
+    assert "so far 9.7 s actions 2" in told, "one over, and one that failed"
+    assert "truly" not in told
+    assert "these are the journal's seconds until then" in told
+
+
+def test_each_step_says_in_a_phrase_how_it_went(tmp_path: Path) -> None:
+    less_likely = Acted(1, FAST, ("a1",), 9.0, {"actions": 6.0}, "fast_medium", 1, SMALLER.effects)
+    noise = Acted(1, FAST, ("a1",), 9.0, {"actions": 6.0}, "fast_medium", 2, ())
+    unknown = Started(1, FAST, ("a1",), Expected(None, ()))
+
+    def phrase(name: str, *records: Record) -> str:
+        (said,) = noted(run_page(read_run(write_run(tmp_path / name, records, 0))))
+        return said
+
+    started, acted = RECORDS[4], RECORDS[6]
+    assert phrase("likeliest", started, acted) == "as was likeliest"
+    assert phrase("second", started, less_likely) == "not the likeliest outcome"
+    assert phrase("noise", started, noise) == "none of the modelled outcomes"
+    assert phrase("nothing", started, replace(acted, outcome=None)) == "none of the modelled outcomes"
+    assert phrase("no rule", unknown, replace(acted, outcome=None)) == "no rule says what to expect"
+    assert phrase("failed", RECORDS[8], RECORDS[9]) == "failed: it can't reach <there> & back"
+    assert phrase("cut", started) == "the run was cut short here"
+
+
+def test_each_step_tells_what_was_expected_what_happened_and_the_plan(tmp_path: Path) -> None:
+    first, second, third = steps_told(run_page(read_run(write_run(tmp_path / "run", pictures=0))))
+    assert "expected by rule fast_medium 0.60 not dirt(a1) — happened 0.30 size(a1) := small" in first
+    assert "changed: not dirt(a1) dirty areas seen: 2 before, 1 after transits 3.00 s actions 6.00 s" in first
+    assert (
+        "the plan made before: 2 actions, value 1.85 (sampled, coverage 0.25), by prada+ in 0.30 s" in first
+    )
+    assert "happened" not in second.replace("what happened", "")
+    assert "The robot did not carry it out: it can't reach <there> & back" in second
+    assert "the plan made before" not in second, "it is the first action's"
+    assert "changed: nothing that its rules could set" in third
+    assert "happened" not in third.replace("what happened", ""), "none of the outcomes did"
+
+
+def test_what_follows_from_places_is_told_apart_from_what_rules_set(tmp_path: Path) -> None:
+    changed = (*GONE.effects, FactEntry("near", ("a1", "a2"), False))
+    acted = replace(RECORDS[6], changed=changed)
+    (step,) = steps_told(run_page(read_run(write_run(tmp_path / "run", (RECORDS[4], acted), 0))))
+    assert "changed: not dirt(a1) and what follows from places not near(a1, a2) dirty" in step
+
+
+def test_the_axis_shows_who_took_each_stretch_of_time_and_how_many_areas_were_left(tmp_path: Path) -> None:
+    page = run_page(read_run(write_run(tmp_path / "run", pictures=0)))
+    titles = [html.unescape(title) for title in re.findall(r'title="([^"]*)"', page)]
+    assert f"1. {FAST}(a1): actions, 6.00 s from 3.5 s on" in titles
+    assert "planning, 0.30 s from 0.2 s on" in titles, "of no action"
+    assert f"3. {STRAIGHT}(a2): actions, 15.0 s from 18.8 s on" in titles
+    stretches = [tuple(map(float, found)) for found in re.findall(r"left: ([\d.]+)%; width: ([\d.]+)%", page)]
+    assert stretches[0][0] == 0
+    assert all(a[0] + a[1] == pytest.approx(b[0], abs=2e-3) for a, b in pairwise(stretches))
+    assert sum(stretches[-1]) == pytest.approx(100, abs=2e-3)
+    (points,) = re.findall(r'points="([^"]*)"', page)
+    curve = [tuple(map(float, point.split(","))) for point in points.split()]
+    assert curve[0] == (pytest.approx(1000 * 0.2 / 36.45, abs=0.1), 0.0), "two areas are the most"
+    assert [y for _, y in curve] == [0, 0, 50, 50, 100, 100, 100, 100], "stairs: two areas, one, none"
+    assert curve[-1][0] == 1000
+    assert all(a[0] == b[0] or a[1] == b[1] for a, b in pairwise(curve))
+    assert "dirty areas seen, from 2 down" in text_of(page)
+
+
+def test_a_run_that_took_no_time_has_no_axis_and_is_a_page_all_the_same(tmp_path: Path) -> None:
+    """The symbolic world by a domain that tells no durations, and a planner that took none."""
+    nothing = {"total": 0.0}
+    episode = {"reason": "nothing seems worth doing", "clean": False, "actions": 0, "seconds": nothing}
+    records = (looked(0.0, "a1"), Spent({"planning": 0.0}), Ended(0.0, "", False, 0, {}))
+    page = run_page(read_run(write_run(tmp_path / "run", records, 0, episode=episode)))
+    assert "not clean nothing seems worth doing" in text_of(page)
+    assert "No action was begun" in page
+    assert "How it went" not in page
+    assert "<polyline" not in page
+    symbolic = (looked(0.0), RECORDS[4], RECORDS[6], Spent({"actions": 9.0}))
+    page = run_page(read_run(write_run(tmp_path / "symbolic", symbolic, 0)))
+    assert "How it went" in page
+    assert "<polyline" not in page, "there are no areas to count"
+
+
+def test_videos_are_on_the_page_in_the_order_of_the_run(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", pictures=0)
+    assert "<video" not in run_page(read_run(folder))
+    for name in ("video.mp4", "video-2.mp4", "video-10.mp4", "video-x.mp4", "video.mp4.part"):
+        (folder / name).write_bytes(b"")
+    page = run_page(read_run(folder))
+    assert re.findall(r'<video [^>]*src="([^"]*)"', page) == ["video.mp4", "video-2.mp4", "video-10.mp4"]
+
+
+@pytest.mark.parametrize("size", [(100_000, 100_000), (2**31, 2**31), (0, 5)])
+def test_pictures_of_absurd_sizes_are_left_out(tmp_path: Path, size: tuple[int, int]) -> None:
+    """Before memory is taken: the header tells."""
+    folder = write_run(tmp_path / "run", pictures=2)
+    whole = bytearray((folder / "step-001.png").read_bytes())
+    whole[16:24] = struct.pack(">II", *size)
+    (folder / "step-001.png").write_bytes(whole)
+    assert run_page(read_run(folder)).count("<img") == 1

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 import click
@@ -21,11 +21,20 @@ from cleancli.cli.live import show
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
-from cleancli.cli.resume import unfinished
-from cleancli.cli.running import Inputs, alone_in, interruptions, open_site
+from cleancli.cli.resume import reopened, unfinished
+from cleancli.cli.running import (
+    LIBRARIES,
+    Inputs,
+    alone_in,
+    installed,
+    interruptions,
+    none_left_where_refused,
+    open_site,
+)
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
+from cleancli.execution.folder import FILES
 from cleancli.execution.journal import Interrupted, Resumed
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
@@ -33,13 +42,12 @@ from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
-from cleancli.language.diagnostics import Source
 from cleancli.language.load import read_source
-from cleancli.language.model import Domain
+from cleancli.language.model import Domain, Problem
 from cleancli.planning.table import PLANNERS
+from cleancli.report.run import FORMAT
+from cleancli.scene.calibration import as_text
 from cleancli.shipped import find
-
-LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
@@ -161,8 +169,8 @@ def command(
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
     with closing(open_site(inputs)) as site:
         folder = free_folder(runs, f"{given.name}-seed{options.seed}")
-        with alone_in(folder):
-            header = _header(options, site.setup.job, _copied(sources, folder))
+        with alone_in(folder), none_left_where_refused(folder):
+            header = _header(options, site.setup.job, _copied(inputs, folder))
             return _carry_out(inputs, site, folder, header, video, said)
 
 
@@ -193,15 +201,15 @@ def _refuse_beside_resume() -> None:
 def _go_on(folder: Path, said: _Said) -> int:
     """Go on with a run that was cut short, from its last checkpoint."""
     begun = unfinished(folder)
-    world = None if begun.saved is None else begun.saved.world
-    with closing(open_site(begun.inputs, world)) as site:
-        dropped = cut_back(folder, begun.saved)
-        after = 0 if begun.saved is None else begun.saved.episode.actions
+    saved, site = reopened(folder, begun)
+    with closing(site):
+        dropped = cut_back(folder, saved)
+        after = 0 if saved is None else saved.episode.actions
         resumed = Resumed(after, dropped)
         if not said.silently:
             click.echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
-        saved = None if begun.saved is None else begun.saved.episode
-        return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, saved)
+        episode = None if saved is None else saved.episode
+        return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, episode)
 
 
 def _carry_out(
@@ -260,28 +268,37 @@ def _by_time(objective: str | None, domain: Domain) -> bool:
     return objective == "time" or (objective is None and not unknown)
 
 
-def _copied(sources: Sequence[Source], folder: Path) -> list[dict[str, str]]:
-    """Copy the texts into the folder, and say which is which."""
-    (folder / "files").mkdir()
-    entries, taken = [], set[str]()
-    for number, source in enumerate(sources):
-        name = Path(source.path).name
-        name = name if name not in taken else f"{number}-{name}"
-        taken.add(name)
-        (folder / "files" / name).write_bytes(source.text.encode())
-        sha = hashlib.sha256(source.text.encode()).hexdigest()
-        entries.append({"path": source.path, "sha256": sha, "copy": f"files/{name}"})
-    return entries
+def _copied(inputs: Inputs, folder: Path) -> dict[str, object]:
+    """Copy what went in into the folder, and say which is which."""
+    (folder / FILES).mkdir()
+    texts = [(source.path, source.text) for source in inputs.sources]
+    entries = [_copy(*each, number, folder) for number, each in enumerate(texts)]
+    given = inputs.given
+    if isinstance(given, Problem) or given.calibration is None:
+        return {"files": entries}
+    path = Path(inputs.sources[-1].path).parent / given.calibration.path
+    return {
+        "files": entries,
+        "calibration": _copy(str(path), as_text(given.calibration), len(entries), folder),
+    }
 
 
-def _header(options: EpisodeOptions, job: Job, files: list[dict[str, str]]) -> dict[str, object]:
+def _copy(path: str, text: str, number: int, folder: Path) -> dict[str, str]:
+    """Names of files may be the same in different folders, or those of files that no system likes."""
+    name = re.sub(r"[^\w.-]", "_", Path(path).name) or "_"
+    name = f"{number}-{name}" if (folder / FILES / name).exists() else name
+    (folder / FILES / name).write_bytes(text.encode())
+    return {"path": path, "sha256": hashlib.sha256(text.encode()).hexdigest(), "copy": f"{FILES}/{name}"}
+
+
+def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> dict[str, object]:
     """What another person needs to run the same again."""
     return {
-        "format": 1,
+        "format": FORMAT,
         "versions": {
             "cleancli": __version__,
             "python": platform.python_version(),
-            **{library: version(library) for library in LIBRARIES},
+            **{library: now for library in LIBRARIES if (now := installed(library)) is not None},
         },
         "seed": options.seed,
         "options": {
@@ -294,7 +311,7 @@ def _header(options: EpisodeOptions, job: Job, files: list[dict[str, str]]) -> d
             "max_actions": options.max_actions,
             "max_seconds": options.max_seconds,
         },
-        "files": files,
+        **copied,
     }
 
 

@@ -11,6 +11,7 @@ import click
 from cleancli.cli.completion import domains
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_domain
+from cleancli.execution.folder import EXPERIENCE, check_folder
 from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import checked_domain, read_source
@@ -81,7 +82,11 @@ def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Sou
 
 
 def _experience_file(path: Path) -> Path:
-    return path / "experience.jsonl" if path.is_dir() else path
+    """Raises Refused (E705) for a run's folder that is not as a run leaves it."""
+    if not path.is_dir():
+        return path
+    check_folder(path)
+    return path / EXPERIENCE
 
 
 def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) -> None:

@@ -15,7 +15,7 @@ import click
 from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics import Refused, printable
 from cleancli.world.missing import MissingPhysics
 
 SUMMARIES = {
@@ -91,10 +91,12 @@ def run(arguments: Sequence[str]) -> int:
         click.echo(f"error: {missing}", err=True)
         return ExitCode.MISSING_PART
     except click.ClickException as error:
+        # It may quote what a file says.
+        error.message = printable(error.message)  # type: ignore[misc]  # final is what subclasses may not change
         error.show()
         return ExitCode.USAGE
     except Stopped as stopped:
-        click.echo(f"interrupted: {stopped}", err=True)
+        click.echo(f"interrupted: {printable(str(stopped))}", err=True)
         return ExitCode.INTERRUPTED
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
@@ -104,7 +106,7 @@ def run(arguments: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return ExitCode.FILES
     except OSError as error:
-        click.echo(f"error: {_said(error)}", err=True)
+        click.echo(f"error: {printable(_said(error))}", err=True)
         return ExitCode.FILES
 
 

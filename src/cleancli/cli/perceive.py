@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -50,6 +51,24 @@ class _Seen:
     left_out: tuple[str, ...]
 
 
+class _Told:
+    """Says what each look shows as it comes, and keeps the `last` alone: a long recording is larger than
+    memory."""
+
+    last: Look
+
+    def __init__(self, seen: Iterator[_Seen], as_data: bool) -> None:
+        self._seen, self._as_data = seen, as_data
+        self.said: list[object] = []
+
+    def looks(self) -> Iterator[Look]:
+        """Each look, after it was told."""
+        for each in self._seen:
+            self.said += [_described(each)] if self._as_data else _printed(each)
+            self.last = each.look
+            yield each.look
+
+
 @click.command("perceive", short_help="What is seen of a scene, or in recorded frames, step by step.")
 @click.argument("scene_or_folder", metavar="SCENE|FOLDER", shell_complete=problems)
 @click.option("--out", type=_FILE, help="Write a PNG contact sheet: what each step left, and the ellipses.")
@@ -91,9 +110,13 @@ def command(
     _, sources, model = open_domain(domain or setting.domain)
     seed = setting.seed if seed is None else seed
     sets = _recorded(folder) if is_folder else [(setting.name, _photographed(setting, seed))]
+    told = _Told(_seen(sets, setting, model, seed), as_data)
     with located_in(*sources):
-        seen = list(_seen(sets, setting, model, seed))
-    last = seen[-1].look
+        if recording is None:
+            deque(told.looks(), maxlen=0)
+        else:
+            write_recording(recording, told.looks(), folder.name)
+    last = told.last
     for doubt in last.observation.doubts:
         click.echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
     if saved is not None:
@@ -104,9 +127,7 @@ def command(
         write_png(
             drawn, draw(replace(last.frames[-1], camera=last.observation.camera), last.areas, last.state)
         )
-    if recording is not None:
-        write_recording(recording, [each.look for each in seen], folder.name)
-    click.echo(json.dumps(_described(seen), indent=2) if as_data else "\n".join(_printed(seen)))
+    click.echo(json.dumps({"looks": told.said}, indent=2) if as_data else "\n".join(map(str, told.said)))
 
 
 def _find_rerun() -> None:
@@ -164,28 +185,22 @@ def _seen(
         yield _Seen(source, Look(frames, observation, areas, state), known, left_out(areas, setting))
 
 
-def _described(seen: Sequence[_Seen]) -> dict[str, object]:
+def _described(seen: _Seen) -> dict[str, object]:
     """Lengths in metres and square metres, angles in radians, times in seconds."""
     return {
-        "looks": [
-            {
-                "source": each.source,
-                "clock": each.look.frames[-1].clock,
-                "areas": [_area(area, each) for area in each.look.areas],
-                "left_out": each.left_out,
-                "facts": _facts(each.look.state),
-                "doubts": list(each.look.observation.doubts),
-                "changes": [str(change) for change in each.known.changes],
-                "unseen": {
-                    "share": round(each.known.unseen.share, 4),
-                    "outlines": [
-                        [[round(x, 4), round(y, 4)] for x, y in outline]
-                        for outline in each.known.unseen.outlines()
-                    ],
-                },
-            }
-            for each in seen
-        ]
+        "source": seen.source,
+        "clock": seen.look.frames[-1].clock,
+        "areas": [_area(area, seen) for area in seen.look.areas],
+        "left_out": seen.left_out,
+        "facts": _facts(seen.look.state),
+        "doubts": list(seen.look.observation.doubts),
+        "changes": [str(change) for change in seen.known.changes],
+        "unseen": {
+            "share": round(seen.known.unseen.share, 4),
+            "outlines": [
+                [[round(x, 4), round(y, 4)] for x, y in outline] for outline in seen.known.unseen.outlines()
+            ],
+        },
     }
 
 
@@ -214,18 +229,17 @@ def _facts(state: State) -> dict[str, list[list[str]]]:
     return facts
 
 
-def _printed(seen: Sequence[_Seen]) -> Iterator[str]:
-    for each in seen:
-        areas, unseen = each.look.areas, each.known.unseen.share
-        hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
-        yield f"{each.source}: {len(areas)} area{'' if len(areas) == 1 else 's'}{hidden}"
-        yield from (f"  {change}" for change in each.known.changes)
-        yield from (f"  {_line(area, each)}" for area in areas)
-        if each.left_out:
-            yield f"  left out of plans: {', '.join(each.left_out)}"
-        for symbol, holds in _facts(each.look.state).items():
-            told = ", ".join(f"({' '.join(objects)})" for objects in holds)
-            yield f"  {symbol}: {told if len(holds) <= TOLD else f'{len(holds)} times; --json tells where'}"
+def _printed(seen: _Seen) -> Iterator[str]:
+    areas, unseen = seen.look.areas, seen.known.unseen.share
+    hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
+    yield f"{seen.source}: {len(areas)} area{'' if len(areas) == 1 else 's'}{hidden}"
+    yield from (f"  {change}" for change in seen.known.changes)
+    yield from (f"  {_line(area, seen)}" for area in areas)
+    if seen.left_out:
+        yield f"  left out of plans: {', '.join(seen.left_out)}"
+    for symbol, holds in _facts(seen.look.state).items():
+        told = ", ".join(f"({' '.join(objects)})" for objects in holds)
+        yield f"  {symbol}: {told if len(holds) <= TOLD else f'{len(holds)} times; --json tells where'}"
 
 
 def _line(area: Area, seen: _Seen) -> str:

@@ -2,39 +2,69 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import click
 import msgspec
+from msgspec import Meta
 
 from cleancli import __version__
-from cleancli.cli.running import Inputs
+from cleancli.cli.running import LIBRARIES, Inputs, installed, open_site
 from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
+from cleancli.execution.fitting import check_fits
+from cleancli.execution.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
+from cleancli.execution.journal import Count, Seconds, Started
 from cleancli.execution.setup import EpisodeOptions, Job
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.execution.site import Site
+from cleancli.execution.strategies import STRATEGIES
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, printable
 from cleancli.language.load import checked_domain, kind_of, load_problem
-from cleancli.report.run import Header, InputFile, Run, read_run
+from cleancli.language.model import Problem
+from cleancli.language.untrusted import decoded
+from cleancli.planning.table import PLANNERS
+from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene
+
+
+class _Options(msgspec.Struct):
+    """What run.json tells of how a run began, as far as going on takes it."""
+
+    strategy: str
+    planner: str | None
+    samples: Annotated[int, Meta(ge=1, le=10**9)]
+    objective: Literal["reward", "time"]
+    job: Job
+    known: Count
+    max_actions: Count
+    max_seconds: Seconds
+
+
+class _Begun(msgspec.Struct):
+    """The same, where it stands."""
+
+    options: _Options
 
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
-    """A run to go on with, and its last checkpoint, if it came so far. `header` is its run.json."""
+    """A run to go on with. `header` is its run.json; `video`: whether it was filmed; `begun`: how many
+    actions were begun."""
 
     inputs: Inputs
     header: Mapping[str, Any]
-    saved: Saved | None
     video: bool
+    begun: int
 
 
 def unfinished(folder: Path) -> Unfinished:
-    """Read a run that has not ended. Raises Refused, OSError, and UsageError for one that has ended."""
+    """Read a run that has not ended; nothing is changed. Raises Refused, OSError, and UsageError for one that
+    has ended."""
     run = read_run(folder)
     if run.header.episode is not None:
         raise click.UsageError(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
@@ -43,52 +73,128 @@ def unfinished(folder: Path) -> Unfinished:
         raise click.UsageError(
             f"{folder} began with cleancli {began}, and this is {__version__}: use that one"
         )
+    refuse_other_names(folder)
+    source = read_text(folder, RUN, LARGEST_HEADER)
+    options = _options(run.header, decoded(source, _Begun, "E705", "record of a run").options, source)
+    raw = msgspec.json.decode(source.text, type=dict[str, Any])
+    inputs = _inputs(run, options, Job(run.header.options["job"]))
+    _tell_versions(run.header)
+    return Unfinished(
+        inputs,
+        {name: value for name, value in raw.items() if name not in ("episode", "truth")},
+        (folder / "video.mp4").exists(),
+        sum(isinstance(record, Started) for record in run.records),
+    )
+
+
+def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
+    """The last checkpoint from which the run can go on, which is told if it is not the newest, and the place
+    as it was then; the place as in the beginning, where the run came to no checkpoint.
+
+    Raises Refused (E706) where none of them fits.
+    """
+    given = begun.inputs.given
+    objects = given.objects if isinstance(given, Problem) else None
+    failed: list[Diagnostic] = []
+    for path in reversed(checkpoints(folder)):
+        try:
+            saved = checkpoint.read(folder, path)
+            try:
+                check_fits(saved.episode, begun.inputs.domain, objects)
+            except ValueError as error:
+                raise checkpoint.refused(path, str(error)) from None
+            site = open_site(begun.inputs, saved.world)
+        except Refused as refusal:
+            if any(found.code != "E706" for found in refusal.diagnostics):
+                raise
+            failed += refusal.diagnostics
+            continue
+        for found in failed:
+            click.echo(f"note: {printable(found.message)}; going on from the one before", err=True)
+        return saved, site
+    if failed:
+        raise Refused(failed)
+    if begun.begun:
+        message = f"`{folder}` has no checkpoint, though {begun.begun} actions were begun"
+        raise Refused([Diagnostic("E706", message, None, help="start a new run")])
+    return None, open_site(begun.inputs)
+
+
+def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:
+    """The texts that went in, read anew from their copies. Raises Refused, OSError."""
     sources = tuple(_text(run, file) for file in run.header.files)
     if not sources:
         help = "only runs of this version and later ones can be gone on with"
         raise Refused(
-            [Diagnostic("E705", f"`{folder}` does not hold the files that went in", None, help=help)]
+            [Diagnostic("E705", f"`{run.folder}` does not hold the files that went in", None, help=help)]
         )
-    texts = {source.path: source for source in sources}
-    domain = checked_domain(sources[0], True, lambda path: texts[str(path)]).get()
+    domain = checked_domain(sources[0], True, lambda path: _included(path, sources)).get()
     last = sources[-1]
-    given = load_scene(last) if kind_of(last) == "scene" else load_problem(last, domain)
-    raw = msgspec.json.decode((folder / "run.json").read_bytes(), type=dict[str, Any])
-    _tell_versions(run.header)
-    return Unfinished(
-        Inputs(domain, given, sources, _options(run.header), Job(run.header.options["job"])),
-        {name: value for name, value in raw.items() if name not in ("episode", "truth")},
-        checkpoint.last(folder),
-        (folder / "video.mp4").exists(),
-    )
+    if kind_of(last) == "scene":
+        return Inputs(domain, load_scene(last, lambda _: _calibration(run)), sources, options, job)
+    return Inputs(domain, load_problem(last, domain), sources, options, job)
+
+
+def _included(path: Path, sources: Sequence[Source]) -> Source:
+    """The text of a file that the domain includes. Raises Refused (E001) for one that did not go in."""
+    for source in sources:
+        if source.path == str(path):
+            return source
+    raise Refused([Diagnostic("E001", f"`{path}` is not among the files that went into the run", None)])
 
 
 def _text(run: Run, file: InputFile) -> Source:
     """A text that went in, from its copy. Raises Refused (E705) where that has changed."""
-    path = run.folder / file.copy
-    text = path.read_bytes().decode("utf-8")
-    if hashlib.sha256(text.encode()).hexdigest() != file.sha256:
+    return Source(file.path, _copy(run, file).decode("utf-8"))
+
+
+def _calibration(run: Run) -> bytes:
+    """The calibration that went in; OSError where none did."""
+    if run.header.calibration is None:
+        raise OSError(errno.ENOENT, "the run holds no copy of it", str(run.folder))
+    return _copy(run, run.header.calibration)
+
+
+def _copy(run: Run, file: InputFile) -> bytes:
+    path, help = run.folder / file.copy, "put it back, or start a new run"
+    try:
+        data = read_inside(run.folder, file.copy)
+    except FileNotFoundError:
+        raise refused(path, "it is missing", help) from None
+    if hashlib.sha256(data).hexdigest() != file.sha256:
         message = f"`{path}` is not the text any more that the run began with"
-        raise Refused([Diagnostic("E705", message, None, help="put it back, or start a new run")])
-    return Source(file.path, text)
+        raise Refused([Diagnostic("E705", message, None, help=help)])
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise refused(path, "it is no UTF-8 text", help) from None
+    return data
 
 
-def _options(header: Header) -> EpisodeOptions:
-    given = header.options
+def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
+    """Raises Refused (E705) for a strategy or a planner that there is not."""
+    for name, chosen, known in (
+        ("strategy", given.strategy, STRATEGIES),
+        ("planner", given.planner, PLANNERS),
+    ):
+        if chosen is not None and chosen not in known:
+            message = f"`{source.path}` tells of a {name} that there is not: {chosen!r}"
+            raise Refused([Diagnostic("E705", message, None, help=f"known are {', '.join(known)}")])
     return EpisodeOptions(
-        given["strategy"],
-        given["planner"],
-        given["samples"],
-        given["max_actions"],
-        given["max_seconds"],
+        given.strategy,
+        given.planner,
+        given.samples,
+        given.max_actions,
+        given.max_seconds,
         header.seed,
-        given["objective"] == "time",
-        given["known"],
+        given.objective == "time",
+        given.known,
     )
 
 
 def _tell_versions(header: Header) -> None:
     """Say which libraries differ from those the run began with: it may go on differently then."""
-    for name, old in header.versions.items():
-        if name not in ("cleancli", "python") and version(name) != old:
-            click.echo(f"note: the run began with {name} {old}, this is {version(name)}", err=True)
+    for name in LIBRARIES:
+        old, now = header.versions.get(name), installed(name)
+        if old != now:
+            click.echo(printable(f"note: the run began with {name} {old}, this is {now}"), err=True)

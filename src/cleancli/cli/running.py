@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import click
@@ -15,6 +17,7 @@ import click
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
 from cleancli.execution.checkpoint import World
+from cleancli.execution.journal import Started, read_journal
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site, symbolic_site, table_site
 from cleancli.execution.strategies import STRATEGIES
@@ -22,6 +25,9 @@ from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
+
+LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
+"""Those that results depend on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +65,14 @@ def open_site(inputs: Inputs, world: World | None = None) -> Site:
             raise Refused([Diagnostic("E706", message, None)]) from None
 
 
+def installed(library: str) -> str | None:
+    """The version of a library; None where it is not installed."""
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return None
+
+
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
     """Keep other processes from working on the same run. Raises UsageError where one does already."""
@@ -78,6 +92,17 @@ def alone_in(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+@contextmanager
+def none_left_where_refused(folder: Path) -> Iterator[None]:
+    """Remove the folder of a run that is refused before its first action: it would tell nothing."""
+    try:
+        yield
+    except (Refused, click.UsageError):
+        if not any(isinstance(record, Started) for record in read_journal(folder).records):
+            shutil.rmtree(folder)
+        raise
 
 
 @contextmanager

@@ -25,6 +25,8 @@ def print_table(table: Table) -> None:
     """A table as wide as the terminal; a file or a pipe has no edge to wrap at."""
     console = Console(
         highlight=False,
+        markup=False,  # names may have brackets
+        emoji=False,
         no_color=not wants_colour(sys.stdout),
         width=None if sys.stdout.isatty() else _NO_EDGE,
     )

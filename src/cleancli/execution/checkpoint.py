@@ -6,34 +6,58 @@ it is the commit point: what was appended after the last whole one is taken away
 
 from __future__ import annotations
 
-import io
 import os
-import zipfile
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
-from cleancli.execution.journal import JOURNAL
+from cleancli.execution.arrays import BadArrays, packed, unpacked
+from cleancli.execution.folder import (
+    APPENDED,
+    JOURNAL,
+    LARGEST,
+    STATE,
+    checkpoints,
+    pictures,
+    read_inside,
+    size_of,
+    temporary_files,
+)
 from cleancli.execution.state import EpisodeState
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.edit import replace_file
-
-EXPERIENCE = "experience.jsonl"
-FOLDER = "state"
-APPENDED = (JOURNAL, EXPERIENCE)
-"""The files that only grow."""
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""
 
 World = Mapping[str, NDArray[Any]]
 """What the world is like, as arrays by name."""
+
+
+_FRACTION = re.compile(r"-?\d{1,300}(/0*[1-9]\d{0,300})?")
+_Size = Annotated[int, Meta(ge=0)]
+
+
+class _Sizes(msgspec.Struct, rename=dict(zip(("journal", "experience"), APPENDED, strict=True))):
+    """Bytes of the files that only grow."""
+
+    journal: _Size
+    experience: _Size
+
+
+class _Rest(msgspec.Struct):
+    """What a checkpoint holds besides arrays."""
+
+    episode: EpisodeState
+    sizes: _Sizes
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,40 +75,50 @@ def save(folder: Path, episode: EpisodeState, world: World) -> None:
     already. Raises OSError."""
     sizes = {name: (folder / name).stat().st_size for name in APPENDED}
     rest = msgspec.json.encode({"episode": episode, "sizes": sizes}, enc_hook=_plain)
-    file = io.BytesIO()
     arrays = {"rest": np.frombuffer(rest, np.uint8)} | {f"world_{n}": array for n, array in world.items()}
-    np.savez_compressed(file, allow_pickle=False, **arrays)
-    (folder / FOLDER).mkdir(exist_ok=True)
-    replace_file(_path(folder, episode.actions), file.getvalue())
-    for old in _paths(folder)[:-KEPT]:
+    (folder / STATE).mkdir(exist_ok=True)
+    replace_file(folder / STATE / f"{episode.actions:03d}.npz", packed(arrays))
+    for old in checkpoints(folder)[:-KEPT]:
         old.unlink(missing_ok=True)
 
 
 def last(folder: Path) -> Saved | None:
-    """The last checkpoint of a run; None where it was cut short before the first. Raises Refused (E706) for a
-    file that is none, OSError."""
-    paths = _paths(folder)
-    if not paths:
-        return None
-    path = paths[-1]
+    """The last checkpoint of a run; None where it was cut short before the first. Raises as `read`."""
+    paths = checkpoints(folder)
+    return read(folder, paths[-1]) if paths else None
+
+
+def read(folder: Path, path: Path) -> Saved:
+    """One of the `checkpoints` of a run's folder. Raises Refused (E706) for a file that is none, or to which
+    the files that only grow do not fit any more; OSError."""
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            world = {n.removeprefix("world_"): arrays[n] for n in arrays.files if n != "rest"}
-            rest = msgspec.json.decode(arrays["rest"].tobytes(), type=dict[str, msgspec.Raw])
-        episode = msgspec.json.decode(rest["episode"], type=EpisodeState, dec_hook=_read)
-        sizes = msgspec.json.decode(rest["sizes"], type=dict[str, int])
-    except (msgspec.MsgspecError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        help = "remove it to go on from the checkpoint before" if len(paths) > 1 else ""
-        raise Refused([Diagnostic("E706", f"`{path}` is no checkpoint: {error}", None, help=help)]) from None
-    return Saved(episode, world, sizes)
+        arrays = unpacked(read_inside(folder, str(path.relative_to(folder)), LARGEST))
+        world = {n.removeprefix("world_"): array for n, array in arrays.items() if n != "rest"}
+        rest = msgspec.json.decode(arrays["rest"].tobytes(), type=_Rest, dec_hook=_read)
+    except (msgspec.MsgspecError, BadArrays, RecursionError) as error:
+        raise refused(path, str(error)) from None
+    except KeyError:
+        raise refused(path, "it has no `rest`") from None
+    if rest.episode.actions != int(path.stem):
+        raise refused(path, f"it is of another moment, after {rest.episode.actions} actions")
+    sizes = dict(zip(APPENDED, (rest.sizes.journal, rest.sizes.experience), strict=True))
+    for name, size in sizes.items():
+        if not _ends_a_line(folder, name, size):
+            raise refused(path, f"{name} has not the lines any more that it goes on from")
+    return Saved(rest.episode, world, sizes)
+
+
+def refused(path: Path, why: str) -> Refused:
+    """That a file is no checkpoint to go on from (E706)."""
+    return Refused([Diagnostic("E706", f"`{path}` is no checkpoint to go on from: {why}", None)])
 
 
 def cut_back(folder: Path, saved: Saved | None) -> int:
     """Take away what was written after a checkpoint; returns how many whole lines the journal has lost."""
     dropped, actions = 0, -1 if saved is None else saved.episode.actions
-    pictures = [path for path in folder.glob("step-*.png") if int(path.stem.removeprefix("step-")) > actions]
-    unfinished = [path for where in (folder, folder / FOLDER) for path in where.glob(".*") if path.is_file()]
-    for path in (*pictures, *unfinished):
+    later = [path for number, path in pictures(folder).items() if number > actions]
+    later += [path for path in checkpoints(folder) if int(path.stem) > actions]
+    for path in (*later, *temporary_files(folder)):
         path.unlink()
     for name in APPENDED:
         path, size = folder / name, 0 if saved is None else saved.sizes[name]
@@ -98,13 +132,13 @@ def cut_back(folder: Path, saved: Saved | None) -> int:
     return dropped
 
 
-def _path(folder: Path, actions: int) -> Path:
-    return folder / FOLDER / f"{actions:03d}.npz"
-
-
-def _paths(folder: Path) -> list[Path]:
-    """Those of all checkpoints, the earliest first."""
-    return sorted((folder / FOLDER).glob("[0-9]*.npz"), key=lambda path: int(path.stem))
+def _ends_a_line(folder: Path, name: str, size: int) -> bool:
+    """Whether a file has so many bytes or more, of which the last one ends a line."""
+    if size == 0 or size > size_of(folder, name):
+        return size == 0
+    with (folder / name).open("rb") as file:
+        file.seek(size - 1)
+        return file.read(1) == b"\n"
 
 
 def _plain(value: object) -> str:
@@ -115,5 +149,7 @@ def _plain(value: object) -> str:
 
 
 def _read(kind: type, value: Any) -> object:
-    """The opposite of `_plain`."""
-    return kind(value)
+    """The opposite of `_plain`. Raises ValueError, which msgspec reports with the place."""
+    if kind is Fraction and isinstance(value, str) and _FRACTION.fullmatch(value):
+        return Fraction(value)
+    raise ValueError("no fraction such as `3/4`")

@@ -9,14 +9,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import msgspec
+from msgspec import Meta
 
+from cleancli.execution.folder import JOURNAL, read_text
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.model import State, Value
 
-JOURNAL = "journal.jsonl"
+Count = Annotated[int, Meta(ge=0, le=10**9)]
+Seconds = Annotated[float, Meta(ge=0, le=1e9)]
+Metres = Annotated[float, Meta(ge=-1e3, le=1e3)]
+Length = Annotated[float, Meta(ge=0, le=1e3)]
+SquareMetres = Annotated[float, Meta(ge=0, le=1e6)]
+Angle = Annotated[float, Meta(ge=-10, le=10)]
+Probability = Annotated[float, Meta(ge=0, le=1)]
+"""What numbers a file may tell: whatever a run can write lies well within."""
 
 
 class FactEntry(NamedTuple):
@@ -33,10 +42,10 @@ class AreaEntry:
     x in radians, the surface that its dirt covers in square metres; `seen` in this look, or remembered."""
 
     name: str
-    centre: tuple[float, float]
-    axes: tuple[float, float]
-    angle: float
-    covered: float
+    centre: tuple[Metres, Metres]
+    axes: tuple[Length, Length]
+    angle: Angle
+    covered: SquareMetres
     seen: bool = True
 
 
@@ -44,8 +53,8 @@ class AreaEntry:
 class Chance:
     """One outcome of a rule: `kind` is change, nothing or noise; what it would set, for these objects."""
 
-    probability: float
-    kind: str
+    probability: Probability
+    kind: Literal["change", "nothing", "noise"]
     effects: tuple[FactEntry, ...]
 
 
@@ -75,8 +84,8 @@ class Looked:
     left the view).
     """
 
-    clock: float
-    seconds: float
+    clock: Seconds
+    seconds: Seconds
     areas: tuple[AreaEntry, ...]
     objects: Mapping[str, str]
     facts: tuple[FactEntry, ...]
@@ -89,10 +98,10 @@ class Planned:
     strategy that plans nothing ahead has an empty `planner` and `measure`, and expects nothing."""
 
     planner: str
-    seconds: float
+    seconds: Seconds
     value: float
     measure: str
-    coverage: float | None
+    coverage: Probability | None
     steps: tuple[StepEntry, ...]
 
 
@@ -100,7 +109,7 @@ class Planned:
 class Started:
     """The robot set off for an action; what was expected of it in the state believed then."""
 
-    number: int
+    number: Count
     action: str
     arguments: tuple[str, ...]
     expected: Expected
@@ -115,13 +124,13 @@ class Acted:
     facts whose value differs from before, with the value now.
     """
 
-    number: int
+    number: Count
     action: str
     arguments: tuple[str, ...]
-    clock: float
-    seconds: Mapping[str, float]
+    clock: Seconds
+    seconds: Mapping[str, Seconds]
     rule: str | None
-    outcome: int | None
+    outcome: Count | None
     changed: tuple[FactEntry, ...]
 
 
@@ -129,11 +138,11 @@ class Acted:
 class Failed:
     """The robot could not carry out an action, for a `reason`: a checkpoint too."""
 
-    number: int
+    number: Count
     action: str
     arguments: tuple[str, ...]
-    clock: float
-    seconds: Mapping[str, float]
+    clock: Seconds
+    seconds: Mapping[str, Seconds]
     reason: str
 
 
@@ -142,7 +151,7 @@ class Spent:
     """Seconds by kind that whoever waits for the robot has waited since the last such line: they add up to
     what `ended` tells."""
 
-    seconds: Mapping[str, float]
+    seconds: Mapping[str, Seconds]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,26 +159,26 @@ class Resumed:
     """The run went on from its checkpoint after so many actions; `dropped` lines that came after it are not
     in the journal any more."""
 
-    after: int
-    dropped: int
+    after: Count
+    dropped: Count
 
 
 @dataclass(frozen=True, slots=True)
 class Interrupted:
     """Somebody stopped the run, and the tool was moved up."""
 
-    clock: float
+    clock: Seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
     """The episode is over. `clean`: nothing dirty is seen any more."""
 
-    clock: float
+    clock: Seconds
     reason: str
     clean: bool
-    actions: int
-    seconds: Mapping[str, float]
+    actions: Count
+    seconds: Mapping[str, Seconds]
 
 
 Record = Looked | Planned | Started | Acted | Failed | Spent | Resumed | Interrupted | Ended
@@ -207,9 +216,12 @@ def encode(record: Record) -> str:
 def decode(source: Source) -> Journal:
     """All records of a journal; refuses (E702) every line that is none, except a last one without its end."""
     records, mistakes = [], []
+    begun: Started | None = None
     for line, span in _lines(source):
         try:
-            records.append(_record(line))
+            record = _record(line)
+            begun = _follows(record, begun)
+            records.append(record)
         except (msgspec.MsgspecError, ValueError, RecursionError) as error:
             mistakes.append(Diagnostic("E702", f"not a line of a journal: {error}", span))
     if mistakes:
@@ -219,8 +231,7 @@ def decode(source: Source) -> Journal:
 
 def read_journal(folder: Path) -> Journal:
     """The journal in a run's folder; raises Refused, OSError where it can't be read."""
-    path = folder / JOURNAL
-    return decode(Source(str(path), path.read_text(encoding="utf-8")))
+    return decode(read_text(folder, JOURNAL))
 
 
 def facts(state: State) -> tuple[FactEntry, ...]:
@@ -244,3 +255,19 @@ def _record(line: str) -> Record:
         raise ValueError(f"{name!r} is no event")
     record: Record = msgspec.convert(fields, EVENTS[name], str_keys=True)
     return record
+
+
+def _follows(record: Record, begun: Started | None) -> Started | None:
+    """The action under way after a record. Raises ValueError for an outcome that it was not expected to
+    have."""
+    match record:
+        case Started():
+            return record
+        case Acted(outcome=int(outcome)) if begun is not None:
+            number = len(begun.expected.outcomes)
+            if outcome >= number:
+                raise ValueError(f"outcome {outcome} of an action that was expected to have {number}")
+            return None
+        case Acted() | Failed():
+            return None
+    return begun

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.execution import checkpoint, journal
-from cleancli.execution.checkpoint import EXPERIENCE, World
+from cleancli.execution.checkpoint import World
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import (
     Acted,
@@ -35,7 +35,7 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.journal import JOURNAL
+from cleancli.execution.folder import EXPERIENCE, JOURNAL, RUN
 from cleancli.execution.pictures import Video, step_picture, write_png
 from cleancli.execution.state import EpisodeState
 from cleancli.language.edit import replace_file
@@ -195,4 +195,4 @@ class Recorder:
 
     def _write_run(self) -> None:
         text = json.dumps({**self._header, **self._totals}, indent=2, ensure_ascii=False) + "\n"
-        replace_file(self._folder / "run.json", text)
+        replace_file(self._folder / RUN, text)

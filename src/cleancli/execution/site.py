@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.compiler.task import Assignment, Task
 from cleancli.execution.checkpoint import World
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
@@ -20,6 +22,9 @@ from cleancli.scene.model import Scene
 from cleancli.simulation.world import world_of
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth
+
+LATEST = 1e9
+"""Seconds of the clock that a saved world may have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +71,12 @@ def usual_job(scene: Scene) -> Job:
 def symbolic_site(
     domain: Domain, problem: Problem, options: EpisodeOptions, world: World | None = None
 ) -> Site:
-    """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), and `NoDurationError` where time
-    is to discount."""
+    """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), `NoDurationError` where time is
+    to discount, KeyError and ValueError where `world` is another one's."""
     rules = world_of(domain, problem, options.by_time)
     cell = SymbolicCell(rules, problem, options.seed)
     if world is not None:
-        cell.assignment, cell.clock = tuple(world["assignment"].tolist()), float(world["clock"])
+        cell.assignment, cell.clock = _assignment(world["assignment"], rules.task), _clock(world["clock"])
     setup = Setup(domain, domain, None, Job.CONTAINER, options)
     return Site(
         setup,
@@ -82,6 +87,23 @@ def symbolic_site(
         lambda: None,
         lambda: None,
     )
+
+
+def _assignment(saved: NDArray[Any], task: Task) -> Assignment:
+    sizes = [len(variable.values) for variable in task.variables]
+    # An array of no numbers has the type of others.
+    if saved.shape != (len(sizes),) or (sizes and saved.dtype.kind != "i"):
+        raise ValueError(f"it is not of {len(sizes)} facts that can change")
+    values = tuple(map(int, saved.tolist()))
+    if any(not 0 <= value < size for value, size in zip(values, sizes, strict=True)):
+        raise ValueError("a fact has a value that it cannot have")
+    return values
+
+
+def _clock(saved: NDArray[Any]) -> float:
+    if saved.shape != () or saved.dtype.kind not in "fi" or not 0 <= saved <= LATEST:
+        raise ValueError("its clock is none")
+    return float(saved)
 
 
 def truth_of(truth: Truth) -> Mapping[str, object]:

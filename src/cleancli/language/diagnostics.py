@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -41,6 +42,11 @@ class Diagnostic(Record):
     label: str = ""
     help: str = ""
     level: Level = Level.ERROR
+
+
+def printable(text: str) -> str:
+    """The text with a dot for each control character: these could steer a terminal."""
+    return "".join("·" if unicodedata.category(c) == "Cc" else c for c in text)
 
 
 class Refused(Exception):

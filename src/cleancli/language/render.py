@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 from cleancli import __version__
-from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics import Diagnostic, Level, Source, Span, printable
 from cleancli.language.lines import Lines
 
 _TAB = 4
@@ -27,23 +27,23 @@ def _one(diagnostic: Diagnostic, lines: dict[str, Lines], colour: bool) -> str:
     paint = _painter(colour)
     tone = _RED if diagnostic.level is Level.ERROR else _YELLOW
     title = paint(f"{diagnostic.level.value}[{diagnostic.code}]", tone)
-    head = f"{title}: {paint(_safe(diagnostic.message), _BOLD)}"
+    head = f"{title}: {paint(printable(diagnostic.message), _BOLD)}"
     span = diagnostic.span
     gutter = "  "
     parts = []
     if span is None:
         parts.append(f"{head}\n")
     elif span.path not in lines:
-        parts.append(f"{_safe(span.path)}: {head}\n")
+        parts.append(f"{printable(span.path)}: {head}\n")
     else:
         line, column = lines[span.path].place(span.start)
-        parts.append(f"{_safe(span.path)}:{line}:{column}: {head}\n")
+        parts.append(f"{printable(span.path)}:{line}:{column}: {head}\n")
         gutter = " " * (len(str(line)) + 1)
         source, carets = _excerpt(lines[span.path], span)
-        label = f" {_safe(diagnostic.label)}" if diagnostic.label else ""
+        label = f" {printable(diagnostic.label)}" if diagnostic.label else ""
         parts.append(f"{gutter}|\n{line} | {source}\n{gutter}| {carets[0]}{paint(carets[1] + label, tone)}\n")
     if diagnostic.help:
-        parts.append(f"{gutter}= {paint('help', _CYAN)}: {_safe(diagnostic.help)}\n")
+        parts.append(f"{gutter}= {paint('help', _CYAN)}: {printable(diagnostic.help)}\n")
     return "".join(parts)
 
 
@@ -74,7 +74,7 @@ def _expand(text: str) -> tuple[str, list[int]]:
             width = _TAB - sum(widths) % _TAB
             shown.append(" " * width)
         else:
-            shown.append(_safe(character))
+            shown.append(printable(character))
             width = _width(shown[-1])
         widths.append(width)
     return "".join(shown), widths
@@ -84,11 +84,6 @@ def _width(character: str) -> int:
     if unicodedata.combining(character) or unicodedata.category(character) in ("Cf", "Me", "Mn"):
         return 0
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1
-
-
-def _safe(text: str) -> str:
-    """Control characters could steer the terminal; a dot stands for each."""
-    return "".join("·" if unicodedata.category(c) == "Cc" else c for c in text)
 
 
 def as_json(

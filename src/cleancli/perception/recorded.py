@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.language.edit import replace_file
 from cleancli.language.plain import read_plain
+from cleancli.language.untrusted import png_size
 from cleancli.perception.frame import Camera, Frame
 
 CAMERA = "camera.json"
@@ -26,6 +27,9 @@ ROUNDED = 0.01
 LARGEST_CAMERA = 8 << 20
 LARGEST_PICTURE = 64 << 20
 """Bytes of a file."""
+MOST_PIXELS = 3840 * 2160
+MOST_IN_ALL = 32 << 20
+"""Pixels of a frame and of all frames of a look, for which perception takes some 0.9 GB of memory."""
 FARTHEST = 65.535  # metres; what is farther away is written as unknown
 
 
@@ -88,9 +92,19 @@ def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
         raise BadRecording(f"{path}: `width` and `height` must be above 0")
     if not (camera.focal > 0 and all(map(math.isfinite, (camera.focal, x, y, *clocks)))):
         raise BadRecording(f"{path}: `focal` must be above 0, and all numbers finite")
+    pixels = camera.width * camera.height
+    if pixels > MOST_PIXELS:
+        raise BadRecording(f"{path}: a frame may have at most 3840 x 2160 pixels, not {_size(camera)}")
+    if pixels * len(clocks) > MOST_IN_ALL:
+        most = MOST_IN_ALL // pixels
+        raise BadRecording(f"{path}: of {_size(camera)} pixels a look may have at most {most} frames")
     if not clocks:
         raise BadRecording(f"{path}: `clocks` lists no frame")
     return camera, clocks
+
+
+def _size(camera: Camera) -> str:
+    return f"{camera.width} x {camera.height}"
 
 
 def _is_rigid(pose: NDArray[np.float64]) -> bool:
@@ -111,14 +125,15 @@ def _read_image(
 ) -> cv2.typing.MatLike:
     if not path.exists():
         raise BadRecording(f"{path}: missing, though {CAMERA} gives this frame a clock")
-    data = np.frombuffer(read_plain(path, LARGEST_PICTURE), np.uint8)
-    image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
+    data, wanted = read_plain(path, LARGEST_PICTURE), f"{CAMERA} asks for {np.dtype(kind)} {shape}"
+    size = png_size(data)
+    if size is not None and size != (shape[1], shape[0]):
+        raise BadRecording(f"{path}: a picture of {size[0]} x {size[1]} pixels, but {wanted}")
+    image = None if size is None else cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise BadRecording(f"{path}: no PNG picture")
     if image.shape != shape or image.dtype != kind:
-        raise BadRecording(
-            f"{path}: {image.dtype} {image.shape}, but {CAMERA} asks for {np.dtype(kind)} {shape}"
-        )
+        raise BadRecording(f"{path}: {image.dtype} {image.shape}, but {wanted}")
     return image
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cleancli.execution.journal import Looked
-from cleancli.report.run import Run
+from cleancli.report.run import Run, Truth
 from cleancli.report.timeline import KINDS, in_order
 
 
@@ -32,7 +32,7 @@ class Row:
 
 def row_of(run: Run) -> Row:
     """The run in figures."""
-    episode, truth = run.header.episode, run.header.truth or {}
+    episode, truth = run.header.episode, run.header.truth or Truth()
     looks = [record for record in run.records if isinstance(record, Looked)]
     return Row(
         name=run.name,
@@ -45,9 +45,9 @@ def row_of(run: Run) -> Row:
         areas=len(looks[-1].areas) if looks else None,
         total=run.total(),
         seconds=in_order(run.spent()),
-        particles=truth.get("particles"),
-        left=truth.get("on_table"),
-        on_floor=truth.get("on_floor"),
+        particles=truth.particles,
+        left=truth.on_table,
+        on_floor=truth.on_floor,
     )
 
 

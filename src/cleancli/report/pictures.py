@@ -8,19 +8,33 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from cleancli.language.plain import NotPlain, TooLarge, read_plain
+from cleancli.language.untrusted import png_size
+
 WIDEST = 1200
 """Pixels; wider pictures are made smaller. Chosen: the page shows them at most so wide."""
+
+LARGEST = 64 << 20
+"""Bytes of a picture."""
+
+MOST_PIXELS = 64 << 20
+"""Of a picture, which its header tells before memory is taken. Chosen: a scene's camera has at most 4096 a
+side, and beside what it saw stands the room."""
 
 QUALITY = 80
 """Of WebP, out of 100. Chosen: text in the pictures stays clear, and one takes some 40 kB."""
 
 
 def data_uri(path: Path) -> str | None:
-    """The picture as the text that an `img` takes for its address; None where there is none, or where a
-    crash has left half of one."""
+    """The picture as the text that an `img` takes for its address; None where there is none, where a crash
+    has left half of one, or where it is no PNG picture of a size that a step's picture may have."""
     try:
-        picture = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_COLOR)
-    except (FileNotFoundError, cv2.error):
+        content = read_plain(path, LARGEST, follow=False)
+        width, height = png_size(content) or (0, 0)
+        if not 0 < width * height <= MOST_PIXELS:
+            return None
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    except (FileNotFoundError, NotPlain, TooLarge, cv2.error):
         return None
     if picture is None:
         return None

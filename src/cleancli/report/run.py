@@ -6,14 +6,25 @@ Guaranteed by `read_run`: records are in order, and the ones of the journal are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
 
-from cleancli.execution.journal import JOURNAL, Acted, Failed, Record, Spent, read_journal
+from cleancli.execution.folder import EXPERIENCE, JOURNAL, RUN, check_folder, read_text, videos
+from cleancli.execution.journal import Acted, Count, Failed, Metres, Record, Seconds, Spent, read_journal
 from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.untrusted import decoded
+
+FORMAT = 1
+"""Of run.json and of the journal: what this version writes, and the latest that it reads."""
+
+LARGEST_HEADER = 4 << 20
+"""Bytes of run.json. Chosen: where some 100,000 particles were left takes less."""
+
+Scalar = bool | int | float | str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +32,8 @@ class InputFile:
     """A file that went in: its path as it was given, the hash of its text, and its copy in the folder."""
 
     path: str
-    sha256: str
-    copy: str = ""
+    sha256: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+    copy: Annotated[str, Meta(pattern=r"^(files/[^/\\]+)?$")] = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,30 +42,58 @@ class Episode:
 
     reason: str
     clean: bool
-    actions: int
-    seconds: Mapping[str, float]
+    actions: Count
+    seconds: Mapping[str, Seconds]
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Where the dirt of a table truly was at the end, or how many facts held in the symbolic world."""
+
+    particles: Count | None = None
+    in_container: Count | None = None
+    on_table: Count | None = None
+    in_dustpan: Count | None = None
+    on_floor: Count | None = None
+    ink_left: Annotated[float, Meta(ge=0, le=1)] | None = None
+    left_on_table_at: tuple[tuple[Metres, Metres], ...] | None = None
+    facts: Count | None = None
+
+    def items(self) -> tuple[tuple[str, object], ...]:
+        """What is known, by name."""
+        told = ((each.name, getattr(self, each.name)) for each in fields(self))
+        return tuple((name, value) for name, value in told if value is not None)
 
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """run.json, as far as a report tells it; `episode` and `truth` are None until the run has ended."""
+    """run.json, as far as a report tells it; `episode` and `truth` are None until the run has ended.
+    `calibration` is what the scene's camera was calibrated with, if it was."""
 
     versions: Mapping[str, str]
-    seed: int
-    options: Mapping[str, Any]
+    seed: Annotated[int, Meta(ge=0)]
+    options: Mapping[str, Scalar]
     files: tuple[InputFile, ...]
+    calibration: InputFile | None = None
     episode: Episode | None = None
-    truth: Mapping[str, Any] | None = None
+    truth: Truth | None = None
+
+
+class _Format(msgspec.Struct):
+    """What is read first: it says whether the rest can be understood."""
+
+    format: int
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run folder. `extras`: names of its other files that are there for people or programs."""
+    """A run folder. `extras` and `videos`: names of its other files that are there for programs or people."""
 
     folder: Path
     header: Header
     records: tuple[Record, ...] = ()
     extras: tuple[str, ...] = field(default=())
+    videos: tuple[str, ...] = field(default=())
 
     @property
     def name(self) -> str:
@@ -85,7 +124,8 @@ class Run:
     def total(self) -> float:
         """All seconds that were spent."""
         if self.header.episode is not None:
-            return self.header.episode.seconds["total"]
+            told = self.header.episode.seconds
+            return told.get("total", sum(told.values()))
         return sum(self.spent().values())
 
     def actions(self) -> int:
@@ -100,23 +140,30 @@ class Run:
 
 
 def read_run(folder: Path) -> Run:
-    """The run in a folder, whole or cut short.
+    """The run in a folder, whole or cut short; the folder may be anybody's.
 
     Raises Refused (E705) where it is no run folder, Refused (E702) for a broken journal, OSError.
     """
+    check_folder(folder)
     header = _header(folder)
     records = read_journal(folder).records if (folder / JOURNAL).exists() else ()
-    names = ("experience.jsonl", JOURNAL, "run.json", *sorted(p.name for p in folder.glob("video*.mp4")))
-    return Run(folder, header, records, tuple(name for name in names if (folder / name).is_file()))
+    names = tuple(name for name in (EXPERIENCE, JOURNAL, RUN) if (folder / name).is_file())
+    return Run(folder, header, records, names, videos(folder))
 
 
 def _header(folder: Path) -> Header:
-    path = folder / "run.json"
-    help = "name the folder that `cleancli execute` has made, for example runs/two_groups-seed1-001"
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Header)
-    except FileNotFoundError:
-        message = f"`{folder}` is no run folder: it has no run.json"
-    except msgspec.MsgspecError as error:
-        message = f"`{path}` is no record of a run: {error}"
-    raise Refused([Diagnostic("E705", message, None, help=help)])
+        source = read_text(folder, RUN, LARGEST_HEADER)
+    except (FileNotFoundError, NotADirectoryError):
+        help = "name the folder that `cleancli execute` has made, for example runs/two_groups-seed1-001"
+        message = f"`{folder}` is no run folder: it has no {RUN}"
+        raise Refused([Diagnostic("E705", message, None, help=help)]) from None
+    what = "record of a run"
+    found = decoded(source, _Format, "E705", what).format
+    if found > FORMAT:
+        message = f"the run was written in format {found}, and this version reads formats up to {FORMAT}"
+        help = "use the version of cleancli that wrote it, or a later one"
+        raise Refused([Diagnostic("E705", f"`{source.path}`: {message}", None, help=help)])
+    if found < 1:
+        raise Refused([Diagnostic("E705", f"`{source.path}`: there is no format {found}", None)])
+    return decoded(source, Header, "E705", what)

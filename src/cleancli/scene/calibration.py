@@ -85,8 +85,18 @@ def as_text(calibration: Calibration) -> str:
 
 def read_calibration(file: Path, path: str) -> Calibration:
     """The calibration in a file that goes by the name `path`. Raises OSError and BadCalibration."""
+    return decode(file_content(file), path)
+
+
+def file_content(file: Path) -> bytes:
+    """The bytes of a calibration's file. Raises OSError."""
+    return read_plain(file, LARGEST)
+
+
+def decode(content: bytes, path: str) -> Calibration:
+    """The calibration that a file's bytes describe. Raises BadCalibration."""
     try:
-        described = json.loads(read_plain(file, LARGEST).decode("utf-8"))
+        described = json.loads(content.decode("utf-8"))
     except RecursionError:
         raise BadCalibration("it is nested too deeply") from None
     except ValueError as error:

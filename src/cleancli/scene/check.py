@@ -11,7 +11,8 @@ from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.findings import Findings
 from cleancli.language.load import parse_as
 from cleancli.language.syntax import SceneNode, Section
-from cleancli.scene.check_camera import check_camera
+from cleancli.scene.calibration import file_content
+from cleancli.scene.check_camera import Read, check_camera
 from cleancli.scene.check_dirt import check_dirt
 from cleancli.scene.grasps import SHIPPED, WIDE, named
 from cleancli.scene.model import (
@@ -34,17 +35,18 @@ MOST_FLAPS = 60
 """More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
 
 
-def load_scene(source: Source) -> Scene:
-    """The checked scene; raises Refused with every mistake."""
+def load_scene(source: Source, read: Read = file_content) -> Scene:
+    """The checked scene; raises Refused with every mistake. `read` gets the content of a calibration's file,
+    where it is not the one on disk."""
     root, findings = parse_as(source, "scene")
     if not isinstance(root, SceneNode):
         raise Refused(findings.sorted, [source])
-    scene = check_scene(root, findings)
+    scene = check_scene(root, findings, read)
     findings.refuse_errors()
     return scene
 
 
-def check_scene(node: SceneNode, findings: Findings) -> Scene:
+def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) -> Scene:
     """The model of a scene; it may only be used if `findings` holds no error."""
     sections = _sections(node, findings)
 
@@ -62,7 +64,7 @@ def check_scene(node: SceneNode, findings: Findings) -> Scene:
     drive.refuse_others()
     grasps = _grasps(node, findings)
     rag = _rag(settings("rag"), container, named((*SHIPPED.values(), *grasps)), findings)
-    camera, calibration = check_camera(settings("camera"), surface, findings)
+    camera, calibration = check_camera(settings("camera"), surface, findings, read)
     light = _light(settings("light"))
     symbols = _symbols(settings("symbols"), findings)
     dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)

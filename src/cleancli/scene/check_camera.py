@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from cleancli.language.findings import Findings
-from cleancli.scene.calibration import BadCalibration, Calibration, read_calibration
+from cleancli.scene.calibration import BadCalibration, Calibration, decode
 from cleancli.scene.model import CameraSetup, Surface
 from cleancli.scene.settings import SLACK, Settings, centimetres
 
+Read = Callable[[Path], bytes]
+"""How the content of a calibration's file is got; raises OSError."""
+
 
 def check_camera(
-    settings: Settings, surface: Surface, findings: Findings
+    settings: Settings, surface: Surface, findings: Findings, read: Read
 ) -> tuple[CameraSetup, Calibration | None]:
-    """The camera, and what the file says that its `calibration` names (E516, E517)."""
+    """The camera, and what the file says that its `calibration` names (E516, E517), which `read` reads."""
     height = settings.length("height", 0.9)
     width, depth = settings.image("image", (640, 480))
     camera = CameraSetup(
         height, width, depth, settings.number("focal", 525.0, 0), settings.point("at", (0.0, 0.0))
     )
-    calibration = _calibration(settings, findings)
+    calibration = _calibration(settings, findings, read)
     settings.refuse_others()
     if camera.at == (0.0, 0.0):
         _refuse_near_camera(camera, surface, settings, findings)
@@ -75,7 +79,7 @@ def _is_seen(corner: tuple[float, float], camera: CameraSetup) -> bool:
     )
 
 
-def _calibration(settings: Settings, findings: Findings) -> Calibration | None:
+def _calibration(settings: Settings, findings: Findings, read: Read) -> Calibration | None:
     """A relative path starts in the folder of the scene's file."""
     path = settings.path("calibration")
     if path is None:
@@ -83,7 +87,7 @@ def _calibration(settings: Settings, findings: Findings) -> Calibration | None:
     file = Path(findings.source.path).parent / path
     name = os.path.basename(findings.source.path)
     try:
-        return read_calibration(file, path)
+        return decode(read(file), path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         help = f"`cleancli calibrate {name} --out {path}` writes one"

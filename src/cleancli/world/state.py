@@ -19,6 +19,11 @@ from numpy.typing import NDArray
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]
+FARTHEST = 1e8
+"""Metres, radians, a second or not: what falls from the table for half an hour stays below."""
+
+MOST_STEPS = 10**11
+
 Generators = Mapping[str, Mapping[str, Any]]
 
 
@@ -65,7 +70,19 @@ class TableState:
 def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> TableState:
     """The state whose `arrays` these are; KeyError, ValueError or TypeError where they are no state's."""
     fields: dict[str, Any] = {name: array for name, array in arrays.items() if name != "rest"}
-    return TableState(**fields, **json.loads(str(arrays["rest"])))
+    state = TableState(**fields, **json.loads(str(arrays["rest"])))
+    columns = {"particles": 13, "joints": 2, "flaps": 3}
+    for name, number in columns.items():
+        if getattr(state, name).ndim != 2 or getattr(state, name).shape[1] != number:
+            raise ValueError(f"`{name}` must have {number} columns")
+    for name in (*columns, "commanded", "ahead", "ink"):
+        if getattr(state, name).dtype.kind != "f" or not (np.abs(getattr(state, name)) <= FARTHEST).all():
+            raise ValueError(f"`{name}` has numbers that no table has")
+    if type(state.steps) is not int or not 0 <= state.steps <= MOST_STEPS:
+        raise ValueError("`steps` must be a whole number")
+    if not isinstance(state.status, str) or not isinstance(state.failure, str):
+        raise TypeError("`status` and `failure` must be texts")
+    return state
 
 
 def bodies(engine: Engine, particles: tuple[int, ...]) -> tuple[_Array, _Array]:

@@ -80,7 +80,11 @@ class PybulletTable:
         if state is None:
             particles.settle(self._engine, self._particles)
         else:
-            self._put(state)
+            try:
+                self._put(state)
+            except BaseException:
+                self.close()
+                raise
 
     def __enter__(self) -> Self:
         return self
@@ -226,7 +230,14 @@ class PybulletTable:
         self._status, self._failure = Status.DONE, ""
 
     def _put(self, state: TableState) -> None:
-        """Bring a table that has just been built to a state."""
+        """Bring a table that has just been built to a state. Raises ValueError for one of another table."""
+        drives = self._drive.commanded().shape
+        if state.commanded.shape != drives or (len(state.ahead) and state.ahead.shape[1:] != drives):
+            raise ValueError("the saved state is of another robot")
+        if len(state.flaps) and state.flaps.shape != self._drive.flaps().shape:
+            raise ValueError("the saved state is of another rag")
+        if Status(state.status) is Status.RUNNING:
+            raise ValueError("the saved state is of a motion under way")
         put(self._engine, self._particles, state)
         self._drive.command(state.commanded)
         self._stroke_noise.bit_generator.state = state.generators["strokes"]
@@ -234,6 +245,8 @@ class PybulletTable:
         self._steps, self._ahead = state.steps, state.ahead
         self._status, self._failure = Status(state.status), state.failure
         if self._ink is not None:
+            if state.ink.shape != self._ink.amount.shape:
+                raise ValueError("the saved state is of another surface")
             self._ink.amount = state.ink.copy()
             self._ink.flaps = state.flaps if len(state.flaps) else None
 
