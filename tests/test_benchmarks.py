@@ -73,7 +73,25 @@ def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
     for robot in ("gantry", "wam", "reem"):
         result = _run("conservation.py", "4", "--robot", robot, cwd=tmp_path)
         assert result.returncode == 0, result.stdout + result.stderr
-        assert f"{robot}: 0 faults in 4 actions" in result.stdout
+        assert f"{robot}, seed 1: 0 faults in 4 actions" in result.stdout
+
+
+def test_conservation_draws_by_its_seed_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    """A table done before is not done again; one whose line was cut short is."""
+    kept = tmp_path / "kept.jsonl"
+
+    def tables(seed: int, actions: int) -> list[str]:
+        result = _run("conservation.py", str(actions), "--seed", str(seed), "--keep", str(kept), cwd=tmp_path)
+        assert result.returncode == 0, result.stdout + result.stderr
+        return [line.partition("table ")[2] for line in result.stdout.splitlines() if ", table " in line]
+
+    first, second = tables(1, 2), tables(2, 2)
+    assert first != second, "another seed lays another table"
+    whole = kept.read_text(encoding="utf-8")
+    kept.write_text(whole.replace('"on_floor": ', '"on_floor": 9', 1)[:-5], encoding="utf-8")
+    assert "on the floor 9" in tables(1, 2)[0], "as the file says"
+    assert tables(2, 2) == second, "done again"
+    assert kept.read_text(encoding="utf-8").replace('"on_floor": 9', '"on_floor": ', 1) == whole
 
 
 def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:

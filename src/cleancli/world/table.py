@@ -228,6 +228,7 @@ class PybulletTable:
     def _put(self, state: TableState) -> None:
         """Bring a table that has just been built to a state."""
         put(self._engine, self._particles, state)
+        particles.keep_in_room(self._engine, self._particles)
         self._drive.command(state.commanded)
         self._stroke_noise.bit_generator.state = state.generators["strokes"]
         self._image_noise.bit_generator.state = state.generators["images"]
@@ -260,6 +261,7 @@ class PybulletTable:
             self._drive.command(joints)
             self._engine.stepSimulation()
         self._steps += len(motion)
+        particles.keep_in_room(self._engine, self._particles)
         if self._ink is not None:
             self._ink.rub(self._engine, self._top, self._drive.flaps())
 
