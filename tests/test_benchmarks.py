@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parent.parent
 
@@ -15,6 +18,29 @@ def _run(name: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[s
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
     return subprocess.run(command, env=environment, capture_output=True, text=True, cwd=cwd, timeout=300)
+
+
+BENCHMARKS = sorted(
+    path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
+)
+DRAWS_NOTHING = {"language.py"}
+LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "strategies.py"}
+"""Those that take so long that they go on where they stopped."""
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_help_says_how_long_a_benchmark_takes_and_what_its_seed_is(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", [name, "--help"])
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_path(str(ROOT / "benchmarks" / name), run_name="__main__")
+    printed = capsys.readouterr().out
+    assert ended.value.code == 0
+    assert re.search(r"\b(second|minute|hour)s?\b", printed), "how long it takes"
+    assert name in DRAWS_NOTHING or "--seed" in printed
+    assert name not in LONG or "--keep" in printed
 
 
 def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
