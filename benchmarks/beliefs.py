@@ -2,11 +2,13 @@
 
 Three examples: that of §4 (two scattered areas); conditions that exclude each other, which libPRADA takes as
 independent; and one cause with several effects (domains/courier.nid). A value is the expected reward within
-two steps, by libPRADA's belief, by ours, and exactly.
+two steps, by libPRADA's belief, by ours, and exactly. Nothing is drawn but PRADA's samples, whose seed may be
+given. About ten seconds of CPU.
 """
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,6 +97,12 @@ def task_of(example: Example) -> Task:
 
 
 def main() -> None:
+    """Print the examples."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    seed = parser.parse_args().seed
     for example in EXAMPLES:
         task = task_of(example)
         names = [str(action) for action in task.actions]
@@ -111,7 +119,7 @@ def main() -> None:
             ("prada+", "prada+", False),
         ):
             # Sequences are compared here, so nothing is solved beyond them.
-            plan = PLANNERS[name](prepare(task), Options(1_000, 1, compat=compat, solve=0))
+            plan = PLANNERS[name](prepare(task), Options(1_000, seed, compat=compat, solve=0))
             chosen = ", ".join(str(action) for action in plan.actions) or "nothing"
             print(f"  {label} chooses {chosen}")
         print()

@@ -5,13 +5,14 @@ FOLDER holds d2, d4 ... d14, each with rules.dat, state.dat and symbols.dat. The
 for libPRADA's way; true values are of 20,000 runs by the rules. Seconds are CPU time of a plan for a task
 that is grounded and lowered, on one core, medians; libPRADA's were measured before, on the same kind of
 machine, with n = 10,000: medians of 5 seeds, so with an error of half the spread of single plans, and more.
+A row each as soon as it is known; about five minutes of CPU.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import statistics
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -98,9 +99,20 @@ def planned(planner: str, task: Task, truth: Prepared, seeds: range, options: Op
 
 
 def main() -> None:
-    folder = Path(sys.argv[1])
-    samples = int(sys.argv[2]) if len(sys.argv) > 2 else 10_000
-    seeds = range(int(sys.argv[3]) if len(sys.argv) > 3 else 20)
+    """Print the tables."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("samples", type=int, nargs="?", default=10_000)
+    parser.add_argument("seeds", type=int, nargs="?", default=20)
+    parser.add_argument("--seed", type=int, default=0, help="the first")
+    options = parser.parse_args()
+    folder, samples, seeds = (
+        options.folder,
+        options.samples,
+        range(options.seed, options.seed + options.seeds),
+    )
     print(f"n = {samples}, {len(seeds)} seeds, load {os.getloadavg()[0]:.1f}; libPRADA's own in parentheses")
     print(
         "as libPRADA computes:  areas  rules      actions    prada: value ± error (its)  spread  true (its)"
@@ -119,7 +131,8 @@ def main() -> None:
             f"                       {areas:5}  {len(compat.rules):3} ({theirs.rules:3})"
             f"  {len(compat.actions):3} ({theirs.actions:3})"
             f"  {literal.value:12.3f} ± {literal.error:.3f} ({theirs.value:.3f})  {spread:.3f}"
-            f"  {literal.true:.3f} ({theirs.true:.3f})  {shortened.value:12.3f} ± {shortened.error:.3f}"
+            f"  {literal.true:.3f} ({theirs.true:.3f})  {shortened.value:12.3f} ± {shortened.error:.3f}",
+            flush=True,
         )
         own = planned("prada", task, truth, seeds, Options(samples))
         # Without exact solutions of small problems: the search is what is compared.

@@ -1,4 +1,4 @@
-"""What actions truly do: python benchmarks/physics.py [--keep FILE] [--repeat N] [--jobs N] [--part NAME]
+"""What actions truly do: python benchmarks/physics.py [--keep FILE] [--repeat N] [--seed N] [--part NAME] ...
 
 Prints the tables of docs/physics.md, a row as soon as its trials are done:
 
@@ -6,15 +6,14 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 - path: the WAM's fast and straight pushes (§3.2.1), and what of their difference is path and what speed;
 - ink: how much ink a pass takes.
 
-All of it takes more than an hour of CPU. With --keep every trial is written to a file as soon as it is done,
-and trials that stand there already are not done again. `--action NAME` makes the rows of one action alone.
-`--quick` tries little of everything.
+All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
+and trials that stand there already are not done again. Trials have the seeds N, N + 1 and so on. `--action
+NAME` makes the rows of one action alone. `--quick` tries little of everything, in about a minute.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from kept import Kept
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
 from cleancli.cli.act import COUNTED, in_order
@@ -88,28 +88,22 @@ PathOf = Callable[[str, tuple[Ellipse, ...], Scene], ToolPath]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """How often to try what, how many tries at a time, and the file that keeps them, if any."""
+    """How often to try what, the `first` seed, how many tries at a time, and what is kept of them."""
 
     repeat: int
+    first: int
     jobs: int
-    keep: Path | None
+    keep: Kept
 
     def rows(self, what: Mapping[str, str], try_one: Callable[[int], Row]) -> list[Row]:
         """A row for each seed, all of which say `what` was tried; those kept are not tried again."""
-        kept = {row["seed"]: row for row in self._kept() if row.items() >= what.items()}
-        missing = [seed for seed in range(1, 1 + self.repeat) if seed not in kept]
+        seeds = range(self.first, self.first + self.repeat)
+        kept: dict[int, Row] = {row["seed"]: row for row in self.keep.rows() if row.items() >= what.items()}
+        missing = [seed for seed in seeds if seed not in kept]
         for seed, row in zip(missing, in_order(try_one, missing, self.jobs), strict=True):
             kept[seed] = {**what, "seed": seed, **row}
-            if self.keep is not None:
-                with self.keep.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(kept[seed]) + "\n")
-        return [kept[seed] for seed in range(1, 1 + self.repeat)]
-
-    def _kept(self) -> Iterator[Row]:
-        if self.keep is not None and self.keep.exists():
-            for line in self.keep.read_text(encoding="utf-8").splitlines():
-                if line.endswith("}"):  # the last one may have been cut off
-                    yield json.loads(line)
+            self.keep.add(kept[seed])
+        return [kept[seed] for seed in seeds]
 
 
 def layout(action: str, kind: str, grasp: str) -> Scene:
@@ -298,14 +292,15 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--repeat", type=int, default=40, help="trials of each kind")
+    parser.add_argument("--seed", type=int, default=1, help="of the first trial of each kind")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--keep", type=Path)
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="trials done before are in it")
     parser.add_argument("--part", choices=("actions", "path", "ink"), help="[default: all of them]")
     parser.add_argument("--action", choices=tuple(ARITIES), help="[default: all of them]")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     repeat = 2 if options.quick else options.repeat
-    run = Run(repeat, options.jobs, options.keep)
+    run = Run(repeat, options.seed, options.jobs, Kept(options.keep))
     grasps = ("wide", "corner") if options.quick else tuple(SHIPPED)
     kinds = ("compact",) if options.quick else tuple(LAYOUTS)
     names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(ARITIES)

@@ -1,13 +1,17 @@
-"""What is printed reads as itself: `python benchmarks/roundtrip.py [files]`, for shipped and generated files.
+"""What is printed reads as itself: `python benchmarks/roundtrip.py [files] [--seed N]`.
+
+Shipped and generated files are tried.
 
 Each generated domain comes with a problem, and every third file is a scene; their texts have odd blanks, line
 ends and comments. A text must give the same model as its tokens with single blanks between them, its printed
 model must read as the same model, and printing twice must change nothing. The same holds for the layout of
-the text, which must also keep every comment. Exit code 1, with the seed, where that fails.
+the text, which must also keep every comment. Exit code 1, with the seed, where that fails. 2,000 files take
+about a minute.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -99,14 +103,20 @@ def wrong_with_generated(seed: int) -> Iterator[tuple[str, str]]:
 
 
 def main() -> int:
-    files = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
+    """Try them all; the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("files", type=int, nargs="?", default=2000)
+    parser.add_argument("--seed", type=int, default=0, help="the first; every three files have one")
+    options = parser.parse_args()
     counts: Counter[str] = Counter()
     for path in sorted([*shipped("domains").glob("*.nid"), *shipped("problems").glob("*.nid")]):
         counts["shipped"] += 1
         if wrong := wrong_with_shipped(path):
             print(f"{path.name} {wrong}")
             return 1
-    for seed in range(-(-files // 3)):
+    for seed in range(options.seed, options.seed - (-options.files // 3)):
         for kind, wrong in wrong_with_generated(seed):
             counts[kind] += 1
             if wrong:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parent.parent
 
@@ -15,6 +18,29 @@ def _run(name: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[s
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
     return subprocess.run(command, env=environment, capture_output=True, text=True, cwd=cwd, timeout=300)
+
+
+BENCHMARKS = sorted(
+    path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
+)
+DRAWS_NOTHING = {"language.py"}
+LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "strategies.py"}
+"""Those that take so long that they go on where they stopped."""
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_help_says_how_long_a_benchmark_takes_and_what_its_seed_is(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", [name, "--help"])
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_path(str(ROOT / "benchmarks" / name), run_name="__main__")
+    printed = capsys.readouterr().out
+    assert ended.value.code == 0
+    assert re.search(r"\b(second|minute|hour)s?\b", printed), "how long it takes"
+    assert name in DRAWS_NOTHING or "--seed" in printed
+    assert name not in LONG or "--keep" in printed
 
 
 def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
@@ -73,7 +99,25 @@ def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
     for robot in ("gantry", "wam", "reem"):
         result = _run("conservation.py", "4", "--robot", robot, cwd=tmp_path)
         assert result.returncode == 0, result.stdout + result.stderr
-        assert f"{robot}: 0 faults in 4 actions" in result.stdout
+        assert f"{robot}, seed 1: 0 faults in 4 actions" in result.stdout
+
+
+def test_conservation_draws_by_its_seed_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    """A table done before is not done again; one whose line was cut short is."""
+    kept = tmp_path / "kept.jsonl"
+
+    def tables(seed: int, actions: int) -> list[str]:
+        result = _run("conservation.py", str(actions), "--seed", str(seed), "--keep", str(kept), cwd=tmp_path)
+        assert result.returncode == 0, result.stdout + result.stderr
+        return [line.partition("table ")[2] for line in result.stdout.splitlines() if ", table " in line]
+
+    first, second = tables(1, 2), tables(2, 2)
+    assert first != second, "another seed lays another table"
+    whole = kept.read_text(encoding="utf-8")
+    kept.write_text(whole.replace('"on_floor": ', '"on_floor": 9', 1)[:-5], encoding="utf-8")
+    assert "on the floor 9" in tables(1, 2)[0], "as the file says"
+    assert tables(2, 2) == second, "done again"
+    assert kept.read_text(encoding="utf-8").replace('"on_floor": 9', '"on_floor": ', 1) == whole
 
 
 def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:

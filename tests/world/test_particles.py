@@ -11,11 +11,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.motion.actions import tool_path
+from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene, Surface
 from cleancli.world import parameters as par
+from cleancli.world.robot import Robot, Status
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]
+Finish = Callable[[Robot], Status]
 
 
 def wait(table: PybulletTable, seconds: float) -> NDArray[np.float64]:
@@ -90,3 +94,33 @@ def test_on_a_tilted_surface_peas_roll_down_and_lentils_lie(scene: MakeScene) ->
         moved = truth.positions[:, 0] - level[:, 0]
         assert (moved < -0.2).all() == rolls
         assert (np.abs(moved) < 5e-3).all() != rolls
+
+
+@pytest.mark.parametrize(
+    "tilt", [(10.0, 0.0), (0.0, -10.0), (-7.0, 7.0)], ids=["west", "north", "south-east"]
+)
+def test_whatever_rolls_past_the_end_of_the_floor_lies_there(
+    scene: MakeScene, finish: Finish, tilt: tuple[float, float]
+) -> None:
+    slope = radians(tilt[0]), radians(tilt[1])
+    surface = Surface(0.9, 0.7, 0.45, (205, 198, 184), slope)
+    setting = replace(scene(Scattered(8, (-0.3, -0.2), (0.3, 0.2), "peas")), surface=surface)
+    path = tool_path("groupScattered", (Ellipse((0, 0), (0.1, 0.05), 0),), setting)
+    with closing(PybulletTable(setting, 2)) as table:
+        while table.clock < 4:
+            table.start(path)
+            assert finish(table) is Status.DONE
+        before = table.truth()
+        assert before.on_floor > 5
+        assert np.abs(before.positions[:, :2]).max() > par.FLOOR_HALF, "some are past its end"
+        assert before.positions[:, 2].min() > -par.TABLE_HEIGHT - 0.02, "and have not fallen any farther"
+        state = table.save()
+        table.start(path)
+        assert finish(table) is Status.DONE
+        after = table.truth().positions
+    gone = np.abs(before.positions[:, :2]).max(axis=1) > par.FLOOR_HALF
+    np.testing.assert_array_equal(after[gone], before.positions[gone])
+    with closing(PybulletTable(setting, 2, state=state)) as again:
+        again.start(path)
+        assert finish(again) is Status.DONE
+        np.testing.assert_array_equal(again.truth().positions, after)

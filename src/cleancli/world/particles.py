@@ -90,12 +90,24 @@ def positions(engine: Engine, bodies: tuple[int, ...]) -> NDArray[np.float64]:
     return np.array([engine.getBasePositionAndOrientation(body)[0] for body in bodies]).reshape(-1, 3)
 
 
+def keep_in_room(engine: Engine, bodies: tuple[int, ...]) -> None:
+    """Where the floor ends falls end: what has got past its edge, at its level or lower, is at rest there and
+    stays for good. So a particle's place says whether it is, and a saved state needs to say no more."""
+    for body in bodies:
+        (x, y, z), turn = engine.getBasePositionAndOrientation(body)
+        if z <= -par.TABLE_HEIGHT and max(abs(x), abs(y)) >= par.FLOOR_HALF:
+            engine.changeDynamics(body, -1, mass=0)
+            engine.resetBasePositionAndOrientation(body, (x, y, -par.TABLE_HEIGHT), turn)
+            engine.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0))
+
+
 def settle(engine: Engine, bodies: tuple[int, ...]) -> None:
     """Let time pass until every particle rests, or the limit is reached."""
     quarter = ceil(0.25 / par.STEP)
     for _ in range(ceil(par.SETTLE_LIMIT / 0.25)):
         for _ in range(quarter):
             engine.stepSimulation()
+        keep_in_room(engine, bodies)
         if all(np.linalg.norm(engine.getBaseVelocity(body)[0]) < par.SETTLED_SPEED for body in bodies):
             return
 

@@ -239,6 +239,7 @@ class PybulletTable:
         if Status(state.status) is Status.RUNNING:
             raise ValueError("the saved state is of a motion under way")
         put(self._engine, self._particles, state)
+        particles.keep_in_room(self._engine, self._particles)
         self._drive.command(state.commanded)
         self._stroke_noise.bit_generator.state = state.generators["strokes"]
         self._image_noise.bit_generator.state = state.generators["images"]
@@ -273,6 +274,7 @@ class PybulletTable:
             self._drive.command(joints)
             self._engine.stepSimulation()
         self._steps += len(motion)
+        particles.keep_in_room(self._engine, self._particles)
         if self._ink is not None:
             self._ink.rub(self._engine, self._top, self._drive.flaps())
 
