@@ -1,4 +1,4 @@
-"""What is forgotten makes no difference: whatever is done, the smaller task pays the same (planning/forget.py)."""
+"""What is forgotten makes no difference: whatever is done, the smaller task pays the same."""
 
 from __future__ import annotations
 
