@@ -1,0 +1,70 @@
+"""Lines of experience that are JSON, and not what docs/runs.md says: each is a located mistake, no crash."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.load import load_domain
+from cleancli.learning.experience import decode
+
+DOMAIN = load_domain(
+    Source(
+        "tidy.nid",
+        """domain tidy {
+  types { box }  predicates { dirty(?b - box) }  functions { load(?b - box): 0..3 }
+  derived { left := count ?b - box: dirty(?b) }  actions { wipe(?b - box) }
+  rule wiped: wipe(?b) { when dirty(?b) then 0.5: not dirty(?b) rest: nothing }
+  reward { decrease(left) }
+}""",
+    )
+)
+GOOD = {
+    "action": "wipe",
+    "arguments": ["b1"],
+    "objects": {"b1": "box"},
+    "before": [["dirty", ["b1"], True], ["load", ["b1"], 1]],
+    "after": [["load", ["b1"], 1]],
+}
+ODD = (None, True, 3, 1.5, "b1", [], {}, [3], [None], [["b1"]], [{"b1": 1}], {"b1": 3}, {"3": ["box"]})
+
+
+def refusals(line: object) -> list[str]:
+    text = json.dumps(GOOD) + "\n" + json.dumps(line) + "\n"
+    try:
+        decode(Source("x.jsonl", text), DOMAIN)
+    except Refused as refused:
+        return [diagnostic.code for diagnostic in refused.diagnostics]
+    return []
+
+
+def test_the_line_that_is_changed_is_right() -> None:
+    assert refusals(GOOD) == []
+
+
+@pytest.mark.parametrize("key", GOOD)
+@pytest.mark.parametrize("value", ODD, ids=json.dumps)
+def test_a_part_of_another_kind_is_a_mistake(key: str, value: object) -> None:
+    if value == [] and key in ("before", "after"):
+        pytest.skip("a state may list no facts")
+    assert refusals({**GOOD, key: value}) == ["E701"]
+
+
+@pytest.mark.parametrize("name", [3, None, True, ["b1"], {"b1": 1}], ids=json.dumps)
+@pytest.mark.parametrize("place", ["arguments", "fact", "symbol", "action"])
+def test_names_are_strings(name: object, place: str) -> None:
+    changed: dict[str, object] = {
+        "arguments": {"arguments": [name]},
+        "fact": {"before": [["dirty", [name], True]]},
+        "symbol": {"before": [[name, ["b1"], True]]},
+        "action": {"action": name},
+    }[place]
+    assert refusals({**GOOD, **changed}) == ["E701"]
+
+
+@pytest.mark.parametrize("value", [4, -1, 1.0, "1", True, None, [1]], ids=json.dumps)
+def test_a_value_is_one_that_is_declared(value: object) -> None:
+    assert refusals({**GOOD, "before": [["load", ["b1"], value]]}) == ["E701"]
+    assert refusals({**GOOD, "before": [["dirty", ["b1"], 1]]}) == ["E701"]
