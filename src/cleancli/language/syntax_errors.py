@@ -7,8 +7,9 @@ from collections.abc import Mapping
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
+from cleancli.language.characters import for_character
 from cleancli.language.diagnostics import Diagnostic, Span
-from cleancli.language.habits import Misplaced, for_character, for_token
+from cleancli.language.habits import Misplaced, for_token
 
 _WORDS = {
     "NAME": "a name",
