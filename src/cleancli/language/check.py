@@ -13,7 +13,13 @@ from fractions import Fraction
 from cleancli.language import syntax
 from cleancli.language.conditions import Scope
 from cleancli.language.declarations import Declarations, Once, read_objects, read_types, sections_of
-from cleancli.language.definitions import as_symbols, check_counts, check_derived, read_derived
+from cleancli.language.definitions import (
+    as_symbols,
+    check_counts,
+    check_derived,
+    names_of_counts,
+    read_derived,
+)
 from cleancli.language.findings import Findings, meant
 from cleancli.language.model import (
     Count,
@@ -72,6 +78,7 @@ def _declare(node: syntax.DomainNode, findings: Findings) -> Declarations:
         symbols=symbols | as_symbols(derived.values()),
         actions=read_actions(node, declared, findings),
         derived=derived,
+        counts=frozenset(name.text for name in names_of_counts(node)),
     )
 
 
@@ -93,6 +100,7 @@ def scope_of(domain: Domain, findings: Findings) -> Scope:
         {a.name: a for a in domain.actions},
         {d.name: d for d in domain.derived},
         {p.name: p for p in domain.parameters},
+        frozenset(count.name for count in domain.counts),
         findings.broken,
     )
     return Scope(declared, declared.constants, {}, findings)

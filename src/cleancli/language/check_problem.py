@@ -16,7 +16,7 @@ from cleancli.language.conditions import (
     wants_function,
     wants_predicate,
 )
-from cleancli.language.declarations import Once, read_objects, refuse_repeated, sections_of
+from cleancli.language.declarations import Once, read_objects, refuse_repeated, sections_of, without_point
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings
 from cleancli.language.model import (
@@ -213,7 +213,7 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
             low = 1 if section.count is None else 0
             if not constant.is_whole or not low <= constant.value <= _LONGEST:
                 message = f"the horizon is a whole number of actions from {low} to {_LONGEST}"
-                scope.findings.error("E406", message, constant.span)
+                scope.findings.error("E406", message, constant.span, help=without_point(constant))
         count = None if section.count is None else section.count.text
         return Horizon(0 if constant is None else int(constant.value), count)
     decreases = any(term.kind is RewardKind.DECREASE for term in domain.reward)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from cleancli.language import syntax
-from cleancli.language.declarations import Declarations, read_variables
+from cleancli.language.declarations import Declarations, read_variables, without_point
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings, meant
 from cleancli.language.format import print_signature
@@ -23,12 +24,17 @@ from cleancli.language.model import (
 from cleancli.language.overlap import negated
 from cleancli.language.record import Record
 
+_SYMBOLS = ("predicate", "function", "derived predicate")
+_EXISTS_LEFT = "put all that it is about in parentheses, `exists ?m - type: (p(?m), q(?m))`"
+_EVERY_LEFT = "write a second `forall` for this literal"
+
 
 class Scope(Record):
     """What a name may mean at one place: everything declared, the objects, and the variables bound there.
 
     Where rules are `compat` they mean what libPRADA takes them for: those of an action may overlap, and what
-    an outcome sets counts even if the condition asks for it.
+    an outcome sets counts even if the condition asks for it. `left` holds the variables of quantifiers that
+    ended before this place, with what to write by whoever believes them bound still.
     """
 
     declared: Declarations
@@ -36,11 +42,17 @@ class Scope(Record):
     variables: Mapping[str, Variable]
     findings: Findings
     compat: bool = False
+    left: tuple[tuple[str, str], ...] = ()
 
     def with_variables(self, variables: tuple[Variable, ...]) -> Scope:
         """The scope inside a quantifier."""
         bound = {**self.variables, **{v.name: v for v in variables}}
-        return Scope(self.declared, self.objects, bound, self.findings, self.compat)
+        return replace(self, variables=bound)
+
+    def behind(self, groups: Iterable[syntax.Group], way_out: str) -> Scope:
+        """The scope behind a quantifier that bound these."""
+        ended = tuple((name.text, way_out) for group in groups for name in group.names)
+        return replace(self, left=(*self.left, *ended))
 
 
 def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:
@@ -50,18 +62,18 @@ def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:
         if variable is None:
             message = f"the variable `?{node.name}` is not bound"
             help = meant(f"?{node.name}", [f"?{v}" for v in scope.variables], "variable")
+            if way_out := dict(scope.left).get(node.name):
+                help = f"the quantifier that binds it ended at the comma before: {way_out}"
             scope.findings.error("E204", message, node.span, help=help)
         return variable
     found = scope.objects.get(node.name)
     scope.findings.use("constant", node.name)
     if found is None and "constants" not in scope.declared.unsure and "objects" not in scope.declared.unsure:
-        if node.name in scope.variables:
-            scope.findings.error(
-                "E205",
-                f"unknown object `{node.name}`",
-                node.span,
-                help=f"did you mean the variable `?{node.name}`?",
-            )
+        if node.name in scope.variables or node.name in scope.declared.symbols:
+            help = f"did you mean the variable `?{node.name}`?"
+            if node.name not in scope.variables:
+                help = f"a predicate or function has its parentheses: `{node.name}(...)`"
+            scope.findings.error("E205", f"unknown object `{node.name}`", node.span, help=help)
         else:
             scope.findings.unknown("E205", "object", node.name, node.span, scope.objects)
     return found
@@ -74,9 +86,9 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     terms = [resolve_term(term, scope) for term in node.terms]
     scope.findings.use("symbol", name)
     if symbol is None:
-        if not {"predicates", "functions", "derived"} & scope.declared.unsure:
-            what = "predicate or function"
-            scope.findings.unknown("E203", what, name, node.symbol.span, scope.declared.symbols)
+        _unknown_symbol(node, scope)
+        return None
+    if any((what, name) in scope.findings.declared_twice for what in _SYMBOLS):
         return None
     if len(terms) != len(symbol.parameters):
         wants = len(symbol.parameters)
@@ -93,6 +105,15 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     ]
     known = tuple(term for term in terms if term is not None)
     return (symbol, known) if all(fit) and len(known) == len(terms) else None
+
+
+def _unknown_symbol(node: syntax.Application, scope: Scope) -> None:
+    what, name = "predicate or function", node.symbol
+    if name.text in scope.declared.counts and not node.terms:
+        help = "counts are for rewards and horizons only: say what holds instead"
+        scope.findings.error("E203", f"`{name.text}` is a count, no {what}", name.span, help=help)
+    elif not {"predicates", "functions", "derived"} & scope.declared.unsure:
+        scope.findings.unknown("E203", what, name.text, name.span, scope.declared.symbols)
 
 
 def _fits(term: Term | None, parameter: Variable, place: syntax.TermNode, name: str, scope: Scope) -> bool:
@@ -112,10 +133,13 @@ def resolve_value(node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scop
         shown = node.text
     else:
         value = int(node.value) if node.is_whole else None
-        shown = str(value) if value is not None else f"{float(node.value):g}"
+        point = ".0" if without_point(node) else ""
+        shown = f"{float(node.value):g}{point}" if value is None else str(value)
     if value is not None and value in symbol.values:
         return value
-    if is_integer(symbol) or isinstance(node, syntax.Number):
+    if isinstance(node, syntax.Number) and is_integer(symbol) and without_point(node):
+        help = without_point(node)
+    elif is_integer(symbol) or isinstance(node, syntax.Number):
         help = f"its values are {shown_values(symbol)}"
     else:
         help = meant(shown, map(str, symbol.values), "value")
@@ -214,7 +238,12 @@ def _equality(node: syntax.EqualityNode, scope: Scope) -> Equality | None:
 
 def check_condition(node: syntax.ConditionNode | None, scope: Scope) -> Condition:
     """The parts of a conjunction that are right, in order."""
-    checked = (_part(item, scope) for item in (node.parts if node is not None else ()))
+    checked = []
+    for item in node.parts if node is not None else ():
+        checked.append(_part(item, scope))
+        if isinstance(item, syntax.ExistsNode | syntax.EveryNode):
+            is_exists = isinstance(item, syntax.ExistsNode)
+            scope = scope.behind(item.groups, _EXISTS_LEFT if is_exists else _EVERY_LEFT)
     return tuple(part for part in checked if part is not None)
 
 

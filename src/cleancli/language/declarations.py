@@ -35,7 +35,8 @@ SECTIONS: Mapping[type[syntax.Node], str] = {
 class Declarations:
     """What a domain declares, by name, in the order of the file.
 
-    `symbols` holds derived predicates too, as if they were predicates. `unsure` holds the sections that could
+    `symbols` holds derived predicates too, as if they were predicates; of counts only the names are known,
+    which no condition may use. `unsure` holds the sections that could
     not be read: a name that may have been declared there is no mistake.
     """
 
@@ -45,6 +46,7 @@ class Declarations:
     actions: Mapping[str, Action] = field(default_factory=dict)
     derived: Mapping[str, DerivedPredicate] = field(default_factory=dict)
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    counts: frozenset[str] = frozenset()
     unsure: frozenset[str] = frozenset()
 
     def is_a(self, type_name: str, ancestor: str) -> bool:
@@ -85,10 +87,11 @@ class Once:
         if name.text in self._first:
             self._findings.error(
                 "E202",
-                f"the {what} `{name.text}` is declared twice",
+                f"the {what} `{'?' * (what == 'variable')}{name.text}` is declared twice",
                 name.span,
                 help=f"it was first declared in {self._findings.line(self._first[name.text])}",
             )
+            self._findings.declared_twice.add((what, name.text))
             return False
         self._first[name.text] = name.span
         return True
@@ -118,6 +121,14 @@ def refuse_repeated(
                 help=f"the first stands in {findings.line(seen[name])}",
             )
         seen.setdefault(name, section.span)
+
+
+def without_point(*numbers: syntax.Number) -> str:
+    """The help for `5.0` where an integer is wanted; empty for other numbers."""
+    for number in numbers:
+        if number.value.denominator == 1 and not number.is_whole:
+            return f"integers are written without a point: `{number.value}`"
+    return ""
 
 
 def unsure_sections(findings: Findings) -> frozenset[str]:
@@ -199,12 +210,15 @@ def read_objects(
 def read_variables(
     groups: Iterable[syntax.Group], declared: Declarations, findings: Findings
 ) -> tuple[Variable, ...]:
-    """The variables that typed lists name; each name once (E202)."""
+    """The variables that typed lists name; each name once (E202).
+
+    One that is refused stays in the list: nothing that has the parameters is then wrong in their number.
+    """
     once = Once(findings)
     variables = []
     for group in groups:
         type_name = _known_type(group.type, declared, findings)
         for name in group.names:
-            if once.admits(name, "variable"):
-                variables.append(Variable(name.text, type_name))
+            once.admits(name, "variable")
+            variables.append(Variable(name.text, type_name))
     return tuple(variables)

@@ -142,6 +142,12 @@ def symbols_in(condition: Condition) -> Iterator[str]:
             yield from symbols_in(part.condition)
 
 
+def names_of_counts(node: syntax.DomainNode) -> Iterator[syntax.Name]:
+    """What the counts of a domain are called."""
+    for section in sections_of(node.sections, syntax.Derived):
+        yield from (item.name for item in section.items if isinstance(item, syntax.CountNode))
+
+
 def check_counts(node: syntax.DomainNode, scope: Scope) -> tuple[Count, ...]:
     """The derived counts; their names are not those of symbols (E202) nor words of a reward (E214)."""
     once = Once(scope.findings)

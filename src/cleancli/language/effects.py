@@ -15,6 +15,7 @@ from cleancli.language.conditions import (
     wants_predicate,
     warn_unused_variables,
 )
+from cleancli.language.declarations import without_point
 from cleancli.language.model import Assign, ForAll, Shift, Symbol, Value
 from cleancli.language.overlap import canonical
 
@@ -26,6 +27,8 @@ def check_effects(node: syntax.Effects, scope: Scope) -> tuple[Assign | Shift | 
     for item in node.effects:
         if isinstance(item, syntax.ForAllNode):
             effects.append(_forall(item, scope))
+            way_out = "put all its effects in parentheses, `forall ?m - type: p(?m) => (q(?m), r(?m))`"
+            scope = scope.behind(item.groups, way_out)
             continue
         effect = _assignment(item, scope)
         if effect is None:
@@ -94,7 +97,7 @@ def _amount(node: syntax.ShiftNode, symbol: Symbol, scope: Scope) -> int | None:
         return None
     if not node.amount.is_whole or node.amount.value == 0:
         message = "an integer changes by a whole number above 0"
-        scope.findings.error("E225", message, node.amount.span)
+        scope.findings.error("E225", message, node.amount.span, help=without_point(node.amount))
         return None
     amount = int(node.amount.value)
     return amount if node.rises else -amount

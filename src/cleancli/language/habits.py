@@ -12,23 +12,6 @@ from collections.abc import Callable
 
 from cleancli.language.record import Record
 
-_CHARACTERS = {
-    "!": "write `not` before a predicate, `!=` between two terms",
-    "~": "write `not` for negation",
-    "&": "literals are joined by commas",
-    "|": "there is no `or`: write two rules",
-    "(": "every construct starts with a word: `(and ...)` of PDDL is a list with commas here",
-    ".": "numbers are written `0.5`, not `.5`",
-    "[": "marks in brackets follow a declaration or a probability",
-    "?": "a variable is `?` with a name directly after it",
-    "%": "a share is a number between 0 and 1: `0.8`, not `80%`",
-    "/": "a comment begins with `#`",
-    "*": "the language has no products",
-    "°": "angles are in deg or rad",
-    "×": "write the letter `x`",
-    '"': "names and words stand without quotes",
-    "'": "names and words stand without quotes",
-}
 _WORDS = {
     "and": "literals are joined by commas",
     "or": "there is no `or`: write two rules",
@@ -49,11 +32,22 @@ _LISTS = {
     "not": "write `not p(?a)`",
     "either": "a type is one name: declare a type above both",
     "=": "write `f(?a) = value`",
+    "<": "write `f(?a) < value`",
+    ">": "write `f(?a) > value`",
+    "<=": "write `f(?a) <= value`",
+    ">=": "write `f(?a) >= value`",
     "increase": "an effect gives a function one of its values: `f(?a) := value`",
     "decrease": "an effect gives a function one of its values: `f(?a) := value`",
     "assign": "an effect gives a function one of its values: `f(?a) := value`",
 }
 """What the lists of PDDL are here, by their first word."""
+
+
+_APPLICATION = r"\b[A-Za-z_]\w*\s*\([^()]*\)"
+_TERM = r"\??[A-Za-z_]\w*"
+_RELATION = r"<=|>=|!=|<|>|="
+_CLOSERS = frozenset({"NUMBER", "RATIONAL", "REST", "THEN", "WITH", "WHEN", "RBRACE", "COLON"})
+"""Terminals that stand behind literals and never within their parentheses."""
 
 
 class Misplaced(Record):
@@ -75,19 +69,6 @@ class Misplaced(Record):
     @property
     def word_before(self) -> str:
         return self.before.split()[-1] if self.before else ""
-
-
-def for_character(character: str) -> str:
-    """Advice for a character that begins nothing."""
-    if character in _CHARACTERS:
-        return _CHARACTERS[character]
-    if character.isspace():
-        return "this blank is no plain space: it may have been copied with the text; type a space instead"
-    if character.isalpha() or character.isdigit():
-        return "names consist of the letters a to z, digits and `_`"
-    if not character.isprintable():
-        return "remove this character: it cannot be seen"
-    return "names and words stand without quotes" if character in "‘’‚“”„«»`" else ""
 
 
 def for_token(at: Misplaced) -> str:
@@ -115,6 +96,119 @@ def _name_or_number(at: Misplaced) -> str:
     return ""
 
 
+def _negation_of_group(at: Misplaced) -> str:
+    """`not (...)` and other parentheses around literals as they are written here."""
+    if at.token != "(" or "LPAR" in at.accepted or "NAME" not in at.accepted:
+        return ""
+    is_denied = bool(re.search(r"\bnot$", at.before))
+    equality = re.match(rf"\s*(\?\w+)\s*=\s*({_TERM})\s*\)", at.after)
+    if is_denied and equality:
+        return f"write `{equality[1]} != {equality[2]}`"
+    literal = re.match(rf"\s*(?:not\s+)?({_APPLICATION})", at.after)
+    if literal is None or literal[1].partition("(")[0].strip() in _LISTS:
+        return ""
+    if not is_denied:
+        return "the parts of a condition are joined by commas, without parentheses around them"
+    if re.match(r"\s*\)", at.after[literal.end() :]):
+        return f"leave the outer parentheses out: `not {literal[1]}`"
+    if "FORALL" not in at.accepted and "EXISTS" not in at.accepted:
+        return "`not` stands before each effect: `not p(?a), not q(?a)`"
+    return (
+        "`not` denies one literal: where several are denied together, define a predicate in `derived`"
+        " that holds where they all do, and deny that"
+    )
+
+
+def _two_functions(at: Misplaced) -> str:
+    """A function where a value stands: the language compares and sets with values only."""
+    if at.accepted == {"NUMBER"} and at.kind == "NAME" and at.before.endswith(("+=", "-=")):
+        return "what is added or taken away is a number: `f(?a) += 1`"
+    sides = re.search(rf"({_APPLICATION})\s*({_RELATION}|:=)\s*(\w+)$", at.before)
+    rest = re.match(r"[^()\r\n]*\)", at.after)
+    if at.token != "(" or rest is None:
+        return ""
+    turned = re.search(r"(?<![?\w])(\w+)\s*(!?=)\s*(\w+)$", at.before)
+    if turned:
+        return f"the function stands on the left: `{turned[3]}({rest[0]} {turned[2]} {turned[1]}`"
+    if sides is None:
+        return ""
+    left, relation, right = sides[1], sides[2], f"{sides[3]}({rest[0]}"
+    if relation != ":=":
+        return (
+            "a function is compared with a value, not with another function: write a rule for each value v,"
+            f" with `{left} {relation} v, {right} = v`"
+        )
+    shift = re.match(r"\s*([+-])\s*(\d+)", at.after[rest.end() :])
+    if shift and left == right:
+        return f"write `{left} {shift[1]}= {shift[2]}`"
+    return "an effect gives a function a value, or adds a number to it: `f(?a) := 3`, `f(?a) += 1`"
+
+
+def _value_first(at: Misplaced) -> str:
+    """`3 <= load(?a)`, and `small < size(?a)`, where the parser stops at the sign."""
+    value, behind = at.token, at.after
+    if at.kind != "NUMBER":
+        value, behind = at.word_before, f"{at.token}{at.after}"
+    match = re.match(rf"\s*({_RELATION})\s*({_APPLICATION})", behind)
+    if match is None or not ({"NAME", "EQUAL"} & at.accepted) or not value.isalnum():
+        return ""
+    turned = match[1].translate(str.maketrans("<>", "><"))
+    return f"the function stands on the left: `{match[2]} {turned} {value}`"
+
+
+def _step(at: Misplaced) -> str:
+    """`load(?a)++`, `++load(?a)` and `load(?a) + 1` as effects."""
+    if at.token not in ("+", "-", "*", "/"):
+        return ""
+    before = re.search(rf"({_APPLICATION})$", at.before)
+    if before and "RISE" in at.accepted:
+        amount = re.match(r"\s*(\d+)", at.after)
+        is_doubled = at.after.startswith(at.token)
+        if amount or is_doubled:
+            return f"write `{before[1]} {at.token}= {amount[1] if amount else 1}`"
+    after = re.match(rf"[+-]\s*({_APPLICATION})", at.after)
+    if after and at.after.startswith(at.token):
+        return f"write `{after[1]} {at.token}= 1`"
+    if before and "RISE" in at.accepted:
+        return "an effect sets a number, or adds one to it: `f(?a) := 3`, `f(?a) += 1`"
+    if before and {"LESS", "EQUAL"} <= at.accepted and not at.after.startswith(">"):
+        return "nothing is calculated in a condition: a function is compared with a value"
+    return ""
+
+
+def _unclosed(at: Misplaced) -> str:
+    """A parenthesis that was opened before, where what follows shows that it should be closed by now."""
+    opened = re.search(r"(\w+|:)\s*\((?:[^(){}]|\([^(){}]*\))*$", at.before)
+    if opened is None or "RPAR" not in at.accepted:
+        return ""
+    if at.token == "(":
+        # A term with terms of its own closes both; a literal that follows closes one.
+        line = re.match(r"[^\r\n{}]*", at.after)
+        assert line is not None
+        is_cut = len(line[0]) == len(at.after) and "\n" not in at.after
+        if is_cut or line[0].count(")") - line[0].count("(") >= 2:
+            return ""
+        return f"is a `)` missing? The `(` behind `{opened[1]}` is not closed"
+    if at.kind in _CLOSERS or re.fullmatch(r"then|rest|with|when", at.token):
+        return f"is a `)` missing before it? The `(` behind `{opened[1]}` is not closed"
+    return ""
+
+
+def _quantifier(at: Misplaced) -> str:
+    """Quantifiers without type or colon."""
+    head = re.search(r"\b(exists|forall|count|with)\s+((?:\?\w+[\s,]*)+)$", at.before)
+    if head and at.token == ":" and "MINUS" in at.accepted:
+        return f"the type of the variables is missing: `{head[1]} {head[2].strip()} - type: ...`"
+    typed = re.search(r"\b(exists|forall|count|with)\s+((?:\?\w+[\s,]*)+-\s*\w+)\s*,?$", at.before)
+    if typed and (at.token in ("(", ".") or (at.kind in ("NAME", "NOT") and "NAME" not in at.accepted)):
+        return f"a colon stands behind the variables: `{typed[1]} {typed[2]}: ...`"
+    if at.token == "=>" and re.search(r"\bforall\b[^{}]*:[^{}()]*\([^()]*\)\s*,", at.before):
+        return (
+            "several literals before `=>` stand in parentheses: `forall ?a - type: (p(?a), q(?a)) => r(?a)`"
+        )
+    return ""
+
+
 def _list_of_pddl(at: Misplaced) -> str:
     if at.token == ":" and "LPAR" in at.accepted:
         return "what it takes stands in parentheses behind the name: `push(?a - area)`"
@@ -124,14 +218,12 @@ def _list_of_pddl(at: Misplaced) -> str:
         return ""
     if at.word_before in ("exists", "forall"):
         return f"variables stand without parentheses: `{at.word_before} ?m - area: wet(?m)`"
-    match = re.match(r"\s*(:?[\w-]+|=)", at.after)
+    match = re.match(r"\s*(:?[\w-]+|[<>]?=|[<>])", at.after)
     word = match[1] if match else ""
     if word.startswith(":"):
         return "a block is a word and braces: `types { ... }`"
     if word in _LISTS:
         return _LISTS[word]
-    if re.search(r"=\s*\w+$", at.before):
-        return "the function stands on the left: `size(?a) = small`"
     inside = re.search(r"(\w+)\s*\([^()]*$", at.before)
     if inside:
         return _LISTS.get(
@@ -162,7 +254,11 @@ def _setting(at: Misplaced) -> str:
     """Settings of a problem that other languages build otherwise."""
     if at.token == "=" and at.word_before == "goal":
         return "a goal is a block: `goal { forall ?a - area: not dirt(?a) }`"
-    if at.token == "*" and re.search(r"horizon\s*=\s*\w+$", at.before):
+    horizon = re.search(r"\bhorizon\s*=\s*(\w+)$", at.before)
+    if horizon and at.token in "+-*/":
+        number = re.match(r"\s*(\d+)\b", at.after)
+        if at.token == "+" and number and not horizon[1].isdigit():
+            return f"the number stands first: `horizon = {number[1]} + {horizon[1]}`"
         return "a horizon is a number, a count or their sum: `horizon = 1 + dirty_areas`"
     return ""
 
@@ -171,10 +267,16 @@ def _sign(at: Misplaced) -> str:
     last = at.before[-1:]
     if at.token == "=" and last == "=" and at.is_glued:
         return "equality is one `=`"
-    if at.token == ">" and last == "<" and at.is_glued:
+    if f"{at.token}{at.after}".startswith("<>") or (at.token == ">" and last == "<" and at.is_glued):
         return "write `!=`"
-    if at.token == "-" and at.after.startswith(">") and "IMPLIES" in at.accepted:
-        return "write `=>`"
+    if at.accepted == {"EQUAL", "UNEQUAL"} and at.kind in ("LESS", "OPERATOR"):
+        return (
+            f"a variable stands for an object: compare a function of it, `f({at.word_before}) {at.token} ...`"
+        )
+    if at.kind == "NUMBER" and (term := re.search(r"(\?\w+)\s*!?=$", at.before)):
+        return f"a variable stands for an object: compare a function of it, `f({term[1]}) = {at.token}`"
+    if at.token == "-" and at.after.startswith(">"):
+        return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` only"
     if at.token == "=" and at.accepted == {"ASSIGN"}:
         return "a count is defined with `:=`"
     if at.token == "=" and "ASSIGN" in at.accepted:
@@ -251,6 +353,12 @@ _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     _name_or_number,
     _habit_word,
     _setting,
+    _negation_of_group,
+    _two_functions,
+    _value_first,
+    _step,
+    _unclosed,
+    _quantifier,
     _list_of_pddl,
     _sign,
     _separator,

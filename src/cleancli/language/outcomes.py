@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from cleancli.language import syntax
 from cleancli.language.conditions import Scope
-from cleancli.language.declarations import Once, sections_of
+from cleancli.language.declarations import Once, sections_of, without_point
 from cleancli.language.diagnostics import Span
 from cleancli.language.effects import check_effects
 from cleancli.language.format import print_fraction, print_literal, print_result
@@ -161,7 +161,8 @@ def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, int | 
                 if seen is not None:
                     scope.findings.error("E311", "a second `seen`", mark.span)
                 if not mark.count.is_whole:
-                    scope.findings.error("E311", "`seen` counts outcomes: a whole number", mark.count.span)
+                    message = "`seen` counts outcomes: a whole number"
+                    scope.findings.error("E311", message, mark.count.span, help=without_point(mark.count))
                 seen = int(mark.count.value)
             case syntax.Fixed():
                 if fixed:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 from cleancli.language import syntax
-from cleancli.language.declarations import Declarations, Once, read_variables, sections_of
+from cleancli.language.declarations import Declarations, Once, read_variables, sections_of, without_point
 from cleancli.language.findings import Findings
 from cleancli.language.model import Action, Symbol, Value, Variable
 
@@ -95,7 +95,7 @@ def _values(function: syntax.FunctionNode, findings: Findings) -> tuple[Value, .
 
 def _integers(bounds: syntax.Bounds, findings: Findings) -> tuple[int, ...]:
     low, high = bounds.low, bounds.high
-    help = "write for example `0..10`"
+    help = without_point(low, high) or "write for example `0..10`"
     if not (low.is_whole and high.is_whole):
         findings.error("E224", "the bounds of a range are whole numbers", bounds.span, help=help)
     elif low.value >= high.value:

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
+from cleancli.language.characters import for_character
 from cleancli.language.diagnostics import Diagnostic, Span
-from cleancli.language.habits import Misplaced, for_character, for_token
+from cleancli.language.habits import Misplaced, for_token
 
 _WORDS = {
     "NAME": "a name",
@@ -61,7 +62,9 @@ class Reader:
         character = self._text[start]
         shown = character if character.isprintable() else f"U+{ord(character):04X}"
         span = self._span(start, start + 1)
-        return Diagnostic("E101", f"`{shown}` cannot stand here", span, help=for_character(character))
+        return Diagnostic(
+            "E101", f"`{shown}` cannot stand here", span, help=for_character(character, error.allowed or ())
+        )
 
     def _accepted(self, error: UnexpectedToken) -> set[str]:
         """The terminals that may stand where the parser stopped."""
@@ -136,11 +139,36 @@ class Reader:
             place = self._span(comma.start(), comma.start() + 1)
             return Diagnostic("E104", "nothing stands behind this comma", place, help="remove it")
         if at.accepted == {"LPAR"} and word and at.token != ":" and not for_token(at):
-            name = word.group()
-            help = f"write `{name}(...)`, or `{name}()` if it takes nothing"
-            place = self._span(word.start(), word.end())
-            return Diagnostic("E104", f"`{name}` stands without its parentheses", place, help=help)
+            return self._bare(word.group(), word.start(), "", "")
+        return self._bare_in_condition(at)
+
+    def _bare_in_condition(self, at: Misplaced) -> Diagnostic | None:
+        """A name without parentheses where a condition's part begins: it could still be a term."""
+        word = re.search(r"(?<![?\w])[A-Za-z_]\w*$", at.before)
+        if word and at.accepted == {"LPAR", "EQUAL", "UNEQUAL"} and at.token != ":" and not for_token(at):
+            behind = re.match(r"\s*(\w+)", at.after) if at.kind in ("LESS", "OPERATOR") else None
+            return self._bare(word.group(), word.start(), at.token, behind[1] if behind else "")
+        compared = re.search(r"(?<![?\w])([A-Za-z_]\w*)\s*(=|!=)$", at.before)
+        if compared and at.kind in ("NUMBER", "MINUS") and at.accepted == {"NAME", "VARIABLE"}:
+            value = re.match(r"[^\s,})]*", at.after)
+            return self._bare(
+                compared[1], compared.start(), compared[2], at.token + (value[0] if value else "")
+            )
         return None
+
+    def _bare(self, name: str, start: int, relation: str, value: str) -> Diagnostic:
+        """A predicate, function or count that stands without parentheses, perhaps compared with a value."""
+        place = self._span(start, start + len(name))
+        instead = "say what holds instead, as in `not exists ?a - area: dirt(?a)`"
+        if re.search(rf"\b{name}\s*:=\s*count\b", self._text):
+            help = f"counts are for rewards and horizons only: {instead}"
+            return Diagnostic("E104", f"`{name}` is a count, which no condition asks for", place, help=help)
+        help = f"write `{name}(...)`, or `{name}()` if it takes nothing"
+        if name.lower() == "true":
+            help = "leave the condition out where a rule always applies"
+        if value:
+            help = f"write `{name}(...) {relation} {value}`; if `{name}` is a count, {instead}"
+        return Diagnostic("E104", f"`{name}` stands without its parentheses", place, help=help)
 
     def _expected(self, accepted: set[str]) -> str:
         names = {name for name in accepted if name not in _BLANKS and _IMPLIED.get(name) not in accepted}
