@@ -1,0 +1,169 @@
+"""Compares values: of sequences, of the best that can be done, and of what is planned."""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import product
+from comparison import Comparison
+from interpreter import Call
+from product import Grounded
+from worth import STOP, Worth
+
+ASKED = 0.6
+"""The share of domains that the command line is asked about; what it calls is asked about all of them."""
+
+
+def compare_values(
+    comparison: Comparison, folder: Path, grounded: Grounded, worth: Worth, whole: bool, random: Random
+) -> None:
+    timed = all(action.duration for action in worth.meaning.domain.actions) and worth.discount > 0
+    by_time = Worth(worth.meaning, by_time=True) if timed and moves(worth) else None
+    try:
+        if worth.calls:
+            if random.random() < ASKED:
+                compare_asked_sequence(comparison, folder, worth, random)
+            if by_time is not None and random.random() < ASKED / 2:
+                compare_sequence_by_time(comparison, folder, by_time, random)
+        for scale in (worth, by_time):
+            if scale is not None and worth.calls:
+                compare_sequences(comparison, grounded, scale, random)
+            if scale is not None and whole:
+                compare_optimum(comparison, folder, grounded, scale, random)
+    except product.NoAnswer as refused:
+        comparison.differ("command", str(refused))
+
+
+def moves(worth: Worth) -> bool:
+    """Whether any outcome sets anything, so that time has a scale."""
+    return any(outcome.effects for rule in worth.meaning.domain.rules for outcome in rule.outcomes)
+
+
+def drawn_sequence(worth: Worth, random: Random) -> list[Call]:
+    """Mostly of actions that a rule covers in a state that may be reached; perhaps beyond the horizon."""
+    state, sequence = worth.meaning.initial(), list[Call]()
+    for _ in range(random.randint(1, 5)):
+        choices = worth.covered(state) if random.random() < 0.85 else worth.calls
+        asked = random.choice(choices or worth.calls)
+        sequence.append(asked)
+        state = random.choice(list(worth.after(state, asked)))
+    return sequence
+
+
+def compare_sequences(comparison: Comparison, grounded: Grounded, worth: Worth, random: Random) -> None:
+    """`exact_value`, as the interpreter counts."""
+    horizon = worth.horizon(worth.meaning.initial())
+    for _ in range(3):
+        sequence = drawn_sequence(worth, random)[: max(horizon, 0)]
+        value = grounded.value(sequence, timed=worth.by_time)
+        if value is not None:
+            comparison.same("exact value", worth.of_sequence(sequence), value, f"{sequence} {worth.by_time}")
+
+
+def compare_asked_sequence(comparison: Comparison, folder: Path, worth: Worth, random: Random) -> None:
+    """`plan --evaluate --explain`."""
+    sequence = drawn_sequence(worth, random)
+    said = product.evaluated(folder, sequence)
+    value = worth.of_sequence(sequence)
+    comparison.same("horizon", worth.horizon(worth.meaning.initial()), said["horizon"])
+    comparison.same("sequence", value, said["exact"], str(sequence))
+    sampled = said["sampled"]
+    comparison.compared["sampled value"] += 1
+    if abs(sampled["value"] - float(value)) > 7 * sampled["error"] + 1e-9:
+        comparison.differ("sampled value", f"{sequence}: expected {float(value)}, got {sampled}")
+    compare_forecast(comparison, worth, sequence, said["explained"]["steps"])
+
+
+def compare_sequence_by_time(comparison: Comparison, folder: Path, worth: Worth, random: Random) -> None:
+    sequence = drawn_sequence(worth, random)
+    said = product.evaluated(folder, sequence, timed=True)
+    comparison.same("sequence by time", worth.of_sequence(sequence), said["exact"], str(sequence))
+
+
+def compare_forecast(
+    comparison: Comparison, worth: Worth, sequence: list[Call], steps: list[dict[str, object]]
+) -> None:
+    """`plan --explain`: which rules cover each step, what may come of it, and what it is paid."""
+    meaning = worth.meaning
+    distribution = {meaning.initial(): Fraction(1)}
+    for asked, said in zip(sequence, steps, strict=False):
+        place = f"{asked} of {sequence}"
+        rules: Counter[str] = Counter()
+        kinds: Counter[str] = Counter()
+        for state, chance in distribution.items():
+            covering = meaning.covering(asked, state)
+            if covering is not None:
+                rules[covering[0].name] += chance  # type: ignore[assignment]
+                for outcome in covering[0].outcomes:
+                    kinds[outcome.idle or "change"] += chance * outcome.probability  # type: ignore[assignment]
+        reward = sum((p * worth.expected(state, asked) for state, p in distribution.items()), Fraction(0))
+        comparison.same("forecast: reward", reward, said["reward"], place)
+        comparison.same("forecast: covered", Fraction(sum(rules.values())), said["covered"], place)
+        named = {each["rule"]: each["probability"] for each in said["rules"]}  # type: ignore[attr-defined]
+        same_shares(comparison, "forecast: rules", rules, Counter(named), place)
+        found: Counter[str] = Counter()
+        for each in said["outcomes"]:  # type: ignore[attr-defined]
+            found[each["kind"]] += each["probability"]
+        same_shares(comparison, "forecast: outcomes", kinds, found, place)
+        distribution = worth.spread(distribution, asked)
+
+
+def same_shares(
+    comparison: Comparison, what: str, expected: Counter[str], actual: Counter[str], place: str
+) -> None:
+    names = sorted({name for name in {*expected, *actual} if expected[name] or actual[name]})
+    for name in names:
+        comparison.same(what, Fraction(expected[name]), actual[name], f"{name}, {place}")
+
+
+def compare_optimum(
+    comparison: Comparison, folder: Path, grounded: Grounded, worth: Worth, random: Random
+) -> None:
+    """The value of acting best, and that the plan is a likeliest course of a best policy."""
+    start = worth.meaning.initial()
+    horizon = max(worth.horizon(start), 0)
+    best = worth.choice(start, horizon)
+    what = "optimum by time" if worth.by_time else "optimum"
+    ways = [("exact", "rational"), (random.choice(("exact", "prada+")), "float")]
+    for planner, arithmetic in ways[worth.by_time :]:
+        asked = random.random() < ASKED / 6
+        plan, value = (
+            product.planned(folder, planner, arithmetic, timed=worth.by_time)
+            if asked
+            else grounded.plan(planner, arithmetic, timed=worth.by_time)
+        )
+        name = f"{planner} {arithmetic}"
+        if comparison.same(what, best.value, value, f"{name} says {plan}, best are {best.equals}"):
+            compare_course(comparison, worth, plan, horizon, name)
+
+
+def compare_course(comparison: Comparison, worth: Worth, plan: list[Call], horizon: int, name: str) -> None:
+    """Each action is one of the best where it is done, and at the end stopping is best.
+
+    The state follows the likeliest result where that is more likely than all others together; otherwise any
+    that may come, since planners may forget what no longer matters, and so join results.
+    """
+    states = {worth.meaning.initial()}
+    certain = True
+    for step, asked in enumerate((*plan, STOP)):
+        left = horizon - step
+        comparison.compared["course"] += 1
+        fitting = {state for state in states if asked in worth.choice(state, left).equals}
+        if not fitting:
+            best = {worth.choice(state, left).equals for state in states}
+            comparison.differ("course", f"{name}: {plan}: step {step} is {asked}, best are {best}")
+            return
+        if asked is STOP:
+            break
+        states = set()
+        for state in fitting:
+            after = worth.after(state, asked)
+            likely = {there for there, chance in after.items() if chance > Fraction(1, 2)}
+            states |= likely or set(after)
+            certain = certain and len(after) == 1
+    if certain:
+        value = worth.choice(worth.meaning.initial(), horizon).value
+        comparison.same("value of the plan", value, worth.of_sequence(plan), f"{name}: {plan}")
