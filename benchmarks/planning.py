@@ -191,7 +191,7 @@ def _step(t: Tables, belief: kernel.Belief, action: int) -> int:
     sums = t.touched_sum[t.touched_sum_start[action] : t.touched_sum_start[action + 1]]
     return int(
         _entries(t.guard_start, [action])
-        + _entries(t.condition_start, [*rules, *(touched + len(t.changes))])
+        + _entries(t.condition_start, [*rules, *(touched + len(t.useful))])
         + _entries(t.shift_start, applying)
         + 2 * _entries(t.loss_start, applying)
         + _entries(t.touched_slot_start, [action])

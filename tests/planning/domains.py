@@ -97,6 +97,7 @@ def random_task(seed: int) -> Task:
         discounts=(0.9,) * 6,
         step=None,
         untimed=tuple(f"act{i}" for i in range(6)),
+        waiting=False,
     )
 
 
@@ -108,7 +109,8 @@ def timed(task: Task) -> Task:
 
 
 def weighted_task(seed: int) -> Task:
-    """The same with costs, with weights, and with conditions that are paid while they hold."""
+    """The same with costs, with weights, and with conditions that are paid while they hold, so that waiting
+    is a choice."""
     task = random_task(seed)
     rng = np.random.default_rng([seed, 1])
     rewards = [
@@ -117,7 +119,11 @@ def weighted_task(seed: int) -> Task:
     ]
     actions = [replace(a, cost=Fraction(rng.uniform(0, 0.3))) for a in task.actions]
     return replace(
-        task, rewards=tuple(rewards), actions=tuple(actions), constant_reward=Fraction(rng.normal())
+        task,
+        rewards=tuple(rewards),
+        actions=tuple(actions),
+        constant_reward=Fraction(rng.normal()),
+        waiting=True,
     )
 
 

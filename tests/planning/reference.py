@@ -16,11 +16,11 @@ CUT = 0.03
 def value(
     task: Task, actions: Sequence[int], *, independent_rules: bool = False, threshold: float = CUT
 ) -> float:
-    """Discounted reward, where nothing is done after the actions; `independent_rules` updates as libPRADA
-    does."""
+    """Discounted reward up to the horizon, where nothing is done after the actions; `independent_rules`
+    updates as libPRADA does."""
     belief = initial(task)
     total, factor = 0.0, 1.0
-    for step in range(max(len(actions), task.horizon)):
+    for step in range(task.horizon):
         reward, payment, discount = 0.0, 1.0, task.discount
         if step < len(actions):
             change = update_independent if independent_rules else update

@@ -6,16 +6,16 @@ import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import domains
 import numpy as np
+import optimal
 import pytest
 
 from cleancli.compiler.process import lower_process
 from cleancli.compiler.task import Assignment, GroundCondition, Task
-from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
+from cleancli.compiler.transition import covering_rule, exact_value, progress, reward, successors
 from cleancli.planning import rational
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prepared import prepare
@@ -25,21 +25,8 @@ from cleancli.planning.table import PLANNERS
 
 def optimum(task: Task) -> Callable[[Assignment, int], float]:
     """The optimal value of a state with so many steps left, slowly."""
-
-    @cache
-    def value(state: Assignment, left: int) -> float:
-        if left == 0:
-            return 0.0
-        best = standing(task, state) + task.discount * value(state, left - 1)
-        for action in range(len(task.actions)):
-            after = successors(task, state, action)
-            if [s for _, s in after] != [state]:
-                paid = sum(p * reward(task, state, action, s) for p, s in after)
-                later = sum(p * value(s, left - 1) for p, s in after)
-                best = max(best, payment(task, action) * paid + task.discounts[action] * later)
-        return best
-
-    return value
+    best = optimal.optimum(task)
+    return lambda state, left: best(state, left)[0]
 
 
 def graph(task: Task, steps: int, limit: int = 10_000) -> Graph:
@@ -62,17 +49,17 @@ def test_the_graph_is_the_process(seed: int) -> None:
         near |= {s for state in near for a in range(6) for _, s in successors(task, state, a)}
     for index in range(int(found.within[-2])):
         choices = range(*found.choice_start[index : index + 2])
-        changing = [
-            a for a in range(6) if [s for _, s in successors(task, states[index], a)] != [states[index]]
-        ]
-        assert found.choice_action[choices].tolist() == changing
-        for choice, action in zip(choices, changing, strict=True):
+        covered = [a for a in range(6) if covering_rule(task, states[index], a) is not None]
+        assert found.choice_action[choices].tolist() == covered
+        for choice, action in zip(choices, covered, strict=True):
             edges = slice(*found.edge_start[choice : choice + 2])
             after = {states[s]: p for p, s in _edges(found, edges)}
             expected = {s: p for p, s in successors(task, states[index], action)}
             assert after == pytest.approx(expected)
             paid = sum(p * reward(task, states[index], action, s) for s, p in expected.items())
             assert found.choice_reward[choice] == pytest.approx(paid)
+            gained = sum(p * progress(task, states[index], s) for s, p in expected.items())
+            assert found.choice_progress[choice] == pytest.approx(gained)
 
 
 def _edges(found: Graph, edges: slice) -> list[tuple[float, int]]:

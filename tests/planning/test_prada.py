@@ -428,6 +428,7 @@ def held(reward: float, cost: float, horizon: int, discount: float = 0.9) -> Tas
         discounts=(discount,),
         step=None,
         untimed=("do",),
+        waiting=True,
     )
 
 

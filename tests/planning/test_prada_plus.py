@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,10 +10,11 @@ from fractions import Fraction
 import domains
 import numpy as np
 import pytest
+from optimal import optimum
 from scipy import stats
 
-from cleancli.compiler.task import Assignment, GroundOutcome, Task
-from cleancli.compiler.transition import exact_value, payment, reward, standing, successors
+from cleancli.compiler.task import GroundOutcome, Task
+from cleancli.compiler.transition import exact_value
 from cleancli.language.model import OutcomeKind
 from cleancli.planning import annealing
 from cleancli.planning.plan import Options, Plan
@@ -105,24 +105,9 @@ def best_of_all(task: Task) -> tuple[float, Sequence[int]]:
 @pytest.mark.parametrize("seed", range(6))
 def test_few_states_are_solved(seed: int) -> None:
     task = domains.weighted_task(seed)
-
-    @functools.cache
-    def optimum(state: Assignment, steps: int) -> float:
-        if steps == 0:
-            return 0.0
-        idle = standing(task, state) + task.discount * optimum(state, steps - 1)
-        acting = (
-            sum(
-                p * (payment(task, a) * reward(task, state, a, s) + task.discounts[a] * optimum(s, steps - 1))
-                for p, s in successors(task, state, a)
-            )
-            for a in range(len(task.actions))
-        )
-        return max(idle, *acting)
-
     plan = prada_plus(prepare(task), Options())
     assert (plan.measure, plan.samples) == ("policy", 0)
-    assert plan.value == pytest.approx(optimum(task.initial, task.horizon), abs=1e-9)
+    assert plan.value == pytest.approx(optimum(task)(task.initial, task.horizon)[0], abs=1e-9)
     assert plan.value >= search(task, Options(4000, seed)).value - 0.02 * abs(plan.value)
 
 

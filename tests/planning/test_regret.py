@@ -5,13 +5,16 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import domains
 import numpy as np
 import pytest
+from optimal import optimum
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -19,6 +22,7 @@ from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import payment, reward, standing, successors
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared, prepare
+from cleancli.planning.table import PLANNERS
 
 STEPS = 3
 SEEDS = range(6)
@@ -68,14 +72,7 @@ def test_a_policys_return_is_what_recursion_says(regret: ModuleType, seed: int) 
             return standing(task, state) * sum(task.discount**k for k in range(left))
         return step(state, task.actions.index(said[0]), left, returned)
 
-    @cache
-    def optimum(state: Assignment, left: int) -> float:
-        if left == 0:
-            return 0.0
-        nothing = standing(task, state) + task.discount * optimum(state, left - 1)
-        return max([nothing, *(step(state, a, left, optimum) for a in range(len(task.actions)))])
-
-    best = optimum(task.initial, STEPS)
+    best = optimum(task)(task.initial, STEPS)[0]
     assert game.values[0, 0] == pytest.approx(best)
     policy = regret.Policy(game, odd, Options())
     loss = regret.exact_loss(game, policy, 10_000)
@@ -100,6 +97,22 @@ def test_the_best_policy_loses_nothing(regret: ModuleType, seed: int) -> None:
     assert regret.exact_loss(game, policy, 10_000) == pytest.approx(0, abs=1e-8)
     drawn, error = regret.drawn_loss(game, policy, 5, seed)
     assert (drawn, error) == pytest.approx((0, 0), abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_loop_earns_the_value_that_is_printed(regret: ModuleType, seed: int) -> None:
+    """Of planners that know the best policy, where states pay, waiting is a choice, and much is worth the
+    same."""
+    task = domains.weighted_task(seed) if seed % 2 else domains.random_task(seed)
+    if seed % 4 < 2:
+        task = replace(task, discount=1.0, discounts=(1.0,) * 6)
+    game = regret.game_of(prepare(replace(task, horizon=STEPS)), STEPS)
+    for name in ("exact", "prada+"):
+        policy = regret.Policy(game, PLANNERS[name], Options())
+        assert regret.exact_loss(game, policy, 10_000) == pytest.approx(0, abs=1e-6)
+        plan = PLANNERS[name](game.prepared, Options())
+        assert plan.value == pytest.approx(game.values[0, 0])
+        assert plan.value == pytest.approx(optimum(task)(task.initial, STEPS)[0])
 
 
 def test_planners_may_have_options(regret: ModuleType) -> None:

@@ -14,7 +14,7 @@ from cleancli.cli.calls import Call, read_actions
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.plan_answer import echo_comparison, echo_evaluation, echo_plan
-from cleancli.cli.plan_job import Job, numbered, with_calls
+from cleancli.cli.plan_job import Job, numbered
 from cleancli.cli.plan_options import planner_named, planner_options, planners_named
 from cleancli.cli.plan_picture import check_picture, draw_picture
 from cleancli.cli.progress import working
@@ -184,7 +184,7 @@ def _job(
     with _timed(seconds, "ground"):
         if calls is None and not options.compat:
             smaller = fewer(model, seen.problem, options.counted)
-        task = with_calls(ground(model, smaller.problem, compat=options.compat), model, calls or ())
+        task = ground(model, smaller.problem, compat=options.compat, named=calls or ())
         prepared = prepare(by_time(task) if time_discounts else task)
     return Job(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
 
@@ -202,7 +202,7 @@ def _evaluate(job: Job, calls: Sequence[Call], wanted: _Wanted, seconds: dict[st
     actions = numbered(job.task, calls)
     with _timed(seconds, "evaluate"), working("drawing runs (the first time compiles what does)"):
         found = evaluate(job.prepared, actions, job.options)
-    expected = _expected(job, actions, wanted, seconds)
+    expected = _expected(job, actions[: max(job.task.horizon, 0)], wanted, seconds)
     echo_evaluation(job, actions, found, expected, seconds, wanted.as_data)
 
 

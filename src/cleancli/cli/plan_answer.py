@@ -83,12 +83,16 @@ def echo_evaluation(
     seconds: Mapping[str, float],
     as_data: bool,
 ) -> None:
-    """What a sequence is worth in each way, with what is expected of its steps where that was asked for."""
+    """What a sequence is worth in each way, with what is expected of its steps where that was asked for, and
+    which actions lie beyond the horizon and so do not count."""
+    names = [str(job.task.actions[action]) for action in actions]
+    beyond = names[max(job.task.horizon, 0) :]
     if as_data:
         data = {
             "problem": job.problem.name,
-            "plan": [str(job.task.actions[action]) for action in actions],
+            "plan": names,
             "horizon": job.task.horizon,
+            "beyond_horizon": beyond,
             "factored": found.factored,
             "exact": found.exact,
             "sampled": None if found.sampled is None else _sampled_data(found.sampled),
@@ -112,6 +116,12 @@ def echo_evaluation(
         table.add_row("sampled", f"{found.sampled.value:.4f}", error)
     print_table(table)
     click.echo(f"{len(actions)} action{'s' * (len(actions) != 1)}, horizon {job.task.horizon}")
+    if beyond:
+        lie = "action lies" if len(beyond) == 1 else "actions lie"
+        click.echo(
+            f"{len(beyond)} {lie} beyond the horizon and {'is' if len(beyond) == 1 else 'are'} not counted:"
+        )
+        click.echo(f"  {' '.join(beyond)}")
 
 
 def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:

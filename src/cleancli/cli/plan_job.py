@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cleancli.cli.calls import Call
-from cleancli.compiler.rewards import costs_of
-from cleancli.compiler.task import GroundAction, Task
+from cleancli.compiler.task import Task
 from cleancli.compiler.transition import covering_rule, reaches_goal
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
@@ -30,22 +29,6 @@ class Job:
     def task(self) -> Task:
         """The grounded problem."""
         return self.prepared.task
-
-
-def with_calls(task: Task, domain: Domain, calls: Sequence[Call]) -> Task:
-    """The task with those actions too that grounding has dropped because they can change nothing.
-
-    They come last; doing them costs what they cost.
-    """
-    known = {(action.name, action.objects) for action in task.actions}
-    costs, durations = costs_of(domain), {action.name: action.duration for action in domain.actions}
-    dropped = tuple(
-        GroundAction(name, objects, durations[name], costs[name])
-        for name, objects in dict.fromkeys(calls)
-        if (name, objects) not in known
-    )
-    discounts = task.discounts + (task.discount,) * len(dropped)
-    return replace(task, actions=task.actions + dropped, discounts=discounts)
 
 
 def numbered(task: Task, calls: Sequence[Call]) -> list[int]:

@@ -7,7 +7,7 @@ sum to 1, and the problem's facts are complete and canonical.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from fractions import Fraction
 
 from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
@@ -19,7 +19,7 @@ from cleancli.compiler.instance import instances
 from cleancli.compiler.join import Universe
 from cleancli.compiler.numbering import Numbering
 from cleancli.compiler.reach import Reach
-from cleancli.compiler.rewards import costs_of, rewards_of
+from cleancli.compiler.rewards import costs_of, rewards_of, waiting_can_pay
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -30,25 +30,29 @@ from cleancli.compiler.task import (
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.model import Domain, Outcome, OutcomeKind, Problem, Rule
 
+Called = tuple[str, tuple[str, ...]]
+"""An action's name and the names of its objects."""
 
-def ground(domain: Domain, problem: Problem, *, compat: bool = False) -> Task:
+
+def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Collection[Called] = ()) -> Task:
     """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md.
 
-    `compat` grounds as libPRADA does: each binding of the references is a rule of its own, whether or not
-    others fit too, and rules may overlap (no E603). Such a task is for planners that are asked for the same.
-    """
+    Actions that are `named` are listed even if they can change nothing. `compat` grounds as libPRADA does:
+    each binding of the references is a rule of its own, whether or not others fit too, and rules may overlap
+    (no E603). Such a task is for planners that are asked for the same. """
     universe = Universe(domain, problem)
     _refuse(refuse_too_many(domain, problem, universe))
     conditions = Conditions(universe)
     reach = Reach(instances(domain, conditions, compat=compat), universe)
     cases = _cases(domain, reach, conditions)
     _refuse(_conflicting_effects(domain, cases))
-    useful = _without_idle_actions([_simplified(case, reach, compat) for case in cases], domain)
+    waiting = not compat and waiting_can_pay(domain)
+    useful = _useful([_simplified(case, reach, compat) for case in cases], domain, waiting, named)
     numbering = Numbering(reach.changing, universe)
     if not compat:
         _refuse(_overlaps(domain, useful, numbering))
     rewards = rewards_of(domain, problem, conditions, numbering, reach.known)
-    actions = _ground_actions(domain, useful)
+    actions = _ground_actions(domain, useful, named)
     return Task(
         variables=numbering.variables,
         initial=numbering.initial,
@@ -64,6 +68,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False) -> Task:
         discounts=(problem.discount,) * len(actions),
         step=_step(domain),
         untimed=tuple(sorted(action.name for action in domain.actions if action.duration is None)),
+        waiting=waiting,
     )
 
 
@@ -124,13 +129,18 @@ def _simplified(case: Case, reach: Reach, compat: bool) -> Case:
     return Case(case.rule, case.objects, case.required, changes)
 
 
-def _without_idle_actions(found: Sequence[Case], domain: Domain) -> list[Case]:
-    """The cases of those actions that can change something by at least one of their rules."""
+def _useful(
+    found: Sequence[Case], domain: Domain, waiting: bool, named: Collection[Called]
+) -> Sequence[Case]:
+    """The cases of those actions that are named or can change something by at least one of their rules; all
+    where waiting can pay."""
+    if waiting:
+        return found
 
-    def action(case: Case) -> tuple[str, tuple[str, ...]]:
+    def action(case: Case) -> Called:
         return domain.rules[case.rule].action, case.objects
 
-    useful = {action(case) for case in found if any(case.changes)}
+    useful = {action(case) for case in found if any(case.changes)} | set(named)
     return [case for case in found if action(case) in useful]
 
 
@@ -188,10 +198,12 @@ def _ground_rules(
     return tuple(sorted(rules, key=lambda rule: (rule.action, rule.rule)))
 
 
-def _ground_actions(domain: Domain, found: Iterable[Case]) -> tuple[GroundAction, ...]:
+def _ground_actions(
+    domain: Domain, found: Iterable[Case], named: Collection[Called]
+) -> tuple[GroundAction, ...]:
     durations = {action.name: action.duration for action in domain.actions}
     costs = costs_of(domain)
-    names = sorted({(domain.rules[case.rule].action, case.objects) for case in found})
+    names = sorted({(domain.rules[case.rule].action, case.objects) for case in found} | set(named))
     return tuple(GroundAction(name, objects, durations[name], costs[name]) for name, objects in names)
 
 

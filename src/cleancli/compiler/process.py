@@ -13,23 +13,22 @@ from typing import NamedTuple
 import numpy as np
 
 from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import Task, advances, asked
 from cleancli.compiler.transition import payment
 
 
 class Process(NamedTuple):
-    """Arrays of a task with V variables, S slots, A actions, R rules, O outcomes, and C reward and G goal
-    conditions.
+    """Arrays of a task with V variables, S slots, A actions, R rules, O outcomes, and C conditions that the
+    reward or the goal asks.
 
-    A state is (V,) value indices. Conditions 0..R-1 are the rules', then those of the reward, then the
-    goal's. A literal is a variable and a row of `allowed`, which says for each of its values whether it fits.
-    """
+    A state is (V,) value indices. Conditions 0..R-1 are the rules', then those that are asked. A literal is a
+    variable and a row of `allowed`, which says for each of its values whether it fits. """
 
     sizes: Ints  # (V,) values of each variable
     slot_start: Ints  # (V + 1,) slots of each variable, one a value
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
-    rule_changes: Bools  # (R,) whether an outcome of the rule changes something
-    literal_start: Ints  # (R + C + G + 1,) literals of each condition
+    rule_useful: Bools  # (R,) whether an outcome of the rule changes something, or waiting is a choice
+    literal_start: Ints  # (R + C + 1,) literals of each condition
     literal_variable: Ints  # (n,)
     literal_row: Ints  # (n,) where the literal's row starts in `allowed`
     allowed: Bools  # (m,)
@@ -48,16 +47,15 @@ class Process(NamedTuple):
     discount: Floats  # (A,)
     decrease: Floats  # (C,)
     state: Floats  # (C,)
+    advance: Floats  # (C,) how much of a step's progress the end of each is
     constant: Floats  # (1,)
+    waiting: Bools  # (1,) as in Task
 
 
 def lower_process(task: Task) -> Process:
     """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
-    conditions = [
-        *(rule.condition for rule in task.rules),
-        *(reward.condition for reward in task.rewards),
-        *task.goal,
-    ]
+    wanted = asked(task)
+    conditions = [*(rule.condition for rule in task.rules), *(each.condition for each in wanted)]
     sizes = [len(variable.values) for variable in task.variables]
     first = [0, *itertools.accumulate(sizes)]
     rows: dict[tuple[int, frozenset[int]], int] = {}
@@ -75,7 +73,9 @@ def lower_process(task: Task) -> Process:
         np.array(sizes, dtype=np.int32),
         np.cumsum([0, *sizes]).astype(np.int32),
         rule_start.astype(np.int32),
-        np.array([any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_),
+        np.array(
+            [task.waiting or any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_
+        ),
         literal_start,
         literal_variable,
         ragged([[rows[literal] for literal in c] for c in conditions])[1],
@@ -91,16 +91,18 @@ def lower_process(task: Task) -> Process:
         floats(action.cost for action in task.actions),
         floats(payment(task, action) for action in range(len(task.actions))),
         floats(task.discounts),
-        floats(reward.decrease for reward in task.rewards),
-        floats(reward.state for reward in task.rewards),
+        floats(each.decrease for each in wanted),
+        floats(each.state for each in wanted),
+        floats(advances(task)),
         floats([task.constant_reward]),
+        np.array([task.waiting]),
     )
 
 
 def _touched_rewards(task: Task) -> list[list[int]]:
-    """Per action the reward conditions with a variable that one of its outcomes sets."""
+    """Per action the conditions that are asked with a variable that one of its outcomes sets."""
     variables: list[set[int]] = [set() for _ in task.actions]
     for rule in task.rules:
         variables[rule.action].update(v for outcome in rule.outcomes for v, _ in outcome.effects)
-    holders = inverse(len(task.variables), [[v for v, _ in reward.condition] for reward in task.rewards])
+    holders = inverse(len(task.variables), [[v for v, _ in each.condition] for each in asked(task)])
     return [union(holders, touched) for touched in variables]

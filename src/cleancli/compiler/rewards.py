@@ -72,6 +72,19 @@ def rewards_of(
     )
 
 
+def waiting_can_pay(domain: Domain) -> bool:
+    """Whether a step that changes nothing can be worth taking before others: a state is paid for what it is,
+    or something that others want is paid for its absence, or an action earns by its cost.
+
+    Otherwise what is done later is worth no more than done now, so that waiting gains nothing.
+    """
+    kinds = (RewardKind.DECREASE, RewardKind.GOAL)
+    return any(
+        (term.kind is RewardKind.COUNT and term.weight != 0) or (term.kind in kinds and term.weight < 0)
+        for term in domain.reward
+    ) or any(cost < 0 for cost in costs_of(domain).values())
+
+
 def costs_of(domain: Domain) -> dict[str, Fraction]:
     """What each action costs, in units of the reward that a step loses by it."""
     weight = sum((term.weight for term in domain.reward if term.kind is RewardKind.COST), Fraction(0))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Bools, Floats, floats, inverse, ragged, union
-from cleancli.compiler.task import GroundCondition, GroundRule, Task
+from cleancli.compiler.task import GroundCondition, GroundRule, Task, advances, asked
 from cleancli.compiler.transition import payment
 
 Indices = NDArray[np.uint32]
@@ -28,12 +28,14 @@ Effects = dict[int, list[tuple[int, float]]]
 
 
 class Tables(NamedTuple):
-    """Arrays of a task with V variables, A actions, R rules and C reward conditions.
+    """Arrays of a task with V variables, A actions, R rules and C conditions that the reward or the goal
+    asks.
 
     A belief is N numbers: S slots, one per value of each variable, then sums of slots, one per literal that
     allows several values, then the number 1. So a literal's probability is one of these numbers, and a
     condition's is the product of some. Rules that change nothing are left out, unless they are taken as
-    independent. (A named tuple and no dataclass, because compiled code takes it as it is.)
+    independent or waiting is a choice. (A named tuple and no dataclass, because compiled code takes it as it
+    is.)
 
     An update by a rule with probability p adds p · `shift` to slots, and takes p · `loss` · P(slot | given)
     from others.
@@ -47,7 +49,7 @@ class Tables(NamedTuple):
     condition_start: Indices  # (R + C + 1,)
     condition: Indices  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
     rule_start: Indices  # (A + 1,) rules of each action; rules are sorted by action
-    changes: Bools  # (R,) whether an outcome of the rule changes something
+    useful: Bools  # (R,) whether an outcome of the rule changes something, or waiting is a choice
     shift_start: Indices  # (R + 1,)
     shift_slot: Indices  # (n,)
     shift: Floats  # (n,)
@@ -67,6 +69,7 @@ class Tables(NamedTuple):
     most: Floats  # (A,) what an action is paid at most for conditions that end, less its cost
     decrease: Floats  # (C,) what each reward condition pays when it ends
     state: Floats  # (C,) what each reward condition pays after a step in which it holds
+    advance: Floats  # (C,) how much of a step's progress the end of each condition is
     constant: Floats  # (1,) what each step pays in any state
     independent: Bools  # (1,) whether the rules of an action are taken as independent, as libPRADA does
 
@@ -77,7 +80,9 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     `independent`: for libPRADA's update, which takes whether rules of one action apply, and the values of
     variables, as independent of each other. Then rules may overlap.
     """
-    rules = [rule for rule in task.rules if independent or any(o.effects for o in rule.outcomes)]
+    changing = [any(outcome.effects for outcome in rule.outcomes) for rule in task.rules]
+    kept = [i for i, changes in enumerate(changing) if changes or independent or task.waiting]
+    rules, wanted = [task.rules[i] for i in kept], asked(task)
     effects = [_effects(rule) for rule in rules]
     numbers = _Numbers(task, rules, independent)
     start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
@@ -88,14 +93,14 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     losses = list(map(numbers.losses, rules, effects))
     variables = [sorted({v for effect in effects[span] for v in effect}) for span in spans]
     sums_of = inverse(len(task.variables), [[variable] for variable, _ in numbers.sums])
-    rewards_of = inverse(len(task.variables), [[v for v, _ in reward.condition] for reward in task.rewards])
+    wanted_of = inverse(len(task.variables), [[v for v, _ in each.condition] for each in wanted])
     return Tables(
         numbers.slot_start.astype(np.uint32),
         *_indices(list(numbers.sums.values())),
         *_indices(guards),
-        *_indices([*rests, *(numbers.of(reward.condition) for reward in task.rewards)]),
+        *_indices([*rests, *(numbers.of(each.condition) for each in wanted)]),
         start.astype(np.uint32),
-        np.array([any(o.effects for o in rule.outcomes) for rule in rules], dtype=np.bool_),
+        np.array([changing[i] or (task.waiting and not independent) for i in kept], dtype=np.bool_),
         *_indices([list(s) for s in shifts]),
         floats(p for s in shifts for p in s.values()),
         *_indices([[slot for slot, _, _ in entries] for entries in losses]),
@@ -103,13 +108,14 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
         floats(p for entries in losses for _, _, p in entries),
         *_indices([numbers.slots(chosen) for chosen in variables]),
         *_indices([union(sums_of, chosen) for chosen in variables]),
-        *_indices([union(rewards_of, chosen) for chosen in variables]),
+        *_indices([union(wanted_of, chosen) for chosen in variables]),
         floats(action.cost for action in task.actions),
         floats(payment(task, action) for action in range(len(task.actions))),
         floats(task.discounts),
         floats(_most(task, [effects[span] for span in spans])),
-        floats(reward.decrease for reward in task.rewards),
-        floats(reward.state for reward in task.rewards),
+        floats(each.decrease for each in wanted),
+        floats(each.state for each in wanted),
+        floats(advances(task)),
         floats([task.constant_reward]),
         np.array([independent]),
     )
@@ -138,7 +144,7 @@ class _Numbers:
         sizes = [len(variable.values) for variable in task.variables]
         self.slot_start = np.cumsum([0, *sizes])
         self._first: list[int] = self.slot_start.tolist()
-        conditions = [*(rule.condition for rule in rules), *(reward.condition for reward in task.rewards)]
+        conditions = [*(rule.condition for rule in rules), *(each.condition for each in asked(task))]
         several = {(v, tuple(sorted(a))) for condition in conditions for v, a in condition if len(a) > 1}
         self.sums = {(v, a): [self._first[v] + value for value in a] for v, a in sorted(several)}
         self._number: dict[tuple[int, tuple[int, ...]], int] = {

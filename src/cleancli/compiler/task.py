@@ -2,8 +2,8 @@
 
 Guaranteed by `ground`: everything is sorted; a variable is a symbol's value for some objects that at least
 one outcome can change (all others were decided when grounding); rules of one action exclude each other, so at
-most one covers a state (§3.3.2), unless they were grounded as libPRADA does; an action is listed only if some
-rule of it can change something.
+most one covers a state (§3.3.2), unless they were grounded as libPRADA does; an action that no rule of can
+change anything is listed only where `waiting` says so, or where it was asked for by name.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class GroundRule:
 @dataclass(frozen=True, slots=True)
 class RewardCondition:
     """What a condition pays: `decrease` when it ends (and loses when it begins), `state` after each step in
-    which it holds. At least one of them is not 0."""
+    which it holds."""
 
     condition: GroundCondition
     decrease: Fraction
@@ -79,17 +79,20 @@ class RewardCondition:
 class Task:
     """A grounded problem.
 
-    The reward of a step is what `rewards` pay, plus `constant_reward`, less the action's cost; doing nothing
-    for a step is paid in the same way, and costs nothing. The conditions of `goal` exclude each other, and
-    one of them holds where the goal does; there are none without a goal, or where it can never hold. As many
-    conditions of `counted` hold as the count says that eq. 2 wants decreased (#dirt of eq. 3); None where the
-    reward decreases none. The horizon is the initial state's; as many conditions of `lengthening` hold as it
-    has steps for a count (§4.2.2).
+    The reward of a step is what `rewards` pay, plus `constant_reward`, less the action's cost; a step after
+    the end of a plan is paid in the same way, and costs nothing. The conditions of `goal` exclude each other,
+    and one of them holds where the goal does; there are none without a goal, or where it can never hold. As
+    many conditions of `counted` hold as the count says that eq. 2 wants decreased (#dirt of eq. 3); None
+    where the reward decreases none. The horizon is the initial state's; as many conditions of `lengthening`
+    hold as it has steps for a count (§4.2.2).
 
-    What comes after an action is worth `discounts` of it times less, per action; after doing nothing for a
-    step, `discount` times (§3.3, where the text writes α for γ). `step` is how many seconds such a step stands
-    for where time discounts: the mean duration of the domain's actions with a rule that has an effect, whatever
-    occurs in the problem. It is None where the actions of `untimed` have no duration.
+    What comes after an action is worth `discounts` of it times less, per action; after a step in which
+    nothing is done, `discount` times (§3.3, where the text writes α for γ). `step` is how many seconds such a
+    step stands for where time discounts: the mean duration of the domain's actions with a rule that has an
+    effect, whatever occurs in the problem. It is None where the actions of `untimed` have no duration.
+
+    `waiting`: standing still can pay, so an action that changes nothing is a choice like others where a rule
+    covers it; otherwise it is never better than what comes next, and planners leave it out.
     """
 
     variables: tuple[StateVariable, ...]
@@ -106,6 +109,7 @@ class Task:
     discounts: tuple[float, ...]
     step: float | None
     untimed: tuple[str, ...]
+    waiting: bool
 
 
 def holds(condition: GroundCondition, assignment: Assignment) -> bool:
@@ -116,6 +120,19 @@ def holds(condition: GroundCondition, assignment: Assignment) -> bool:
 def held(conditions: Sequence[GroundCondition], assignment: Assignment) -> int:
     """How many of the conditions hold."""
     return sum(holds(condition, assignment) for condition in conditions)
+
+
+def asked(task: Task) -> tuple[RewardCondition, ...]:
+    """What the reward asks, and then what only the goal asks, which pays nothing."""
+    named = {reward.condition for reward in task.rewards}
+    others = [condition for condition in task.goal if condition and condition not in named]
+    return (*task.rewards, *(RewardCondition(condition, Fraction(0), Fraction(0)) for condition in others))
+
+
+def advances(task: Task) -> tuple[float, ...]:
+    """How much of a step's progress (compiler/transition.py) the end of each condition of `asked` is."""
+    goal = set(task.goal)
+    return tuple(float(reward.decrease) - (reward.condition in goal) for reward in asked(task))
 
 
 def in_state(task: Task, assignment: Assignment) -> Task:

@@ -72,7 +72,8 @@ def standing(task: Task, assignment: Assignment) -> float:
 
 
 def reward(task: Task, before: Assignment, action: int | None, after: Assignment) -> float:
-    """The reward of a step by an action, given by index; None does nothing (eq. 2, and what else is paid)."""
+    """The reward of a step by an action, given by index; None for a step after the end of a plan (eq. 2, and
+    what else is paid)."""
     cost = 0.0 if action is None else float(task.actions[action].cost)
     return decreasing(task, before) - decreasing(task, after) + standing(task, after) - cost
 
@@ -80,6 +81,13 @@ def reward(task: Task, before: Assignment, action: int | None, after: Assignment
 def reaches_goal(task: Task, assignment: Assignment) -> bool:
     """Whether the problem's goal holds; never without one."""
     return any(holds(condition, assignment) for condition in task.goal)
+
+
+def progress(task: Task, before: Assignment, after: Assignment) -> float:
+    """What a step is paid without its action's cost, and 1 if the goal comes to hold in it (-1 if it is
+    lost)."""
+    reached = reaches_goal(task, after) - reaches_goal(task, before)
+    return reward(task, before, None, after) + reached
 
 
 def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -> dict[Assignment, float]:
@@ -94,11 +102,13 @@ def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -
 
 
 def exact_value(task: Task, actions: Sequence[int]) -> float:
-    """Expected discounted reward of executing all the actions, given by index, whatever happens.
+    """Expected discounted reward of executing the actions, given by index, whatever happens, up to the
+    horizon.
 
     From their end to the horizon nothing is done, and the state is paid for what it is; so a sequence gains
-    nothing by stopping. Raises `SupportTooLargeError` where the states that may occur are too many.
-    """
+    nothing by stopping. Actions beyond the horizon do not count. Raises `SupportTooLargeError` where the
+    states that may occur are too many. """
+    actions = actions[: max(task.horizon, 0)]
     distribution: dict[Assignment, float] = {task.initial: 1.0}
     expected, value = decreasing(task, task.initial), 0.0
     paid, factor = standing(task, task.initial), 1.0
@@ -123,6 +133,11 @@ def idle_worth(discount: float, steps: int) -> Floats:
     """What a reward of 1 in each of 0 to `steps` steps (none if negative) is worth at their start, a number
     for each; that is what standing still is paid by, up to the horizon."""
     return np.concatenate([[0.0], np.cumsum(discount ** np.arange(max(steps, 0)))])
+
+
+def idle_earliness(steps: int) -> int:
+    """The earliness (planning/preference.py) of a progress of 1 in each of so many last steps."""
+    return max(steps, 0) * (max(steps, 0) + 1) // 2
 
 
 def _changed(assignment: Assignment, effects: Sequence[tuple[int, int]]) -> Assignment:

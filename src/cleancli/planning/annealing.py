@@ -42,8 +42,13 @@ def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed
 
 def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> float:
     """Mean discounted reward of a sequence over 64 · `words` runs of the seed."""
+    return worth(prepared, actions, words, seed)[0]
+
+
+def worth(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> tuple[float, float]:
+    """The same, and the sequence's earliness (planning/preference.py)."""
     runs, luck = _begun(prepared, words)
-    worth: float = sequences.value(
+    found: tuple[float, float] = sequences.worth(
         prepared.process,
         runs,
         luck,
@@ -51,7 +56,7 @@ def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
         idle_worth(prepared.task.discount, prepared.task.horizon),
         np.uint64(seed % 2**64),
     )
-    return worth
+    return found
 
 
 def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Luck]:
@@ -59,6 +64,7 @@ def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Lu
     outcomes = max((len(rule.outcomes) for rule in prepared.task.rules), default=1)
     runs = sequences.Runs(
         np.zeros((2, horizon + 1, int(process.slot_start[-1]), words), dtype=np.uint64),
+        np.zeros((2, horizon + 1)),
         np.zeros((2, horizon + 1)),
         np.zeros((2, horizon + 1)),
         np.ones((2, horizon + 1)),

@@ -7,23 +7,27 @@ import numpy as np
 from cleancli.compiler.ragged import Ints
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prada import Worth, best_sampled
+from cleancli.planning.preference import preferred
 from cleancli.planning.prepared import Prepared
 
 
 def aprada(prepared: Prepared, options: Options) -> Plan:
-    """PRADA's best sequence, shortened while its value rises; empty where it is not worth `margin` more than
+    """PRADA's best sequence, shortened while that is no worse; empty where it is not worth `margin` more than
     doing nothing."""
     return best_sampled("aprada", prepared, options, _shortened)
 
 
 def _shortened(actions: Ints, worth: Worth) -> Ints:
     """The sequence less one action at a time, each time the one without which it is worth most."""
-    value = worth([actions])[0]
+    (known,) = zip(*worth([actions]), strict=True)
     while actions.size:
         shorter = [np.delete(actions, place) for place in range(actions.size)]
-        values = worth(shorter)
-        best = int(np.argmax(values))
-        if values[best] <= value:
+        found = list(zip(*worth(shorter), strict=True))
+        best = 0
+        for place in range(1, len(shorter)):
+            if preferred(*found[place], *found[best]):
+                best = place
+        if preferred(*known, *found[best]):
             break
-        actions, value = shorter[best], values[best]
+        actions, known = shorter[best], found[best]
     return actions

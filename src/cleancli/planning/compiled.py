@@ -12,6 +12,8 @@ from typing import Any, TypeVar
 
 from numba import njit
 
+from cleancli.planning.preference import preferred
+
 F = TypeVar("F", bound=Callable[..., object])
 
 _njit: Any = njit  # its annotations know nothing of `_nrt`
@@ -38,3 +40,7 @@ def inlined(function: F) -> F:
     options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
     result: F = _njit(cache=True, nogil=True, _nrt=False, error_model="numpy", **options)(function)
     return result
+
+
+better = inlined(preferred)
+"""planning/preference.py for compiled code."""

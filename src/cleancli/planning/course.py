@@ -6,19 +6,17 @@ import itertools
 from collections.abc import Callable, Sequence
 
 from cleancli.compiler.task import Assignment, Task
-from cleancli.compiler.transition import exact_value, successors
+from cleancli.compiler.transition import exact_value, idle_earliness, standing, successors
 from cleancli.planning.plan import Plan
-
-AS_GOOD = 1e-9
-"""What is better by no more than this is as good."""
+from cleancli.planning.preference import preferred
 
 Choose = Callable[[int, Assignment], int | None]
-"""What a policy does at a step in a state: an action's index, or nothing."""
+"""What a policy does at a step in a state: an action's index, or None to stop."""
 
 
 def likeliest_course(task: Task, choose: Choose) -> tuple[int, ...]:
-    """The actions taken where each has its likeliest result (of equals the first), up to the first time that
-    nothing is done, or the horizon."""
+    """The actions taken where each has its likeliest result (of equals the first), up to where the policy
+    stops, or the horizon."""
     course: list[int] = []
     state = task.initial
     while len(course) < task.horizon:
@@ -35,6 +33,12 @@ def likeliest_after(task: Task, assignment: Assignment, action: int) -> Assignme
     return max(successors(task, assignment, action), key=lambda pair: pair[0])[1]
 
 
+def beats_nothing(task: Task, value: float, earliness: float | None = None) -> bool:
+    """Whether a plan of this value is preferred to stopping at once; without its earliness, only by value."""
+    stopping = standing(task, task.initial) * idle_earliness(task.horizon)
+    return preferred(value, stopping if earliness is None else earliness, exact_value(task, ()), stopping)
+
+
 def course_plan(
     planner: str,
     task: Task,
@@ -45,17 +49,15 @@ def course_plan(
     measure: str = "policy",
     samples: int = 0,
 ) -> Plan:
-    """The plan of a planner on exact states; empty where it is worth no more than doing nothing.
+    """The plan of a planner on exact states; an empty one has the value of stopping at once.
 
     `times` are those at which lowering, compiling and the search began, and the end.
     """
-    nothing = exact_value(task, ())
-    worthy = value > nothing + AS_GOOD
     seconds = (end - begin for begin, end in itertools.pairwise(times))
     return Plan(
         planner=planner,
-        actions=tuple(task.actions[action] for action in course) if worthy else (),
-        value=value if worthy else nothing,
+        actions=tuple(task.actions[action] for action in course),
+        value=value if course else exact_value(task, ()),
         measure=measure,
         samples=samples,
         horizon=task.horizon,

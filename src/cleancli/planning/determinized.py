@@ -8,8 +8,8 @@ from types import ModuleType
 
 from cleancli.compiler.process import lower_process
 from cleancli.compiler.task import Task
-from cleancli.planning.course import course_plan
-from cleancli.planning.evaluate import sampled
+from cleancli.planning.course import beats_nothing, course_plan
+from cleancli.planning.evaluate import earliness, sampled
 from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
@@ -50,6 +50,8 @@ def _determinized(
     )
     course = tuple(origins[action] for action in sequence)
     value = sampled(prepared, course, options.seed, RUNS).value
+    if not beats_nothing(task, value, earliness(prepared, course, options.seed)):
+        course = ()
     times.append(time.perf_counter())
     return course_plan(name, task, course, value, times=times, measure="sampled", samples=RUNS)
 

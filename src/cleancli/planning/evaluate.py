@@ -9,12 +9,17 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.transition import SUPPORT_LIMIT, SupportTooLargeError, idle_worth
-from cleancli.planning.forecast import exact_course
+from cleancli.compiler.transition import (
+    SUPPORT_LIMIT,
+    SupportTooLargeError,
+    idle_earliness,
+    idle_worth,
+)
+from cleancli.planning.forecast import FEW_STATES, drawn_course, exact_course
 from cleancli.planning.plan import Options
 from cleancli.planning.prada import plan_value
 from cleancli.planning.prepared import Prepared
-from cleancli.planning.spread import paying
+from cleancli.planning.spread import ahead, paying
 
 RUNS = 100_000
 """Runs that value a sequence; at a spread of one dirty area the error is 0.003. Chosen."""
@@ -43,7 +48,9 @@ class Evaluation:
 
 
 def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, runs: int = RUNS) -> Evaluation:
-    """The value of doing all the actions, given by index, and then nothing up to the horizon."""
+    """The value of doing the actions, given by index, and then nothing up to the horizon; what lies beyond it
+    does not count."""
+    actions = actions[: max(prepared.task.horizon, 0)]
     factored = plan_value(
         prepared.task, actions, rule_threshold=options.rule_threshold, compat=options.compat
     )
@@ -59,6 +66,7 @@ def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, ru
 def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT) -> float | None:
     """What `exact_value` of compiler/transition.py says, by whole arrays; None beyond `limit` states."""
     task, p = prepared.task, prepared.process
+    actions = actions[: max(task.horizon, 0)]
     try:
         paid = [paying(p, spread) for spread in exact_course(prepared, actions, limit)]
     except SupportTooLargeError:
@@ -72,9 +80,25 @@ def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT
     return float(value + factor * rest * paid[-1][1])
 
 
+def earliness(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = RUNS // 10) -> float:
+    """The earliness of a sequence (planning/preference.py): exact while few states may occur, else over drawn
+    runs."""
+    p, horizon = prepared.process, max(prepared.task.horizon, 0)
+    actions = actions[:horizon]
+    try:
+        course = exact_course(prepared, actions, FEW_STATES)
+    except SupportTooLargeError:
+        course = drawn_course(prepared, actions, seed, runs)
+    left, paid = [ahead(p, spread) for spread in course], [paying(p, spread)[1] for spread in course]
+    progress = [left[step] - left[step + 1] + paid[step + 1] for step in range(len(actions))]
+    early = sum((horizon - step) * each for step, each in enumerate(progress))
+    return early + paid[-1] * idle_earliness(horizon - len(actions))
+
+
 def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = RUNS) -> Sampled:
     """The mean over runs that depend on the seed alone, so sequences are compared on the same draws."""
     task = prepared.task
+    actions = actions[: max(task.horizon, 0)]
     idle = idle_worth(task.discount, task.horizon)
     mean, square = _states().sequence_value(
         prepared.process,

@@ -76,7 +76,7 @@ def forecast(
     try:
         return _forecast(prepared, exact_course(prepared, actions, states), actions, None)
     except SupportTooLargeError:
-        return _forecast(prepared, _drawn_course(prepared, actions, seed, runs), actions, runs)
+        return _forecast(prepared, drawn_course(prepared, actions, seed, runs), actions, runs)
 
 
 def exact_course(prepared: Prepared, actions: Sequence[int], limit: int) -> list[Spread]:
@@ -90,7 +90,8 @@ def exact_course(prepared: Prepared, actions: Sequence[int], limit: int) -> list
     return course
 
 
-def _drawn_course(prepared: Prepared, actions: Sequence[int], seed: int, runs: int) -> list[Spread]:
+def drawn_course(prepared: Prepared, actions: Sequence[int], seed: int, runs: int) -> list[Spread]:
+    """So many drawn states before the first action and after each."""
     rng = np.random.default_rng(seed)
     course = [certain(prepared.task.initial, runs)]
     for action in actions:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from cleancli.compiler.task import Assignment, GroundCondition, Task
+from cleancli.compiler.task import Assignment, GroundCondition, Task, asked
 
 Forget = Callable[[Assignment], Assignment]
 """A state with what has lost its meaning in it forgotten."""
@@ -47,7 +47,7 @@ def forgetting(task: Task) -> tuple[Task, Forget]:
 
 def _forgotten(task: Task) -> dict[tuple[int, int], list[int]]:
     """For a variable and its value the variables that lose their meaning when it takes the value."""
-    conditions = [*(rule.condition for rule in task.rules), *(reward.condition for reward in task.rewards)]
+    conditions = [*(rule.condition for rule in task.rules), *(each.condition for each in asked(task))]
     asking: list[list[GroundCondition]] = [[] for _ in task.variables]
     for condition in conditions:
         for variable, _ in condition:

@@ -15,6 +15,7 @@ from cleancli.compiler.tables import Indices, Tables
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
 from cleancli.planning import kernel
+from cleancli.planning.preference import preferred
 
 PORTION = 1000
 """The fewest samples that are worth a thread, and how many it draws between looks at the clock. Chosen:
@@ -49,15 +50,17 @@ def best_sequence(
         idle_worth(discount, horizon),
         ceiling(tables, discount, horizon),
     )
-    best, value, drawn = np.zeros(0, dtype=np.int32), -np.inf, 0
+    best, value, early, drawn = np.zeros(0, dtype=np.int32), -np.inf, -np.inf, 0
     size = PORTION if deadline is not None else max(-(-samples // threads), PORTION)
     firsts = range(0, samples, size)
     with ThreadPoolExecutor(threads) as pool:
         for i in range(0, len(firsts), threads):
-            portions = [(first, min(first + size, samples), value) for first in firsts[i : i + threads]]
-            for worth, found in (map if len(portions) == 1 else pool.map)(run, portions):
-                if worth > value:
-                    best, value = found, worth
+            portions = [
+                (first, min(first + size, samples), value, early) for first in firsts[i : i + threads]
+            ]
+            for worth, soon, found in (map if len(portions) == 1 else pool.map)(run, portions):
+                if preferred(worth, soon, value, early):
+                    best, value, early = found, worth, soon
             drawn = portions[-1][1]
             if deadline is not None and time.perf_counter() > deadline:
                 break
@@ -71,13 +74,16 @@ def _best_of(
     seed: np.uint64,
     idle: Floats,
     most: Floats,
-    portion: tuple[int, int, float],
-) -> tuple[float, Ints]:
-    """The best of some samples (first, last + 1) if it is worth more than a value, and its worth."""
+    portion: tuple[int, int, float, float],
+) -> tuple[float, float, Ints]:
+    """The best of some samples (first, last + 1) if it is preferred to a value and its earliness, and these
+    of it."""
     drawn, best = np.zeros((2, len(idle) - 1), dtype=np.int32)
     start, belief = new_belief(tables, threshold), new_belief(tables, threshold)
-    worth, length = kernel.search(tables, state, start, belief, drawn, best, seed, idle, most, *portion)
-    return worth, best[:length]
+    worth, early, length = kernel.search(
+        tables, state, start, belief, drawn, best, seed, idle, most, *portion
+    )
+    return worth, early, best[:length]
 
 
 def ceiling(t: Tables, discount: float, steps: int) -> Floats:
@@ -89,21 +95,21 @@ def ceiling(t: Tables, discount: float, steps: int) -> Floats:
 
 def step_rewards(
     tables: Tables, state: Assignment, sequences: Sequence[Ints], steps: int, *, threshold: float
-) -> Floats:
-    """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state
-    (sequences, steps).
+) -> tuple[Floats, Floats]:
+    """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state,
+    and its progress (compiler/transition.py) (sequences, steps).
 
     Nothing is done in the steps after a sequence's last action.
     """
     check(tables)
     first, belief = _state(tables, state), new_belief(tables, threshold)
-    result = np.zeros((len(sequences), steps))
+    result, progress = np.zeros((2, len(sequences), steps))
     for row, actions in enumerate(sequences):
         assert actions.ndim == 1
         assert actions.size <= steps
         assert actions.size == 0 or (actions.min() >= 0 and actions.max() < len(tables.cost))
-        kernel.rewards(tables, first, belief, actions.astype(np.int64), result[row])
-    return result
+        kernel.rewards(tables, first, belief, actions.astype(np.int64), result[row], progress[row])
+    return result, progress
 
 
 def beliefs(tables: Tables, state: Assignment, actions: Sequence[int], *, threshold: float) -> Floats:
@@ -122,7 +128,7 @@ def beliefs(tables: Tables, state: Assignment, actions: Sequence[int], *, thresh
 
 def new_belief(t: Tables, threshold: float) -> kernel.Belief:
     """Memory for a belief of a task, for `initialise` to fill in."""
-    slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.changes), len(t.cost)
+    slots, sums, rules, actions = int(t.slot_start[-1]), len(t.sum_start) - 1, len(t.useful), len(t.cost)
     sizes = (slots + sums + 1, len(t.state), actions, rules, rules, slots)
     number, reward, weight, cover, others, change = map(np.zeros, sizes)
     return kernel.Belief(number, reward, weight, cover, others, change, np.array([threshold]))
@@ -138,7 +144,7 @@ def _state(t: Tables, assignment: Assignment) -> Ints:
 def check(t: Tables) -> None:
     """Compiled code checks no index: a table that doesn't fit would read and write other memory."""
     variables, slots, sums = len(t.slot_start) - 1, int(t.slot_start[-1]), len(t.sum_start) - 1
-    actions, rules, rewards = len(t.rule_start) - 1, len(t.changes), len(t.state)
+    actions, rules, rewards = len(t.rule_start) - 1, len(t.useful), len(t.state)
     numbers = slots + sums + 1
     _check_lists(t.slot_start, np.arange(slots, dtype=np.uint32), variables, slots)
     _check_lists(t.sum_start, t.sum_slot, sums, slots)
@@ -151,12 +157,12 @@ def check(t: Tables) -> None:
     _check_lists(t.touched_slot_start, t.touched_slot, actions, slots)
     _check_lists(t.touched_sum_start, t.touched_sum, actions, sums)
     _check_lists(t.touched_reward_start, t.touched_reward, actions, rewards)
-    per_action, per_reward = (t.cost, t.payment, t.discount, t.most), (t.decrease, t.state)
+    per_action, per_reward = (t.cost, t.payment, t.discount, t.most), (t.decrease, t.state, t.advance)
     assert all(array.dtype == np.float64 for array in (*per_action, *per_reward, t.constant))
     assert all(array.shape == (actions,) for array in per_action)
     assert all(array.shape == (rewards,) for array in per_reward)
-    assert t.changes.dtype == t.independent.dtype == np.bool_
-    assert (t.changes.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))
+    assert t.useful.dtype == t.independent.dtype == np.bool_
+    assert (t.useful.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))
 
 
 def _check_lists(

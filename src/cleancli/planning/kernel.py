@@ -14,11 +14,8 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.tables import Indices, Tables
-from cleancli.planning.compiled import compiled, inlined
+from cleancli.planning.compiled import better, compiled, inlined
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
-
-NEGLIGIBLE = 1e-9
-"""Last steps that add no more than this are dropped from a sequence."""
 
 HALF = np.uint64(32)
 LOWER_HALF = np.uint64(2**32 - 1)
@@ -30,7 +27,7 @@ class Belief(NamedTuple):
 
     number: Floats  # (N,) probability of each value, then sums of them, then 1
     reward: Floats  # (C,) probability of each reward condition
-    weight: Floats  # (A,) probability that the action changes something, after `initialise` and `advance`
+    weight: Floats  # (A,) probability that a useful rule covers, after `initialise` and `advance`
     cover: Floats  # (R,) scratch: probability that each rule of the action last weighed applies
     others: Floats  # (R,) scratch of the same
     change: Floats  # (S,) scratch: what an update adds to each slot; 0 between updates
@@ -69,10 +66,10 @@ def _alone(cover: Floats, others: Floats, first: int, last: int, threshold: floa
 
 @inlined
 def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
-    """The probability that the action changes something, leaving in `cover` that of each of its rules; or
-    0 as soon as it is known to be at most `least`."""
+    """The probability that a useful rule of the action covers, leaving in `cover` that of each of its rules;
+    or 0 as soon as it is known to be at most `least`."""
     number, cover, condition_start, condition = belief.number, belief.cover, t.condition_start, t.condition
-    changes, threshold = t.changes, belief.threshold[0]
+    useful, threshold = t.useful, belief.threshold[0]
     guard = _product(t.guard_start, t.guard, number, action)
     if guard <= least:
         return 0.0
@@ -84,7 +81,7 @@ def _weigh(t: Tables, belief: Belief, action: int, least: float) -> float:
         _alone(cover, belief.others, first, last, threshold)
     weight = 0.0
     for rule in range(first, last):
-        if changes[rule]:
+        if useful[rule]:
             weight += cover[rule]
     return weight
 
@@ -120,27 +117,29 @@ def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
 
 
 @inlined
-def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
-    """Returns what is paid for conditions that end, and the rise of what the state alone is paid."""
-    number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.changes)
-    start, entries, decrease, state = t.condition_start, t.condition, t.decrease, t.state
-    ended, rise = 0.0, 0.0
+def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, float, float]:
+    """Returns what is paid for conditions that end, the rise of what the state alone is paid, and how much of
+    the step's progress the ends are."""
+    number, reward, touched, rules = belief.number, belief.reward, t.touched_reward, len(t.useful)
+    start, entries, decrease, state, advance = t.condition_start, t.condition, t.decrease, t.state, t.advance
+    ended, rise, advanced = 0.0, 0.0, 0.0
     for i in range(t.touched_reward_start[action], t.touched_reward_start[action + 1]):
         c = touched[i]
         product = _product(start, entries, number, rules + c)
         fall = reward[c] - product
         ended += decrease[c] * fall
         rise -= state[c] * fall
+        advanced += advance[c] * fall
         reward[c] = product
-    return ended, rise
+    return ended, rise, advanced
 
 
 @inlined
-def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
-    """`follow` for the action that was weighed last."""
+def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float, float]:
+    """`follow` for the action that was weighed last, and how much of the step's progress ends are."""
     _update_numbers(t, belief, action)
-    ended, rise = _update_rewards(t, belief, action)
-    return ended - t.cost[action], rise
+    ended, rise, advanced = _update_rewards(t, belief, action)
+    return ended - t.cost[action], rise, advanced
 
 
 @compiled
@@ -148,7 +147,8 @@ def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
     """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
     and the rise of what doing nothing is paid from then on."""
     _weigh(t, belief, action, -1.0)
-    return _apply(t, belief, action)
+    paid, rise, _ = _apply(t, belief, action)
+    return paid, rise
 
 
 @compiled
@@ -178,7 +178,7 @@ def _settle(t: Tables, state: Ints, belief: Belief) -> float:
     number[-1] = 1.0
     standing = float(t.constant[0])
     for c in range(len(reward)):
-        reward[c] = _product(t.condition_start, t.condition, number, len(t.changes) + c)
+        reward[c] = _product(t.condition_start, t.condition, number, len(t.useful) + c)
         standing += t.state[c] * reward[c]
     return standing
 
@@ -240,17 +240,19 @@ def choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64
 
 
 @compiled
-def rewards(t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], result: Floats) -> None:
-    """Writes the undiscounted reward of each step from a state (V,); where the actions have ended before the
-    result has, nothing is done."""
+def rewards(
+    t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], result: Floats, progress: Floats
+) -> None:
+    """Writes the undiscounted reward of each step from a state (V,), and its progress; where the actions have
+    ended before the result has, nothing is done."""
     standing = _settle(t, state, belief)
     for step in range(len(result)):
-        result[step] = 0.0
+        paid, advanced = 0.0, 0.0
         if step < len(actions):
-            paid, rise = follow(t, belief, actions[step])
+            _weigh(t, belief, actions[step], -1.0)
+            paid, rise, advanced = _apply(t, belief, actions[step])
             standing += rise
-            result[step] = paid
-        result[step] += standing
+        result[step], progress[step] = paid + standing, advanced + standing
 
 
 @compiled
@@ -267,9 +269,10 @@ def search(
     first: int,
     last: int,
     least: float,
-) -> tuple[float, int]:
-    """Value and length of the best of sequences `first` to `last` - 1, which is left in `best` (horizon,);
-    `least` and 0 where none is worth more.
+    latest: float,
+) -> tuple[float, float, int]:
+    """Value, earliness (planning/preference.py) and length of the best of sequences `first` to `last` - 1,
+    which is left in `best` (horizon,); `least`, `latest` and 0 where none is better.
 
     `idle` (horizon + 1,) is what a reward of 1 in each of so many last steps is worth at their start,
     `ceiling` (horizon + 1,) what they can pay at most. From a sequence's end on, nothing is done, and the
@@ -282,14 +285,15 @@ def search(
     horizon, payment, discount, whole = len(drawn), t.payment, t.discount, t.independent[0]
     standing_first = _settle(t, initial, belief)
     _settle(t, initial, start)
-    nothing = standing_first * idle[horizon]
-    best_value, best_length = least, 0
+    nothing, nothing_early = standing_first * idle[horizon], standing_first * (horizon * (horizon + 1) // 2)
+    best_value, best_early, best_length = least, latest, 0
     for sample in range(first, last):
         _copy(start.number, belief.number)
         _copy(start.reward, belief.reward)
         stream = mixed(split(seed, np.uint64(sample)))
-        standing, value, factor, length = standing_first, 0.0, 1.0, 0
-        stopped, useful_value, useful_length = nothing, nothing, 0
+        standing, value, factor, length, early = standing_first, 0.0, 1.0, 0, 0.0
+        stopped, stopped_early = nothing, nothing_early
+        useful_value, useful_early, useful_length = nothing, nothing_early, 0
         while length < horizon:
             if value + factor * ceiling[horizon - length] <= max(best_value, useful_value):
                 break
@@ -298,17 +302,20 @@ def search(
                 break
             drawn[length] = action
             length += 1
-            paid, rise = _apply(t, belief, action)
+            paid, rise, advanced = _apply(t, belief, action)
             standing += rise
             value += factor * payment[action] * (paid + standing)
             factor *= discount[action]
-            stopped = value + factor * standing * idle[horizon - length]
-            if not whole and stopped > useful_value + NEGLIGIBLE:
-                useful_value, useful_length = stopped, length
+            rest = horizon - length
+            early += (rest + 1) * (advanced + standing)
+            stopped = value + factor * standing * idle[rest]
+            stopped_early = early + standing * (rest * (rest + 1) // 2)
+            if not whole and better(stopped, stopped_early, useful_value, useful_early):
+                useful_value, useful_early, useful_length = stopped, stopped_early, length
         if whole:
-            useful_value, useful_length = stopped, length
-        if useful_value > best_value:
-            best_value, best_length = useful_value, useful_length
+            useful_value, useful_early, useful_length = stopped, stopped_early, length
+        if better(useful_value, useful_early, best_value, best_early):
+            best_value, best_early, best_length = useful_value, useful_early, useful_length
             for step in range(useful_length):
                 best[step] = drawn[step]
-    return best_value, best_length
+    return best_value, best_early, best_length

@@ -13,14 +13,17 @@ def likeliest_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
     """The task where each rule has its likeliest outcome alone, and the action that each of its actions is.
 
     Of equals it is the first that changes something. A rule whose likeliest outcome changes nothing is
-    dropped.
+    dropped, unless it has no other and waiting is a choice.
     """
     rules = [(rule, rule.action, _likeliest(rule)) for rule in task.rules]
     return _determinized(task, range(len(task.actions)), rules)
 
 
 def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
-    """The task where each outcome that can happen is an action of its own, and the action that each is."""
+    """The task where each outcome that can happen is an action of its own, and the action that each is.
+
+    Outcomes that change nothing are left out, unless the rule has no others and waiting is a choice.
+    """
     origins: list[int] = []
     rules: list[tuple[GroundRule, int, GroundOutcome]] = []
     for action in range(len(task.actions)):
@@ -39,11 +42,11 @@ def _likeliest(rule: GroundRule) -> GroundOutcome:
 def _determinized(
     task: Task, origins: Sequence[int], rules: Sequence[tuple[GroundRule, int, GroundOutcome]]
 ) -> tuple[Task, tuple[int, ...]]:
-    """The task with an action for each origin, and of the rules those whose one outcome changes something."""
+    """The task with an action for each origin, and of the rules those whose one outcome counts."""
     certain = tuple(
         GroundRule(rule.rule, action, rule.condition, (replace(outcome, probability=Fraction(1)),))
         for rule, action, outcome in rules
-        if outcome.effects
+        if outcome.effects or (task.waiting and not any(each.effects for each in rule.outcomes))
     )
     made = replace(
         task,

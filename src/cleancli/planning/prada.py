@@ -14,10 +14,11 @@ from cleancli.compiler.tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.preference import preferred
 from cleancli.planning.prepared import Prepared
 
-Worth = Callable[[Sequence[Ints]], Floats]
-"""The values of sequences of action indices."""
+Worth = Callable[[Sequence[Ints]], tuple[Floats, Floats]]
+"""The values of sequences of action indices, and their earliness (planning/preference.py)."""
 
 
 def prada(prepared: Prepared, options: Options) -> Plan:
@@ -36,7 +37,7 @@ def best_sampled(
     times.append(time.perf_counter())
     draw = partial(_inference().best_sequence, tables, task.initial, threshold=options.rule_threshold)
     draw(0, task.discount, 1, 0)  # makes numba load or compile what will run
-    nothing = float(worth([np.zeros(0, dtype=np.int32)])[0])
+    nothing, latest = (float(found[0]) for found in worth([np.zeros(0, dtype=np.int32)]))
     times.append(time.perf_counter())
     best, samples = draw(
         task.horizon,
@@ -47,9 +48,9 @@ def best_sampled(
         deadline=None if limit is None else times[-1] + limit,
     )
     best = improved(best, worth)
-    value = float(worth([best])[0])
+    value, early = (float(found[0]) for found in worth([best]))
     times.append(time.perf_counter())
-    chosen = best if value > nothing + options.margin else best[:0]
+    chosen = best if preferred(value - options.margin, early, nothing, latest) else best[:0]
     return Plan(
         planner=planner,
         actions=tuple(task.actions[action] for action in chosen),
@@ -67,11 +68,12 @@ def plan_value(
 ) -> float:
     """Expected discounted reward of a sequence of action indices, by PRADA's factored belief.
 
-    After its end nothing is done up to the horizon, as in `exact_value` of compiler/transition.py; but that
-    does not treat variables as independent, as the belief does.
-    """
+    After its end nothing is done up to the horizon, and what lies beyond it does not count, as in
+    `exact_value` of compiler/transition.py; but that does not treat variables as independent, as the belief
+    does. """
+    actions = actions[: max(task.horizon, 0)]
     tables = lower(task, independent=compat)
-    return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0])
+    return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0][0])
 
 
 def plan_beliefs(prepared: Prepared, actions: Sequence[int], rule_threshold: float) -> Floats:
@@ -90,14 +92,14 @@ def _inference() -> ModuleType:
     return inference
 
 
-def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]) -> Floats:
-    steps = max(task.horizon, *(actions.size for actions in sequences))
-    rewards: Floats = _inference().step_rewards(tables, task.initial, sequences, steps, threshold=threshold)
+def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]) -> tuple[Floats, Floats]:
+    """As `Worth` says."""
+    steps = max(task.horizon, 0)
+    rewards, progress = _inference().step_rewards(tables, task.initial, sequences, steps, threshold=threshold)
     factors = np.zeros_like(rewards)
     for row, actions in enumerate(sequences):
         discount, payment = np.full(steps, task.discount), np.ones(steps)
         discount[: actions.size] = tables.discount[actions]
         payment[: actions.size] = tables.payment[actions]
         factors[row] = payment * np.cumprod(np.concatenate([[1.0], discount]))[:-1]
-    values: Floats = (rewards * factors).sum(axis=1)
-    return values
+    return (rewards * factors).sum(axis=1), progress @ (steps - np.arange(steps))

@@ -14,9 +14,10 @@ from dataclasses import replace
 from types import ModuleType
 
 from cleancli.planning import exact
-from cleancli.planning.course import course_plan, likeliest_course
+from cleancli.planning.course import beats_nothing, course_plan, likeliest_course
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.prada import prada
+from cleancli.planning.preference import preferred
 from cleancli.planning.prepared import Prepared
 
 CHAINS = 4
@@ -51,9 +52,14 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
         times.append(time.perf_counter())
         return course_plan("prada+", task, course, value, times=times)
     found, tried = _annealed(prepared, options, times[-1])
-    value_by = _annealing().value
-    best = max(found, key=lambda actions: value_by(prepared, actions, FRESH_WORDS, options.seed))
-    value = value_by(prepared, best, FRESH_WORDS, options.seed + 1)
+    worth, best = _annealing().worth, found[0]
+    known = worth(prepared, best, FRESH_WORDS, options.seed)
+    for actions in found[1:]:
+        other = worth(prepared, actions, FRESH_WORDS, options.seed)
+        if preferred(*other, *known):
+            best, known = actions, other
+    value, earliness = worth(prepared, best, FRESH_WORDS, options.seed + 1)
+    best = best if beats_nothing(task, value, earliness) else ()
     times.append(time.perf_counter())
     return course_plan("prada+", task, best, value, times=times, measure="sampled", samples=tried)
 

@@ -6,18 +6,25 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.task import Assignment, Task, holds
-from cleancli.compiler.transition import covering_rule
+from cleancli.compiler.transition import covering_rule, idle_earliness, reaches_goal
 from cleancli.planning.course import Choose
 from cleancli.planning.plan import TooManyStatesError
 
 
 @dataclass(frozen=True, slots=True)
 class _Choice:
-    """An action (an index) that may change its state, what its step pays, and what may follow."""
+    """An action (an index), what its step pays, its progress, and what may follow."""
 
     action: int
     reward: Fraction
+    progress: Fraction
     after: tuple[tuple[Assignment, Fraction], ...]
+
+
+_Worth = tuple[Fraction, Fraction]
+"""A value and its earliness (planning/preference.py)."""
+
+_NOTHING: _Worth = Fraction(0), Fraction(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,24 +44,25 @@ def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
     layers = _layers(task, limit)
     discount, discounts = Fraction(repr(task.discount)), [Fraction(repr(d)) for d in task.discounts]
     payments = [d / discount if discount else Fraction(1) for d in discounts]
-    later: dict[Assignment, Fraction] = {}
+    later: dict[Assignment, _Worth] = {}
     policy: list[dict[Assignment, int | None]] = []
-    for layer in reversed(layers):
-        now: dict[Assignment, Fraction] = {}
+    for left, layer in enumerate(reversed(layers), start=1):
+        now: dict[Assignment, _Worth] = {}
         best: dict[Assignment, int | None] = {}
+        idle = sum((discount**step for step in range(left)), Fraction(0))
         for state, known in layer.items():
-            now[state], best[state] = known.standing + discount * later.get(state, Fraction(0)), None
+            now[state], best[state] = (known.standing * idle, known.standing * idle_earliness(left)), None
             for choice in known.choices:
+                after = [(p, *later.get(s, _NOTHING)) for s, p in choice.after]
                 value = payments[choice.action] * choice.reward
-                value += discounts[choice.action] * sum(
-                    p * later.get(s, Fraction(0)) for s, p in choice.after
-                )
-                if value > now[state]:
-                    now[state], best[state] = value, choice.action
+                value += discounts[choice.action] * sum(p * worth for p, worth, _ in after)
+                earliness = left * choice.progress + sum(p * early for p, _, early in after)
+                if (value, earliness) > now[state]:
+                    now[state], best[state] = (value, earliness), choice.action
         policy.append(best)
         later = now
     policy.reverse()
-    return later.get(task.initial, Fraction(0)), lambda step, state: policy[step][state]
+    return later.get(task.initial, _NOTHING)[0], lambda step, state: policy[step][state]
 
 
 def _layers(task: Task, limit: int) -> list[dict[Assignment, _State]]:
@@ -77,20 +85,21 @@ def _layers(task: Task, limit: int) -> list[dict[Assignment, _State]]:
 
 def _state(task: Task, state: Assignment) -> _State:
     decreasing, standing = _paid(task, state)
-    choices = []
+    reached, choices = reaches_goal(task, state), []
     for action in range(len(task.actions)):
         after = _after(task, state, action)
-        if list(after) != [state]:
-            reward = -task.actions[action].cost
+        if after and (task.waiting or list(after) != [state]):
+            reward, progress = -task.actions[action].cost, Fraction(0)
             for successor, probability in after.items():
                 left, paid = _paid(task, successor)
                 reward += probability * (decreasing - left + paid)
-            choices.append(_Choice(action, reward, tuple(after.items())))
+                progress += probability * (decreasing - left + paid + reaches_goal(task, successor) - reached)
+            choices.append(_Choice(action, reward, progress, tuple(after.items())))
     return _State(standing, tuple(choices))
 
 
 def _after(task: Task, state: Assignment, action: int) -> dict[Assignment, Fraction]:
-    """The states that may follow, with their probabilities."""
+    """The states that may follow, with their probabilities; none where no rule covers the state."""
     rule = covering_rule(task, state, action)
     after: dict[Assignment, Fraction] = {}
     for outcome in () if rule is None else rule.outcomes:
@@ -98,7 +107,7 @@ def _after(task: Task, state: Assignment, action: int) -> dict[Assignment, Fract
             effects = dict(outcome.effects)
             successor = tuple(effects.get(variable, value) for variable, value in enumerate(state))
             after[successor] = after.get(successor, Fraction(0)) + outcome.probability
-    return after or {state: Fraction(1)}
+    return after
 
 
 def _paid(task: Task, state: Assignment) -> tuple[Fraction, Fraction]:

@@ -16,30 +16,32 @@ from numpy.typing import NDArray
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
+from cleancli.compiler.transition import idle_worth
+from cleancli.planning.compiled import better
 from cleancli.planning.states import covering, rewarded
 from cleancli.planning.stream import mixed, split
 
 EDGE_LIMIT = 20_000_000
 """Most transitions that are kept (240 MB). Chosen."""
 
-AS_GOOD = 1e-9
-"""An action that is better by no more than this does not take the place of an earlier one, or of nothing."""
-
 
 class Graph(NamedTuple):
-    """N states, M choices of an action that may change its state, and E transitions.
+    """N states, M choices of an action, and E transitions.
 
-    State 0 is the initial one. States that were found in the last step have no choices. A choice's
-    transitions go to different states, one of them perhaps its own, with probabilities that sum to 1.
-    """
+    An action is a choice where a rule covers the state and may change it; if waiting is a choice, wherever a
+    rule covers. State 0 is the initial one. States that were found in the last step have no choices. A
+    choice's transitions go to different states, one of them perhaps its own, with probabilities that sum to
+    1. """
 
     states: Ints  # (N, V)
     within: Ints  # (steps + 1,) how many states are found within so many steps
     decreasing: Floats  # (N,) what is paid for its decrease in each state
     standing: Floats  # (N,) what a step that ends in each state is paid
+    ahead: Floats  # (N,) whose decrease is progress
     choice_start: Ints  # (N + 1,) choices in each state
     choice_action: Ints  # (M,) ascending within a state
     choice_reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
+    choice_progress: Floats  # (M,) expected progress of the step (compiler/transition.py)
     edge_start: Ints  # (M + 1,) transitions of each choice
     edge_successor: Ints  # (E,)
     edge_probability: Floats  # (E,)
@@ -52,9 +54,11 @@ class _Room(NamedTuple):
     hashes: NDArray[np.uint64]
     decreasing: Floats
     standing: Floats
+    ahead: Floats
     choice_start: Ints
     choice_action: Ints
     choice_reward: Floats
+    choice_progress: Floats
     edge_start: Ints
     edge_successor: Ints
     edge_probability: Floats
@@ -116,6 +120,7 @@ def change(
 def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
     """Adds the choices in a state and its successors."""
     states, hashes, decreasing, standing = room.states, room.hashes, room.decreasing, room.standing
+    ahead, choice_progress = room.ahead, room.choice_progress
     choice_action, choice_reward, edge_start = room.choice_action, room.choice_reward, room.edge_start
     edge_successor, edge_probability, table = room.edge_successor, room.edge_probability, room.table
     outcome_start, probability, cost = p.outcome_start, p.probability, p.cost
@@ -125,7 +130,7 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
         rule = covering(p, states[s], action)
         if rule < 0:
             continue
-        begin, reward = edges, -cost[action]
+        begin, reward, progress = edges, -cost[action], 0.0
         for outcome in range(outcome_start[rule], outcome_start[rule + 1]):
             if probability[outcome] == 0.0:
                 continue
@@ -135,8 +140,9 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
             if after < 0:
                 after, number = number, number + 1
                 table[place], hashes[after] = after, h
-                decreasing[after], standing[after] = rewarded(p, states[after])
+                decreasing[after], standing[after], ahead[after] = rewarded(p, states[after])
             reward += probability[outcome] * (decreasing[s] - decreasing[after] + standing[after])
+            progress += probability[outcome] * (ahead[s] - ahead[after] + standing[after])
             e = begin
             while e < edges and edge_successor[e] != after:
                 e += 1
@@ -144,10 +150,10 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
                 edge_successor[e], edge_probability[e] = after, 0.0
                 edges += 1
             edge_probability[e] += probability[outcome]
-        if edges == begin + 1 and edge_successor[begin] == s:
+        if edges == begin + 1 and edge_successor[begin] == s and not p.waiting[0]:
             edges = begin
             continue
-        choice_action[choices], choice_reward[choices] = action, reward
+        choice_action[choices], choice_reward[choices], choice_progress[choices] = action, reward, progress
         choices += 1
         edge_start[choices] = edges
     used[0], used[1], used[2] = number, choices, edges
@@ -171,25 +177,34 @@ def _expand(
 
 @njit(cache=True, nogil=True)
 def _stage(
-    g: Graph, payment: Floats, discount: Floats, idle: float, later: Floats, now: Floats, best: Ints
+    g: Graph,
+    payment: Floats,
+    discount: Floats,
+    idle: float,
+    left: int,
+    later: Floats,
+    now: Floats,
+    best: Ints,
 ) -> None:
-    """One step of backward induction, for as many states as `now` and `best` have."""
+    """One step of backward induction with so many steps left, for as many states as `now` (2, n) and `best`
+    have. `now` and `later` are values and their earliness (planning/preference.py)."""
     choice_start, choice_action, choice_reward = g.choice_start, g.choice_action, g.choice_reward
     edge_start, edge_successor, edge_probability = g.edge_start, g.edge_successor, g.edge_probability
-    standing = g.standing
-    for s in range(len(now)):
-        value = standing[s] + idle * later[s]
-        chosen, chosen_value = -1, value
+    standing, choice_progress = g.standing, g.choice_progress
+    for s in range(len(best)):
+        chosen, value = -1, standing[s] * idle
+        most, earliness = value, standing[s] * (left * (left + 1) // 2)
         for choice in range(choice_start[s], choice_start[s + 1]):
-            expected = 0.0
+            expected, early = 0.0, left * choice_progress[choice]
             for e in range(edge_start[choice], edge_start[choice + 1]):
-                expected += edge_probability[e] * later[edge_successor[e]]
+                expected += edge_probability[e] * later[0, edge_successor[e]]
+                early += edge_probability[e] * later[1, edge_successor[e]]
             action = choice_action[choice]
             total = payment[action] * choice_reward[choice] + discount[action] * expected
-            value = max(value, total)
-            if total > chosen_value + AS_GOOD:
-                chosen, chosen_value = action, total
-        now[s], best[s] = value, chosen
+            if better(total, early, most, earliness):
+                chosen, value, earliness = action, total, early
+            most = max(most, total)
+        now[0, s], now[1, s], best[s] = value, earliness, chosen
 
 
 class Enumeration:
@@ -208,7 +223,8 @@ class Enumeration:
         assert state.shape == process.sizes.shape
         assert ((state >= 0) & (state < process.sizes)).all()
         self._room.states[0] = state
-        self._room.decreasing[0], self._room.standing[0] = rewarded(process, state)
+        room = self._room
+        room.decreasing[0], room.standing[0], room.ahead[0] = rewarded(process, state)
         enter(self._room.table, self._room.hashes, 1)
 
     @property
@@ -252,12 +268,12 @@ class Enumeration:
         after = renumbered[room.edge_successor[last]]
         stays = after >= 0
         room.edge_successor[last.start : last.start + stays.sum()] = after[stays]
-        for array in (room.choice_action, room.choice_reward):
+        for array in (room.choice_action, room.choice_reward, room.choice_progress):
             array[last.start : last.start + stays.sum()] = array[last][stays]
         before = np.concatenate([[0], np.cumsum(stays)])
         starts = room.choice_start[layer.start : layer.stop + 1]
         starts[:] = last.start + before[starts - last.start]
-        for rows in (room.states, room.hashes, room.decreasing, room.standing):
+        for rows in (room.states, room.hashes, room.decreasing, room.standing, room.ahead):
             rows[layer.stop : layer.stop + len(kept)] = rows[kept]
         self._used[:] = layer.stop + len(kept), starts[-1], starts[-1]
         self._within[-1] = self.number
@@ -273,9 +289,11 @@ class Enumeration:
             np.array(self._within, dtype=np.int32),
             room.decreasing[:number],
             room.standing[:number],
+            room.ahead[:number],
             room.choice_start[: number + 1],
             room.choice_action[:choices],
             room.choice_reward[:choices],
+            room.choice_progress[:choices],
             room.edge_start[: choices + 1],
             room.edge_successor[:edges],
             room.edge_probability[:edges],
@@ -312,11 +330,12 @@ def backward(graph: Graph, process: Process, discount: float, horizon: int) -> t
 
     Row t holds what follows from step t on, for the states that can be reached by then, which come first (0
     and -1 for the others). The graph must reach `horizon` steps, or as far as states go. An action of -1
-    does nothing, which is always allowed; actions that leave a state as it is are not considered. Rewards and
-    discounts are those of `exact_value` (compiler/transition.py).
+    stops for good, which is always allowed. Rewards and discounts are those of `exact_value`
+    (compiler/transition.py).
     """
     number = len(graph.states)
-    values = np.zeros((horizon + 1, number))
+    values, idle = np.zeros((horizon + 1, number)), idle_worth(discount, horizon)
+    later, now = np.zeros((2, 2, number))
     best = np.full((horizon, number), -1, dtype=np.int32)
     for step in reversed(range(horizon)):
         known = int(graph.within[min(step, len(graph.within) - 1)])
@@ -324,11 +343,14 @@ def backward(graph: Graph, process: Process, discount: float, horizon: int) -> t
             graph,
             process.payment,
             process.discount,
-            discount,
-            values[step + 1],
-            values[step, :known],
+            idle[horizon - step],
+            horizon - step,
+            later,
+            now,
             best[step, :known],
         )
+        values[step, :known] = now[0, :known]
+        later, now = now, later
     return values, best
 
 
@@ -340,8 +362,10 @@ def _room(variables: int, states: int, choices: int, edges: int) -> _Room:
         np.zeros(states, dtype=np.uint64),
         np.zeros(states),
         np.zeros(states),
+        np.zeros(states),
         np.zeros(states + 1, dtype=np.int32),
         np.zeros(choices, dtype=np.int32),
+        np.zeros(choices),
         np.zeros(choices),
         np.zeros(choices + 1, dtype=np.int32),
         np.zeros(edges, dtype=np.int32),

@@ -13,7 +13,8 @@ from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
-from cleancli.planning.states import apply, changing, draw, rewarded
+from cleancli.planning.compiled import better
+from cleancli.planning.states import apply, choosable, draw, rewarded
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
 
@@ -27,25 +28,24 @@ def _look_ahead(
     branching: int,
     level: int,
     stream: np.uint64,
-) -> float:
-    """The value of the state in a row of `rows`, which has a row per step that is looked ahead and one more;
-    leaves the best action (-1: nothing) in `best`.
+) -> tuple[float, float]:
+    """The value of the state in a row of `rows` and its earliness (planning/preference.py); there is a row
+    per step that is looked ahead and one more. Leaves the best action (-1: to stop) in `best`.
 
-    `idle` (steps + 1,) is what a reward of 1 in each of so many last steps is worth. Doing nothing means
-    nothing from then on, as in the last row. `counts` (rows, most outcomes of a rule) is 0 between uses.
-    """
-    decreasing, standing = rewarded(p, rows[level])
+    `idle` (steps + 1,) is what a reward of 1 in each of so many last steps is worth. In the last row nothing
+    is done any more. `counts` (rows, most outcomes of a rule) is 0 between uses. """
+    decreasing, standing, ahead = rewarded(p, rows[level])
     left = len(idle) - 1 - level
-    value, chosen = float(standing * idle[left]), -1
+    value, earliness, chosen = float(standing * idle[left]), float(standing * (left * (left + 1) // 2)), -1
     for action in range(len(p.cost) if level < len(rows) - 1 else 0):
-        rule = changing(p, rows[level], action)
+        rule = choosable(p, rows[level], action)
         if rule < 0:
             continue
         first = p.outcome_start[rule]
         for _ in range(branching):
             stream += GOLDEN
             counts[level, draw(p, rule, uniform(stream)) - first] += 1
-        paid, later = 0.0, 0.0
+        paid, gained, later, early = 0.0, 0.0, 0.0, 0.0
         for outcome in range(first, p.outcome_start[rule + 1]):
             count = counts[level, outcome - first]
             if count > 0:
@@ -53,16 +53,20 @@ def _look_ahead(
                 for v in range(rows.shape[1]):  # assigning the row would compile for seconds
                     rows[level + 1, v] = rows[level, v]
                 apply(p, rows[level + 1], outcome)
-                left_over, after = rewarded(p, rows[level + 1])
+                left_over, after, still = rewarded(p, rows[level + 1])
                 paid += count * (decreasing - left_over + after)
+                gained += count * (ahead - still + after)
                 stream = mixed(stream + GOLDEN)
-                later += count * _look_ahead(p, rows, counts, best, idle, branching, level + 1, stream)
+                worth, soon = _look_ahead(p, rows, counts, best, idle, branching, level + 1, stream)
+                later += count * worth
+                early += count * soon
         total = p.payment[action] * (paid / branching - p.cost[action])
         total += p.discount[action] * later / branching
-        if total > value:
-            value, chosen = total, action
+        early = (left * gained + early) / branching
+        if better(total, early, value, earliness):
+            value, earliness, chosen = total, early, action
     best[level] = chosen
-    return value
+    return value, earliness
 
 
 def look_ahead(
@@ -75,7 +79,7 @@ def look_ahead(
     branching: int,
     seed: int,
 ) -> tuple[float, int]:
-    """The value of a state with `horizon` steps left, and the best action (-1: nothing)."""
+    """The value of a state with `horizon` steps left, and the best action (-1: to stop)."""
     depth = max(min(depth, horizon), 0)
     rows = np.zeros((depth + 1, len(process.sizes)), dtype=np.int32)
     rows[0] = initial
@@ -83,5 +87,5 @@ def look_ahead(
     best = np.full(depth + 1, -1, dtype=np.int32)
     idle = idle_worth(discount, horizon)
     stream = np.uint64(seed % 2**64)  # compiled functions return their uint64 as int, which is another type
-    value = _look_ahead(process, rows, counts, best, idle, branching, 0, stream)
+    value, _ = _look_ahead(process, rows, counts, best, idle, branching, 0, stream)
     return float(value), int(best[0])

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning.compiled import compiled, inlined, inner
+from cleancli.planning.compiled import better, compiled, inlined, inner
+from cleancli.planning.preference import AS_GOOD
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
 Words = NDArray[np.uint64]
@@ -42,6 +43,7 @@ class Runs(NamedTuple):
     word: Words  # (2, H + 1, S, W) in which runs each slot holds
     standing: Floats  # (2, H + 1) what doing nothing is paid there, in the mean
     total: Floats  # (2, H + 1) mean value of the steps before
+    early: Floats  # (2, H + 1) mean earliness of the steps before (planning/preference.py)
     factor: Floats  # (2, H + 1) discount of the steps from there on
     row: Ints  # (H + 1,)
 
@@ -124,16 +126,18 @@ def _outcomes(p: Process, luck: Luck, rule: int, use: int, seed: np.uint64) -> i
 
 
 @inner
-def _paid(p: Process, runs: Runs, row: int, place: int, action: int) -> tuple[float, float]:
-    """What all runs are paid for its decrease and for their states, as far as the action can change it."""
-    rules, decreasing, standing = len(p.rule_changes), 0.0, 0.0
+def _paid(p: Process, runs: Runs, row: int, place: int, action: int) -> tuple[float, float, float]:
+    """What all runs are paid for its decrease and for their states, and whose decrease is progress, as far as
+    the action can change it."""
+    rules, decreasing, standing, ahead = len(p.rule_useful), 0.0, 0.0, 0.0
     for i in range(p.touched_reward_start[action], p.touched_reward_start[action + 1]):
         c, number = p.touched_reward[i], 0
         for w in range(runs.word.shape[3]):
             number += _ones(_held(p, runs.word, row, place, rules + c, w))
         decreasing += p.decrease[c] * number
         standing += p.state[c] * number
-    return decreasing, standing
+        ahead += p.advance[c] * number
+    return decreasing, standing, ahead
 
 
 @inner
@@ -159,23 +163,24 @@ def _act(
     use: int,
     seed: np.uint64,
 ) -> bool:
-    """Draws what the action does in each run; whether it changes one."""
-    word, changed = runs.word, False
+    """Draws what the action does in each run; whether it changes one, or is a choice in one that waits."""
+    word, useful = runs.word, False
     for rule in range(p.rule_start[action], p.rule_start[action + 1]):
-        if not p.rule_changes[rule]:
+        if not p.rule_useful[rule]:
             continue
         for w in range(word.shape[3]):
             held = _held(p, word, source, place, rule, w)
             if held == NONE:
                 continue
+            useful |= p.waiting[0]
             entry = _outcomes(p, luck, rule, use, seed)
             first = p.outcome_start[rule]
             for outcome in range(first, p.outcome_start[rule + 1]):
                 comes = held & luck.word[entry, outcome - first, w]
                 if comes != NONE and p.effect_start[outcome] < p.effect_start[outcome + 1]:
                     _set(p, word, target, place + 1, outcome, w, comes)
-                    changed = True
-    return changed
+                    useful = True
+    return useful
 
 
 @inner
@@ -189,12 +194,12 @@ def _run(
     trial: int,
     seed: np.uint64,
 ) -> int:
-    """Runs the actions from place `start` on; returns the first of them that changed no run, or -1.
+    """Runs the actions from place `start` on; returns the first of them that was of no use in any run, or -1.
 
     With `trial` 1 the rows of what is stay as they are, with 0 they are overwritten.
     """
     word, row, useless = runs.word, runs.row, -1
-    slots, words = word.shape[2], word.shape[3]
+    slots, words, horizon = word.shape[2], word.shape[3], word.shape[1] - 1
     for place in range(start, length):
         action = actions[place]
         source = row[place] if place == start else (row[place] + trial) % 2
@@ -205,11 +210,12 @@ def _run(
         use = 0
         for earlier in range(place):
             use += actions[earlier] == action
-        gain, standing = -p.cost[action], runs.standing[source, place]
+        gain, progress, standing = -p.cost[action], 0.0, runs.standing[source, place]
         if _act(p, runs, luck, source, target, place, action, use, seed):
-            before, stood = _paid(p, runs, source, place, action)
-            after, stands = _paid(p, runs, target, place + 1, action)
+            before, stood, ahead = _paid(p, runs, source, place, action)
+            after, stands, still = _paid(p, runs, target, place + 1, action)
             gain += (before - after) / (64 * words)
+            progress = (ahead - still) / (64 * words)
             standing += (stands - stood) / (64 * words)
         elif useless < 0:
             useless = place
@@ -218,6 +224,7 @@ def _run(
         runs.total[target, place + 1] = runs.total[source, place] + factor * p.payment[action] * (
             gain + standing
         )
+        runs.early[target, place + 1] = runs.early[source, place] + (horizon - place) * (progress + standing)
         runs.factor[target, place + 1] = factor * p.discount[action]
     return useless
 
@@ -233,8 +240,16 @@ def _worth(runs: Runs, length: int, row: int, idle: Floats) -> float:
 
 
 @inner
+def _earliness(runs: Runs, length: int, row: int) -> float:
+    """The mean earliness of the runs of a sequence whose last states stand in a row."""
+    rest = runs.word.shape[1] - 1 - length
+    earliness: float = runs.early[row, length] + runs.standing[row, length] * (rest * (rest + 1) // 2)
+    return earliness
+
+
+@inner
 def _proposed(p: Process, runs: Runs, place: int, stream: np.uint64) -> int:
-    """An action that can change one of the runs before a place; -1 if none is met."""
+    """An action that is a choice in one of the runs before a place; -1 if none is met."""
     row, actions, words = runs.row[place], len(p.rule_start) - 1, runs.word.shape[3]
     for _ in range(TRIES):
         stream += GOLDEN
@@ -242,7 +257,7 @@ def _proposed(p: Process, runs: Runs, place: int, stream: np.uint64) -> int:
         action = int((bits >> np.uint64(32)) % np.uint64(actions))
         run, w = bits & np.uint64(63), int((bits >> np.uint64(6)) % np.uint64(words))
         for rule in range(p.rule_start[action], p.rule_start[action + 1]):
-            if p.rule_changes[rule] and (_held(p, runs.word, row, place, rule, w) >> run) & np.uint64(1):
+            if p.rule_useful[rule] and (_held(p, runs.word, row, place, rule, w) >> run) & np.uint64(1):
                 return action
     return -1
 
@@ -285,7 +300,7 @@ def _change(p: Process, runs: Runs, s: Scratch, length: int, stream: np.uint64) 
 @compiled
 def begin(p: Process, runs: Runs, luck: Luck, state: Ints) -> None:
     """Puts all runs into a state, and forgets what was drawn."""
-    rules, words = len(p.rule_changes), runs.word.shape[3]
+    rules, words = len(p.rule_useful), runs.word.shape[3]
     for variable in range(len(state)):
         for slot in range(p.slot_start[variable], p.slot_start[variable + 1]):
             for w in range(words):
@@ -294,7 +309,7 @@ def begin(p: Process, runs: Runs, luck: Luck, state: Ints) -> None:
     for c in range(len(p.state)):
         if _held(p, runs.word, 0, 0, rules + c, 0) == ALL:
             standing += p.state[c]
-    runs.standing[0, 0], runs.total[0, 0], runs.factor[0, 0] = standing, 0.0, 1.0
+    runs.standing[0, 0], runs.total[0, 0], runs.factor[0, 0], runs.early[0, 0] = standing, 0.0, 1.0, 0.0
     for place in range(len(runs.row)):
         runs.row[place] = 0
     for entry in range(len(luck.key)):
@@ -302,10 +317,13 @@ def begin(p: Process, runs: Runs, luck: Luck, state: Ints) -> None:
 
 
 @compiled
-def value(p: Process, runs: Runs, luck: Luck, actions: Ints, idle: Floats, seed: np.uint64) -> float:
-    """Mean discounted reward of a sequence over the runs of a seed, from the state in which they begin."""
+def worth(
+    p: Process, runs: Runs, luck: Luck, actions: Ints, idle: Floats, seed: np.uint64
+) -> tuple[float, float]:
+    """Mean discounted reward of a sequence over the runs of a seed, from the state in which they begin, and
+    its earliness."""
     _run(p, runs, luck, actions, len(actions), 0, 0, seed)
-    return _worth(runs, len(actions), 0, idle)
+    return _worth(runs, len(actions), 0, idle), _earliness(runs, len(actions), 0)
 
 
 @compiled
@@ -324,13 +342,13 @@ def anneal(
     """Tries `moves` changes of `s.current`, and leaves the best sequence met in `best`; returns its length.
 
     A loss is accepted with probability exp(loss / warmth); the warmth falls to 0 from `heat` times what an
-    action of the best sequence adds to doing nothing. The runs have begun.
-    """
+    action of the best sequence adds to doing nothing. Of equals only one that is no later is accepted. The
+    runs have begun. """
     nothing = _worth(runs, 0, 0, idle)
     _run(p, runs, luck, s.current, length, 0, 0, seed)
-    value = _worth(runs, length, 0, idle)
+    value, early = _worth(runs, length, 0, idle), _earliness(runs, length, 0)
     _copy(s.current, 0, length, best, 0)
-    best_length, best_value = length, value
+    best_length, best_value, best_early = length, value, early
     stream = mixed(seed + GOLDEN)
     for move in range(moves):
         stream = mixed(stream + GOLDEN)
@@ -339,20 +357,24 @@ def anneal(
             continue
         useless = _run(p, runs, luck, s.trial, new, start, 1, seed)
         row = (runs.row[new] + 1) % 2 if new > start else runs.row[new]
-        tried = _worth(runs, new, row, idle)
+        tried, soon = _worth(runs, new, row, idle), _earliness(runs, new, row)
         warmth = heat * (best_value - nothing) / max(best_length, 1) * (1.0 - move / moves)
         if tried - value < warmth * np.log(1.0 - uniform(stream + np.uint64(3))):
+            continue
+        if abs(tried - value) <= AS_GOOD and soon < early - AS_GOOD:
             continue
         for place in range(start + 1, new + 1):
             runs.row[place] = 1 - runs.row[place]
         _copy(s.trial, 0, new, s.current, 0)
-        length, value = new, tried
+        length, value, early = new, tried, soon
         if useless >= 0:
             _copy(s.trial, useless + 1, length, s.current, useless)
             length -= 1
             _run(p, runs, luck, s.current, length, useless, 0, seed)
             value = _worth(runs, length, runs.row[length], idle)
-        if value > best_value:
-            best_length, best_value = length, value
+            early = _earliness(runs, length, runs.row[length])
+        shorter = length < best_length and not better(best_value, best_early, value, early)
+        if shorter or better(value, early, best_value, best_early):
+            best_length, best_value, best_early = length, value, early
             _copy(s.current, 0, length, best, 0)
     return best_length

@@ -31,7 +31,7 @@ def certain(initial: Assignment, copies: int = 1) -> Spread:
 
 
 def holding(p: Process, states: Ints, condition: int) -> Bools:
-    """In which states (n,) a condition (a rule's, reward's or goal's) holds."""
+    """In which states (n,) a condition (a rule's, or one that is asked) holds."""
     found = np.ones(len(states), dtype=np.bool_)
     for i in range(p.literal_start[condition], p.literal_start[condition + 1]):
         found &= p.allowed[p.literal_row[i] + states[:, p.literal_variable[i]]]
@@ -94,6 +94,18 @@ def paying(p: Process, spread: Spread) -> tuple[float, float]:
     if not chance.size:
         return 0.0, float(p.constant[0])
     return float(chance @ p.decrease), float(chance @ p.state + p.constant[0])
+
+
+def ahead(p: Process, spread: Spread) -> float:
+    """Expected: what is to be decreased for progress (compiler/transition.py)."""
+    rules = len(p.outcome_start) - 1
+    return float(
+        sum(
+            p.advance[c] * (spread.weights @ holding(p, spread.states, rules + c))
+            for c in range(len(p.advance))
+            if p.advance[c]
+        )
+    )
 
 
 def marginals(p: Process, spread: Spread) -> Floats:

@@ -15,7 +15,7 @@ def sst(prepared: Prepared, options: Options) -> Plan:
     """The action that looks best from `branching` results of each, `depth` steps deep, and its course.
 
     Each further action of the course looks from the likeliest result, to the same depth. The value is that of
-    doing nothing after `depth` steps.
+    stopping after `depth` steps.
     """
     times = [time.perf_counter()]
     task, process = prepared.task, prepared.process

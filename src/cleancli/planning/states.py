@@ -25,7 +25,7 @@ def _holds(start: Ints, variable: Ints, row: Ints, allowed: Bools, state: Ints, 
 
 @compiled
 def holds(p: Process, state: Ints, condition: int) -> bool:
-    """Whether a condition (a rule's, reward's or goal's) holds."""
+    """Whether a condition (a rule's, or one that is asked) holds."""
     return _holds(p.literal_start, p.literal_variable, p.literal_row, p.allowed, state, condition)
 
 
@@ -40,11 +40,12 @@ def covering(p: Process, state: Ints, action: int) -> int:
 
 
 @compiled
-def changing(p: Process, state: Ints, action: int) -> int:
-    """The rule of the action that covers the state, if it may change it; -1 otherwise."""
+def choosable(p: Process, state: Ints, action: int) -> int:
+    """The rule of the action that covers the state, if the action is a choice there: it may change the state,
+    or waiting is a choice; -1 otherwise."""
     rule = covering(p, state, action)
-    if rule < 0:
-        return -1
+    if rule < 0 or p.waiting[0]:
+        return rule
     for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
         if p.probability[outcome] > 0.0:
             for i in range(p.effect_start[outcome], p.effect_start[outcome + 1]):
@@ -71,15 +72,17 @@ def apply(p: Process, state: Ints, outcome: int) -> None:
 
 
 @compiled
-def rewarded(p: Process, state: Ints) -> tuple[float, float]:
-    """What is paid for its decrease (#dirt of eq. 2), and what a step that ends in the state is paid."""
+def rewarded(p: Process, state: Ints) -> tuple[float, float, float]:
+    """What is paid for its decrease (#dirt of eq. 2), what a step that ends in the state is paid, and whose
+    decrease is progress."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
-    rules, decreasing, standing = len(p.outcome_start) - 1, 0.0, p.constant[0]
+    rules, decreasing, standing, ahead = len(p.outcome_start) - 1, 0.0, p.constant[0], 0.0
     for c in range(len(p.decrease)):
         if _holds(start, variable, row, allowed, state, rules + c):
             decreasing += p.decrease[c]
             standing += p.state[c]
-    return decreasing, standing
+            ahead += p.advance[c]
+    return decreasing, standing, ahead
 
 
 @compiled

@@ -20,7 +20,7 @@ from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.reachable import change, digit, enter, find
-from cleancli.planning.states import changing, draw, rewarded, step
+from cleancli.planning.states import choosable, draw, rewarded, step
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 
@@ -53,12 +53,12 @@ def add(p: Process, t: Tree, number: int, h: np.uint64) -> None:
     states, rule, action = t.states, t.rule, t.action
     t.hashes[number] = h
     t.table[find(t.table, t.hashes, states, h, number)] = number
-    t.decreasing[number], t.standing[number] = rewarded(p, states[number])
+    t.decreasing[number], t.standing[number], _ = rewarded(p, states[number])
     choices = int(t.choice_start[number])
     action[choices] = rule[choices] = -1
     choices += 1
     for a in range(len(p.cost)):
-        r = changing(p, states[number], a)
+        r = choosable(p, states[number], a)
         if r >= 0:
             action[choices], rule[choices] = a, r
             choices += 1
@@ -90,16 +90,16 @@ def _choose(t: Tree, node: int, exploration: float, uniform: float) -> int:
 
 @njit(cache=True, nogil=True)
 def _some_action(p: Process, state: Ints, stream: np.uint64) -> int:
-    """One of the actions that may change the state, each as likely; -1 where there is none."""
+    """One of the actions that are choices in a state, each as likely; -1 where there is none."""
     actions = len(p.cost)
     for i in range(actions):
         action = int(uniform(stream + np.uint64(i) * GOLDEN) * actions)
-        if changing(p, state, action) >= 0:
+        if choosable(p, state, action) >= 0:
             return action
     first = int(uniform(stream) * max(actions, 1))
     for i in range(actions):  # few or none fit
         action = (first + i) % actions
-        if changing(p, state, action) >= 0:
+        if choosable(p, state, action) >= 0:
             return action
     return -1
 

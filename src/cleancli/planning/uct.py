@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from types import ModuleType
 
-from cleancli.planning.course import course_plan, likeliest_course
+from cleancli.planning.course import beats_nothing, course_plan, likeliest_course
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared
 
@@ -28,9 +28,10 @@ def uct(prepared: Prepared, options: Options) -> Plan:
     end = None if options.time_limit is None else times[-1] + options.time_limit
     while search.played < options.samples and (end is None or time.perf_counter() < end):
         search.run(min(search.played + ROUND, options.samples))
-    course = likeliest_course(task, search.choose)
+    value = search.value()
+    course = likeliest_course(task, search.choose) if beats_nothing(task, value) else ()
     times.append(time.perf_counter())
-    return course_plan("uct", task, course, search.value(), times=times, samples=search.played)
+    return course_plan("uct", task, course, value, times=times, samples=search.played)
 
 
 def _tree() -> ModuleType:

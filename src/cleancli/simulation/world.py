@@ -21,9 +21,9 @@ from cleancli.language.model import Domain, Fact, Problem, State
 @dataclass(frozen=True, slots=True)
 class World:
     """A problem under the rules that hold. After the grounded actions, `task` lists each declared action once
-    more, without rules: it stands for the groundings that can change nothing, and says what they cost. `numbers`
-    are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the facts that never
-    change."""
+    more, without rules: it stands for the groundings that can change nothing, and says what they cost.
+    `numbers` are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the
+    facts that never change."""
 
     task: Task
     rest: State
