@@ -10,7 +10,7 @@ import click
 
 from cleancli.cli.completion import domains
 from cleancli.cli.files import echo_difference
-from cleancli.cli.inputs import may_include_outside, open_domain
+from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import checked_domain, read_source
@@ -54,7 +54,8 @@ def command(
     if write and not Path(domain).is_file():
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
-    learned = learn(model, transitions, ESTIMATORS[estimator], m)
+    with located_in(*sources):
+        learned = learn(model, transitions, ESTIMATORS[estimator], m)
     texts = _edited(sources, edits(model, sources, learned))
     checked_domain(texts[sources[0].path], may_include_outside(), lambda file: texts[str(file)]).get()
     if as_data:

@@ -40,7 +40,7 @@ def learn(
 ) -> tuple[Learned, ...]:
     """Estimates for every rule that the transitions give an example of, or whose parameter they change.
 
-    In the domain's order, the default rule last.
+    In the domain's order, the default rule last. Raises `Refused` (E602).
     """
     counts = Counter(explain(domain, transition) for transition in transitions)
     seen = {rule: _seen(counts, rule, len(outcomes_of(domain, rule))) for rule in _rules(domain)}
