@@ -17,7 +17,7 @@ from cleancli.language.load import checked_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import decode
-from cleancli.learning.learn import Learned, edits, learn
+from cleancli.learning.learn import Learned, edits, is_written, learn
 from cleancli.learning.match import outcomes_of
 
 
@@ -96,6 +96,13 @@ def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
         f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules"
     )
     for entry in learned:
+        if entry.rule is None and not all(map(is_written, model.default)):
+            uncovered = sum(entry.seen) + entry.unexplained
+            several = "" if uncovered == 1 else "s"
+            click.echo(
+                f"{uncovered} transition{several} that no rule covers: the domain has no `default`, and so"
+                " expects nothing to happen there"
+            )
         if entry.unexplained:
             click.echo(
                 f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
