@@ -166,3 +166,22 @@ def test_mistakes_found_when_grounding_show_their_line(
     assert "E604" in error
     assert "rule sort_any: sort(?r, ?s, ?t)" in error, "the line is shown"
     assert "64,964,808" in error or "64964808" in error
+
+
+def test_learn_tells_of_transitions_that_no_rule_covers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("coins.nid").write_text(
+        "domain coins { types { coin } predicates { heads(?c - coin) }"
+        " derived { up := count ?c - coin: heads(?c) } actions { flip(?c - coin) }"
+        " rule one: flip(?c) { when heads(?c) then 0.5: not heads(?c) 0.5: nothing }"
+        " reward { decrease(up) } }\n",
+        encoding="utf-8",
+    )
+    entry = {"action": "flip", "arguments": ["c"], "objects": {"c": "coin"}, "after": []}
+    lines = [json.dumps({**entry, "before": before}) for before in ([["heads", ["c"], True]], [])]
+    Path("experience.jsonl").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    text = said(capsys, "learn", "coins.nid", "experience.jsonl")
+    assert "0.5455 [prior 0.5, seen 1]: not heads(?c)" in text
+    assert "1 transition that no rule covers: the domain has no `default`" in text

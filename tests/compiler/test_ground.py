@@ -12,7 +12,7 @@ from scipy import stats
 
 from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import RewardCondition, Task, held, without
+from cleancli.compiler.task import RewardCondition, StateVariable, Task, held, literal_text, without
 from cleancli.compiler.transition import covering_rule, exact_value, reward, sample, successors
 from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -243,3 +243,15 @@ reward 1 when dirt(a) ends
 reward 1 when dirt(b) ends
 """
     )
+
+
+def test_literals_of_numbers_are_no_truth_values() -> None:
+    """0 and 1 are equal to False and True in Python, and no literals of predicates."""
+    load = StateVariable("load", ("a",), (0, 1, 2))
+    assert [literal_text(load, [index]) for index in range(3)] == [
+        "load(a) = 0",
+        "load(a) = 1",
+        "load(a) = 2",
+    ]
+    dirt = StateVariable("dirt", ("a",), (False, True))
+    assert [literal_text(dirt, [index]) for index in range(2)] == ["not dirt(a)", "dirt(a)"]

@@ -334,7 +334,7 @@ def _results(terms: Typed, condition: list[list[str]], world: World, rng: Random
         effects = [_effect(*application, rng) for application in _applications(world, terms, rng)[:2]]
         effects = [effect for effect in effects if not _is_idle(effect, condition)]
         if rng.random() < 0.4:
-            effects.append(_forall(terms, world, rng))
+            effects += _forall(terms, effects, world, rng)
         if terms and rng.random() < 0.3:
             head = ["level", "(", rng.choice(terms)[0], ")"]
             value = [":=", *_integer(world.levels[-1])]
@@ -364,15 +364,22 @@ def _effect(symbol: Symbol, terms: Sequence[str], rng: Random) -> list[str]:
     return rng.choice((head, ["not", *head]))
 
 
-def _forall(terms: Typed, world: World, rng: Random) -> list[str]:
+def _forall(terms: Typed, beside: Sequence[Sequence[str]], world: World, rng: Random) -> list[list[str]]:
+    """An effect for everything that fits; it sets nothing that those `beside` it always set."""
     kind = rng.choice(world.types)
     inner = [("?m", kind), *terms]
     condition = _joined(_literals(_applications(world, inner, rng)[: rng.randint(0, 2)], rng), ",")
-    effects = [_effect(*application, rng) for application in _applications(world, inner, rng)[-2:]]
-    if rng.random() < 0.3:
+    taken = {token for effect in beside for token in effect}
+    may_set = [
+        (symbol, chosen)
+        for symbol, chosen in _applications(world, inner, rng)
+        if "?m" in chosen or symbol.name not in taken
+    ]
+    effects = [_effect(*application, rng) for application in may_set[-2:]]
+    if rng.random() < 0.3 or not effects:
         effects.append(["level", "(", "?m", ")", rng.choice(("+=", "-=")), "1"])
     listed = ["(", *_joined(effects, ","), ")"] if len(effects) > 1 or rng.random() < 0.3 else effects[0]
-    return ["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]
+    return [["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]]
 
 
 def _chances(

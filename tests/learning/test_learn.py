@@ -144,3 +144,60 @@ def test_every_bad_line_is_reported(domain: Domain) -> None:
     with pytest.raises(Refused) as refused:
         decode(Source("x", "\n".join(lines) + "\n"), domain)
     assert [d.code for d in refused.value.diagnostics] == ["E701"] * 7
+
+
+# ---- actions that no rule covers
+
+COINS = """\
+domain coins {
+  types      { coin }
+  predicates { heads(?c - coin) }
+  derived    { up := count ?c - coin: heads(?c) }
+  actions    { flip(?c - coin)  couple(?a ?b - coin)  wait() }
+  rule flip_it: flip(?c) {
+    then 0.5: heads(?c)
+         0.5: not heads(?c)
+  }
+  rule couple_them: couple(?a, ?b) {
+    when ?a != ?b
+    then 0.9: heads(?a), heads(?b)
+         0.1: nothing
+  }
+%s  reward { decrease(up) }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "default", ["", "  default { 1: nothing }\n", "  default { 0.5: nothing 0.5: noise }\n"]
+)
+def test_what_no_rule_covers_is_the_default_rules_written_or_not(default: str) -> None:
+    """Without a `default`, nothing is what is expected, and no number stands anywhere to be changed."""
+    text = COINS % default
+    source = Source("coins.nid", text)
+    domain = load_domain(source)
+    coins = (Object("c1", "coin"), Object("c2", "coin"))
+    up = frozenset({Fact("heads", ("c1",))})
+    moves = [
+        Transition("flip", ("c1",), coins, up, frozenset()),
+        Transition("couple", ("c1", "c1"), coins, frozenset(), frozenset()),
+        Transition("couple", ("c1", "c1"), coins, frozenset(), up),
+        Transition("wait", (), coins, up, up),
+    ]
+    learned = {entry.rule: entry for entry in learn(domain, moves)}
+    assert learned.keys() == {0, None}
+    assert learned[0].seen == (0, 1)
+    # Eq. 5 with m / sqrt(1) = 10.
+    assert [float(p) for p in learned[0].probabilities] == pytest.approx([5 / 11, 6 / 11], abs=1e-4)
+    assert learned[None].seen == ((2, 1) if "noise" in default else (2,))
+    assert learned[None].unexplained == (0 if "noise" in default else 1)
+    after = apply_edits(text, edits(domain, [source], tuple(learned.values())))
+    assert "0.5455 [prior 0.5, seen 1]: not heads(?c)" in after
+    if not default:
+        assert "default" not in after
+        assert (
+            after.replace("0.4545 [prior 0.5, seen 0]", "0.5").replace("0.5455 [prior 0.5, seen 1]", "0.5")
+            == text
+        )
+    again = load_domain(Source("coins.nid", after))
+    assert apply_edits(after, edits(again, [Source("coins.nid", after)], learn(again, moves))) == after

@@ -9,6 +9,7 @@ import click
 
 from cleancli.cli.calls import read_action
 from cleancli.cli.completion import actions, domains, problems
+from cleancli.cli.inputs import located_in
 from cleancli.cli.seen import open_both
 from cleancli.compiler.explain import (
     Attempt,
@@ -43,9 +44,10 @@ def command(domain: str, problem: str, action: str, as_data: bool) -> None:
     If no rule covers it, say of each of its rules which literals fail, and what holds instead. For a scene,
     the state is that of one look at its table.
     """
-    _, model, given = open_both(domain, problem)
+    sources, model, given = open_both(domain, problem)
     name, arguments = read_action(action, model, given)
-    found = explain(model, given, name, arguments)
+    with located_in(*sources):
+        found = explain(model, given, name, arguments)
     if as_data:
         click.echo(json.dumps(_as_data(model, found), indent=2))
     else:

@@ -10,7 +10,7 @@ import click
 
 from cleancli.cli.completion import domains
 from cleancli.cli.files import echo_difference
-from cleancli.cli.inputs import may_include_outside, open_domain
+from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.execution.folder import EXPERIENCE, check_folder
 from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Change, Edit, apply_edits, write_all
@@ -18,7 +18,7 @@ from cleancli.language.load import checked_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import decode
-from cleancli.learning.learn import Learned, edits, learn
+from cleancli.learning.learn import Learned, edits, is_written, learn
 from cleancli.learning.match import outcomes_of
 
 
@@ -55,7 +55,8 @@ def command(
     if write and not Path(domain).is_file():
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
-    learned = learn(model, transitions, ESTIMATORS[estimator], m)
+    with located_in(*sources):
+        learned = learn(model, transitions, ESTIMATORS[estimator], m)
     texts = _edited(sources, edits(model, sources, learned))
     checked_domain(texts[sources[0].path], may_include_outside(), lambda file: texts[str(file)]).get()
     if as_data:
@@ -100,6 +101,13 @@ def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
         f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules"
     )
     for entry in learned:
+        if entry.rule is None and not all(map(is_written, model.default)):
+            uncovered = sum(entry.seen) + entry.unexplained
+            several = "" if uncovered == 1 else "s"
+            click.echo(
+                f"{uncovered} transition{several} that no rule covers: the domain has no `default`, and so"
+                " expects nothing to happen there"
+            )
         if entry.unexplained:
             click.echo(
                 f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from cleancli.compiler.condition import Conditions, part_text
 from cleancli.compiler.evaluate import Key, bind, shifted
@@ -34,12 +35,16 @@ CASE_LIMIT = 1_000
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A rule (its index in the domain) for some objects, where `required` holds; `changes` per outcome."""
+    """A rule (its index in the domain) for some objects, where `required` holds; `changes` per outcome.
+
+    `conflicts` are the keys that an outcome (its position) gives two values, or sets and shifts (E602).
+    """
 
     rule: int
     objects: tuple[str, ...]
     required: Requirement
     changes: tuple[Changes, ...]
+    conflicts: tuple[tuple[int, Key], ...] = ()
 
 
 class TooManyCases(Exception):
@@ -57,14 +62,34 @@ def cases_of(instance: Instance, conditions: Conditions, known: Known) -> list[C
 def _cases(instance: Instance, conditions: Conditions, known: Known) -> Iterator[Case]:
     effects = _settled(instance, conditions, known) if instance.effects else []
     for required in disjoint(instance.condition, known):
-        if not effects:
-            yield Case(instance.rule, instance.objects, required, instance.changes)
-            continue
-        for decided, assigned in _decided(required, effects, conditions, known):
-            changes = [dict(change) for change in instance.changes]
-            for position, key, value in assigned:
-                changes[position][key] = changes[position].get(key, frozenset()) | {value}
-            yield Case(instance.rule, instance.objects, decided, tuple(changes))
+        for decided, happening in _happening(required, effects, conditions, known):
+            yield from _with_effects(instance, decided, happening, conditions, known)
+
+
+def _with_effects(
+    instance: Instance,
+    required: Requirement,
+    happening: Sequence[StateEffect],
+    conditions: Conditions,
+    known: Known,
+) -> Iterator[Case]:
+    """The case in which just these effects happen, divided by the numbers that they shift."""
+    changes = [dict(change) for change in instance.changes]
+    amounts: dict[tuple[int, Key], int] = {}
+    for each in happening:
+        place, key = each.outcome, each.key
+        if isinstance(each.effect, Assign):
+            changes[place][key] = changes[place].get(key, frozenset()) | {each.effect.value}
+        else:
+            amounts[place, key] = amounts.get((place, key), 0) + each.effect.amount
+    two_values = [(place, key) for place, each in enumerate(changes) for key in each if len(each[key]) > 1]
+    both = [(place, key) for place, key in amounts if key in changes[place]]
+    shifts = [(place, key, amount) for (place, key), amount in amounts.items() if (place, key) not in both]
+    for decided, results in _shifted(required, shifts, conditions, known):
+        after = [dict(change) for change in changes]
+        for place, key, value in results:
+            after[place][key] = frozenset({value})
+        yield Case(instance.rule, instance.objects, decided, tuple(after), (*two_values, *both))
 
 
 def _settled(instance: Instance, conditions: Conditions, known: Known) -> list[StateEffect]:
@@ -86,39 +111,63 @@ def _settled(instance: Instance, conditions: Conditions, known: Known) -> list[S
     return found
 
 
-_Assigned = tuple[int, Key, Value]
+_Set = tuple[int, Key, Value]
 """An outcome's position, and the value that it gives a key."""
 
+_Question = TypeVar("_Question")
+_Answer = TypeVar("_Answer")
 
-def _decided(
+
+def _happening(
     required: Requirement, effects: Sequence[StateEffect], conditions: Conditions, known: Known
-) -> Iterator[tuple[Requirement, tuple[_Assigned, ...]]]:
-    """The requirement divided until it says of each effect what it assigns, if anything."""
-    if not effects:
-        yield required, ()
-        return
-    first, others = effects[0], effects[1:]
-    for answered, value in _answers(required, first, conditions, known):
-        assigned = () if value is None else ((first.outcome, first.key, value),)
-        for decided, more in _decided(answered, others, conditions, known):
-            yield decided, (*assigned, *more)
+) -> Iterator[tuple[Requirement, list[StateEffect]]]:
+    """The requirement divided until it says which effects happen."""
+
+    def answers(here: Requirement, effect: StateEffect) -> Iterator[tuple[Requirement, StateEffect | None]]:
+        yield from ((place, effect) for place in _where(here, effect.when, known))
+        opposite = negation(effect.when, conditions.all_values)
+        yield from ((place, None) for place in _where(here, opposite, known))
+
+    return _divided(required, effects, answers)
 
 
-def _answers(
-    required: Requirement, effect: StateEffect, conditions: Conditions, known: Known
-) -> Iterator[tuple[Requirement, Value | None]]:
-    """Where the effect assigns what; None where it does not happen."""
-    for place in _where(required, effect.when, known):
-        if isinstance(effect.effect, Assign):
-            yield place, effect.effect.value
-            continue
-        symbol = conditions.universe.symbols[effect.key[0]]
-        values = place.get(effect.key) or known(effect.key)
+def _shifted(
+    required: Requirement, shifts: Sequence[tuple[int, Key, int]], conditions: Conditions, known: Known
+) -> Iterator[tuple[Requirement, list[_Set]]]:
+    """The requirement divided until it says what each number is after its shift (outcome, key and amount)."""
+
+    def answers(here: Requirement, shift: tuple[int, Key, int]) -> Iterator[tuple[Requirement, _Set | None]]:
+        place, key, amount = shift
+        values = here.get(key) or known(key)
         for before in sorted(values):
-            here = place if len(values) == 1 else {**place, effect.key: frozenset({before})}
-            yield here, shifted(symbol, before, effect.effect.amount)
-    for place in _where(required, negation(effect.when, conditions.all_values), known):
-        yield place, None
+            after = shifted(conditions.universe.symbols[key[0]], before, amount)
+            yield here if len(values) == 1 else {**here, key: frozenset({before})}, (place, key, after)
+
+    return _divided(required, [shift for shift in shifts if shift[2] != 0], answers)
+
+
+def _divided(
+    required: Requirement,
+    questions: Sequence[_Question],
+    answers: Callable[[Requirement, _Question], Iterator[tuple[Requirement, _Answer | None]]],
+) -> Iterator[tuple[Requirement, list[_Answer]]]:
+    """The requirement divided by question after question, with the answers that are not None.
+
+    An instance may have thousands of questions, so this does not recurse.
+    """
+    open_answers: list[Iterator[tuple[Requirement, _Answer | None]]] = [iter([(required, None)])]
+    given: list[_Answer | None] = []
+    while open_answers:
+        found = next(open_answers[-1], None)
+        del given[len(open_answers) - 1 :]
+        if found is None:
+            open_answers.pop()
+            continue
+        given.append(found[1])
+        if len(open_answers) <= len(questions):
+            open_answers.append(answers(found[0], questions[len(open_answers) - 1]))
+        else:
+            yield found[0], [answer for answer in given if answer is not None]
 
 
 def _where(required: Requirement, formula: Formula | None, known: Known) -> Iterable[Requirement]:

@@ -125,7 +125,7 @@ def part_text(part: Part) -> str:
     match part:
         case Literal(symbol, terms, values):
             applied = f"{symbol}({', '.join(print_term(term) for term in terms)})"
-            return f"not {applied}" if values == {False} else applied
+            return f"not {applied}" if any(value is False for value in values) else applied
         case Equality(left, right, equal):
             return f"{print_term(left)} {'=' if equal else '!='} {print_term(right)}"
         case Quantified(exists, variables, condition):

@@ -143,26 +143,42 @@ class StateView:
         return binding
 
     def changes(self, outcome: Outcome, binding: Binding) -> dict[Key, Value]:
-        """What the outcome sets when its rule is applied in this state; a number without value stays so."""
+        """What the outcome sets when its rule is applied in this state; a number without value stays so.
+
+        Shifts of one number add up, and stop at its bounds after that. Raises `ConflictError`.
+        """
         changes: dict[Key, Value] = {}
+        amounts: dict[Key, int] = {}
+        for effect, bound in self._happening(outcome, binding):
+            key = self.key(effect.symbol, effect.terms, bound)
+            if isinstance(effect, Shift):
+                amounts[key] = amounts.get(key, 0) + effect.amount
+            elif changes.setdefault(key, effect.value) != effect.value:
+                raise ConflictError(key)
+        for key, amount in amounts.items():
+            if key in changes:
+                raise ConflictError(key)
+            if (before := self.value(key)) is not None:
+                changes[key] = shifted(self._symbols[key[0]], before, amount)
+        return changes
+
+    def _happening(self, outcome: Outcome, binding: Binding) -> Iterator[tuple[Assign | Shift, Binding]]:
+        """The outcome's effects, those of a `forall` for each binding that fits."""
         for effect in outcome.effects:
             match effect:
                 case ForAll(variables, condition, effects):
                     for inner in self.extensions(variables, condition, binding):
-                        changes |= self._set(effects, inner)
+                        yield from ((each, inner) for each in effects)
                 case _:
-                    changes |= self._set((effect,), binding)
-        return changes
+                    yield effect, binding
 
-    def _set(self, effects: Sequence[Assign | Shift], binding: Binding) -> dict[Key, Value]:
-        result: dict[Key, Value] = {}
-        for effect in effects:
-            key = self.key(effect.symbol, effect.terms, binding)
-            if isinstance(effect, Assign):
-                result[key] = effect.value
-            elif (before := self.value(key)) is not None:
-                result[key] = shifted(self._symbols[effect.symbol], before, effect.amount)
-        return result
+
+class ConflictError(ValueError):
+    """An outcome gives `key` two values, or sets and shifts it."""
+
+    def __init__(self, key: Key) -> None:
+        super().__init__(f"{key[0]}({', '.join(key[1])})")
+        self.key = key
 
 
 def shifted(symbol: Symbol, before: Value, amount: int) -> Value:

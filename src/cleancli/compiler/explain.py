@@ -7,11 +7,13 @@ declared, and the arguments are objects of its parameters' types.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.evaluate import Binding, StateView, bind, names_of
+from cleancli.compiler.conflict import results
+from cleancli.compiler.evaluate import Binding, Key, StateView, bind, names_of
 from cleancli.language.model import (
     Condition,
     Domain,
@@ -110,13 +112,17 @@ class Explanation:
 
 
 def explain(domain: Domain, problem: Problem, action: str, arguments: Sequence[str]) -> Explanation:
-    """Which rule covers the action in the initial state, and why the others do not."""
+    """Which rule covers the action in the initial state, and why the others do not.
+
+    Raises `Refused` (E602) where one of its outcomes gives something two values there.
+    """
     view = StateView(domain, problem.objects, problem.state)
     found = view.covering(action, arguments)
     covering = None
     if found is not None:
         rule = domain.rules[found[0]]
-        outcomes = tuple(_outcome_here(view, outcome, found[1]) for outcome in rule.outcomes)
+        changes = results(domain, view, *found)
+        outcomes = tuple(map(_outcome_here, itertools.repeat(view), rule.outcomes, changes))
         covering = Covering(found[0], rule.name, _bound(found[1]), outcomes)
     attempts = tuple(
         _attempt(domain, view, index, bind(rule, arguments))
@@ -127,10 +133,11 @@ def explain(domain: Domain, problem: Problem, action: str, arguments: Sequence[s
     return Explanation(action, tuple(arguments), covering, attempts, () if covering else default)
 
 
-def _outcome_here(view: StateView, outcome: Outcome, binding: Binding) -> OutcomeHere:
-    changes = sorted(view.changes(outcome, binding).items(), key=lambda change: change[0])
+def _outcome_here(view: StateView, outcome: Outcome, changes: Mapping[Key, Value]) -> OutcomeHere:
     listed = tuple(
-        Change(Fact(*key, value), view.value(key)) for key, value in changes if view.value(key) != value
+        Change(Fact(*key, changes[key]), view.value(key))
+        for key in sorted(changes)
+        if view.value(key) != changes[key]
     )
     return OutcomeHere(outcome.probability, outcome.kind, listed)
 

@@ -12,8 +12,9 @@ from fractions import Fraction
 
 from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.condition import Conditions
+from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.count import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
-from cleancli.compiler.evaluate import Key
+from cleancli.compiler.evaluate import bind
 from cleancli.compiler.formula import Requirement
 from cleancli.compiler.instance import instances
 from cleancli.compiler.join import Universe
@@ -28,7 +29,7 @@ from cleancli.compiler.task import (
     literal_text,
 )
 from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.model import Domain, Outcome, OutcomeKind, Problem, Rule
+from cleancli.language.model import Domain, OutcomeKind, Problem
 
 Called = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
@@ -45,7 +46,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     conditions = Conditions(universe)
     reach = Reach(instances(domain, conditions, compat=compat), universe)
     cases = _cases(domain, reach, conditions)
-    _refuse(_conflicting_effects(domain, cases))
+    _refuse(_conflicts(domain, cases, universe))
     waiting = not compat and waiting_can_pay(domain)
     useful = _useful([_simplified(case, reach, compat) for case in cases], domain, waiting, named)
     numbering = Numbering(reach.changing, universe)
@@ -90,27 +91,16 @@ def _cases(domain: Domain, reach: Reach, conditions: Conditions) -> list[Case]:
     return found
 
 
-def _conflicting_effects(domain: Domain, found: Iterable[Case]) -> Iterator[Diagnostic]:
+def _conflicts(domain: Domain, found: Iterable[Case], universe: Universe) -> Iterator[Diagnostic]:
     """E602 for each outcome that gives one key two values, shown by the first such case."""
     reported = set()
     for case in found:
         rule = domain.rules[case.rule]
-        for position, changes in enumerate(case.changes):
-            conflicts = [key for key, values in changes.items() if len(values) > 1]
-            if conflicts and (case.rule, position) not in reported:
+        for position, key in sorted(case.conflicts):
+            if (case.rule, position) not in reported:
                 reported.add((case.rule, position))
-                yield _conflict(rule, rule.outcomes[position], case.objects, min(conflicts))
-
-
-def _conflict(rule: Rule, outcome: Outcome, objects: tuple[str, ...], key: Key) -> Diagnostic:
-    action = f"{rule.action}({', '.join(objects)})"
-    return Diagnostic(
-        "E602",
-        f"for {action}, one outcome gives {key[0]}({', '.join(key[1])}) two values",
-        outcome.probability_span or rule.span,
-        label=f"in this outcome of rule `{rule.name}`",
-        help="parameters may stand for the same object; if they must not, ask for it: `?a != ?b`",
-    )
+                binding = bind(rule, case.objects)
+                yield conflicting_effects(rule, rule.outcomes[position], binding, key, universe.symbols)
 
 
 def _simplified(case: Case, reach: Reach, compat: bool) -> Case:

@@ -21,7 +21,7 @@ Changes = Mapping[Key, frozenset[Value]]
 @dataclass(frozen=True, slots=True)
 class StateEffect:
     """An effect of an outcome (its position in the rule) that depends on the state before the action: whether
-    it happens (`when`), or, if it shifts a number, what it assigns."""
+    it happens (`when`), or, if it shifts a number, what it is after that."""
 
     outcome: int
     key: Key

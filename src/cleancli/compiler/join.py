@@ -151,7 +151,7 @@ class Universe:
 
     def _lists_rows(self, literal: Literal) -> bool:
         """Whether facts list where it holds: not what is false, and not what only follows from facts."""
-        return False not in literal.values and literal.symbol not in self.derived
+        return literal.symbol not in self.derived and not any(value is False for value in literal.values)
 
     def _matches(self, literal: Literal, binding: Binding) -> Sequence[_Row]:
         """Object tuples for which the literal holds, given the variables that are bound."""

@@ -11,7 +11,10 @@ from cleancli.compiler.evaluate import Key, shifted
 from cleancli.compiler.formula import can_hold
 from cleancli.compiler.instance import Instance, StateEffect
 from cleancli.compiler.join import Universe
-from cleancli.language.model import Assign, Value
+from cleancli.language.model import Assign, Shift, Value
+
+_MOST_AMOUNTS = 200
+"""Sums of shifts that are told apart; beyond it a number may become anything. Chosen."""
 
 
 class Reach:
@@ -58,19 +61,29 @@ class Reach:
     def _apply_effects(self, instance: Instance) -> bool:
         """Adds what the instance may do in some state; whether that is anything new."""
         grown = False
+        shifts: dict[tuple[int, Key], list[StateEffect]] = {}
         for effect in instance.effects:
             if can_hold(effect.when, self.known):
-                grown |= self._add(effect.key, self._assigned(effect, instance))
+                if isinstance(effect.effect, Assign):
+                    grown |= self._add(effect.key, frozenset({effect.effect.value}))
+                else:
+                    shifts.setdefault((effect.outcome, effect.key), []).append(effect)
+        for (_, key), effects in shifts.items():
+            grown |= self._add(key, self._shifted(key, effects, instance))
         return grown
 
-    def _assigned(self, effect: StateEffect, instance: Instance) -> frozenset[Value]:
-        if isinstance(effect.effect, Assign):
-            return frozenset({effect.effect.value})
-        symbol, amount = self._universe.symbols[effect.key[0]], effect.effect.amount
-        before = self.known(effect.key) & instance.condition.required.get(
-            effect.key, frozenset(symbol.values)
-        )
-        return frozenset(shifted(symbol, value, amount) for value in before)
+    def _shifted(self, key: Key, effects: Sequence[StateEffect], instance: Instance) -> frozenset[Value]:
+        """What the number may be after those of the shifts that happen."""
+        symbol = self._universe.symbols[key[0]]
+        amounts = {0}
+        for effect in effects:
+            assert isinstance(effect.effect, Shift)
+            more = {amount + effect.effect.amount for amount in amounts}
+            amounts = more if effect.when.always else amounts | more
+            if len(amounts) > _MOST_AMOUNTS:
+                return frozenset(symbol.values)
+        before = self.known(key) & instance.condition.required.get(key, frozenset(symbol.values))
+        return frozenset(shifted(symbol, value, amount) for value in before for amount in amounts)
 
     def _add(self, key: Key, values: frozenset[Value]) -> bool:
         before = self.known(key)

@@ -184,6 +184,6 @@ def literal_text(variable: StateVariable, allowed: Iterable[int]) -> str:
     """A literal as a rule file would write it, like `not dirt(a1)` or `size(a1) = small | medium`."""
     values = [variable.values[index] for index in sorted(allowed)]
     subject = f"{variable.symbol}({', '.join(variable.objects)})"
-    if values == [True] or values == [False]:
+    if len(values) == 1 and isinstance(values[0], bool):
         return subject if values[0] else f"not {subject}"
     return f"{subject} = {' | '.join(map(str, values))}"

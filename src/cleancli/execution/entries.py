@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from cleancli.compiler.conflict import results
 from cleancli.compiler.evaluate import Key, StateView, values_of
 from cleancli.execution import events, journal
 from cleancli.execution.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
@@ -93,10 +94,13 @@ def expected(
 ) -> Expected:
     """What an action does in a state, by the rule that covers it or by the default rule."""
     view = StateView(domain, objects, state)
-    rule, binding = view.covering(action, arguments) or (None, {})
+    found = view.covering(action, arguments)
+    rule = None if found is None else found[0]
+    outcomes = outcomes_of(domain, rule)
+    changes = [{} for _ in outcomes] if found is None else results(domain, view, *found)
     chances = tuple(
-        Chance(float(outcome.probability), outcome.kind.value, _entries(view.changes(outcome, binding)))
-        for outcome in outcomes_of(domain, rule)
+        Chance(float(outcome.probability), outcome.kind.value, _entries(change))
+        for outcome, change in zip(outcomes, changes, strict=True)
     )
     return Expected(None if rule is None else domain.rules[rule].name, chances)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cleancli.language import syntax
 from cleancli.language.conditions import (
     Scope,
@@ -16,39 +18,80 @@ from cleancli.language.conditions import (
     warn_unused_variables,
 )
 from cleancli.language.declarations import without_point
-from cleancli.language.model import Assign, ForAll, Shift, Symbol, Value
-from cleancli.language.overlap import canonical
+from cleancli.language.diagnostics import Span
+from cleancli.language.model import Assign, Condition, Equality, ForAll, Shift, Symbol, Term
+from cleancli.language.overlap import canonical, leaders
+
+_Place = tuple[str, tuple[Term, ...]]
+_Done = dict[_Place, Assign | Shift]
 
 
-def check_effects(node: syntax.Effects, scope: Scope) -> tuple[Assign | Shift | ForAll, ...]:
-    """The effects of one outcome that are right; each fact is changed once (E308)."""
+def check_effects(
+    node: syntax.Effects, scope: Scope, condition: Condition = ()
+) -> tuple[Assign | Shift | ForAll, ...]:
+    """The effects of one outcome that are right, where the rule's condition holds.
+
+    Shifts of one number add up. What is the same for any objects is refused: a second assignment, or a shift
+    beside one (E308); where only some objects are one, grounding decides.
+    """
+    same = leaders([part for part in condition if isinstance(part, Equality)])
     effects: list[Assign | Shift | ForAll] = []
-    changed: dict[tuple[object, ...], Assign | Shift] = {}
+    done: _Done = {}
+    inner: list[tuple[syntax.ForAllNode, ForAll]] = []
     for item in node.effects:
         if isinstance(item, syntax.ForAllNode):
-            effects.append(_forall(item, scope))
+            effect = _forall(item, scope)
+            inner.append((item, effect))
+            effects.append(effect)
             way_out = "put all its effects in parentheses, `forall ?m - type: p(?m) => (q(?m), r(?m))`"
             scope = scope.behind(item.groups, way_out)
-            continue
-        effect = _assignment(item, scope)
-        if effect is None:
-            continue
-        effects.append(effect)
-        key = (effect.symbol, canonical(scope.declared.symbols[effect.symbol], effect.terms))
-        if key in changed:
-            what = "a second time" if _does(changed[key]) == _does(effect) else "in two ways"
-            scope.findings.error(
-                "E308",
-                f"this outcome changes `{effect.symbol}` {what}",
-                item.span,
-                help="an outcome gives each fact one value",
-            )
-        changed[key] = effect
+        elif (assigned := _assignment(item, scope)) is not None:
+            effects.append(assigned)
+            _refuse_second(assigned, done, same, item.span, scope)
+    for item, effect in inner:
+        _refuse_inner(item, effect, done, same, scope)
     return tuple(effects)
 
 
-def _does(effect: Assign | Shift) -> tuple[bool, Value]:
-    return (False, effect.amount) if isinstance(effect, Shift) else (True, effect.value)
+def _refuse_inner(
+    node: syntax.ForAllNode, effect: ForAll, outer: _Done, same: Mapping[Term, Term], scope: Scope
+) -> None:
+    """E308 for what a `forall` changes twice, or otherwise than the outcome does beside it."""
+    if len(effect.effects) < len(node.effects):
+        return  # it has other mistakes
+    own: _Done = {}
+    same = {term: leader for term, leader in same.items() if term not in effect.variables}
+    for item, each in zip(node.effects, effect.effects, strict=True):
+        beside = outer.get(_place(each, same, scope))
+        bound = any(term in effect.variables for term in each.terms)
+        if beside is not None and not bound and beside != each and not _both_shift(beside, each):
+            _refuse(each, "in two ways", item.span, scope)
+        else:
+            _refuse_second(each, own, same, item.span, scope)
+
+
+def _refuse_second(
+    effect: Assign | Shift, done: _Done, same: Mapping[Term, Term], span: Span, scope: Scope
+) -> None:
+    place = _place(effect, same, scope)
+    before = done.setdefault(place, effect)
+    if before is not effect and not _both_shift(before, effect):
+        equal = isinstance(before, Assign) and isinstance(effect, Assign) and before.value == effect.value
+        _refuse(effect, "a second time" if equal else "in two ways", span, scope)
+
+
+def _refuse(effect: Assign | Shift, how: str, span: Span, scope: Scope) -> None:
+    message = f"this outcome changes `{effect.symbol}` {how}"
+    scope.findings.error("E308", message, span, help="an outcome gives each fact one value")
+
+
+def _place(effect: Assign | Shift, same: Mapping[Term, Term], scope: Scope) -> _Place:
+    terms = tuple(same.get(term, term) for term in effect.terms)
+    return effect.symbol, canonical(scope.declared.symbols[effect.symbol], terms)
+
+
+def _both_shift(one: Assign | Shift, other: Assign | Shift) -> bool:
+    return isinstance(one, Shift) and isinstance(other, Shift)
 
 
 def _assignment(node: syntax.Assignment, scope: Scope) -> Assign | Shift | None:

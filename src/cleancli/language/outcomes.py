@@ -5,6 +5,7 @@ Guaranteed before: the condition under which the outcomes can come about.
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 
 from cleancli.language import syntax
@@ -56,7 +57,7 @@ def check_outcomes(
 ) -> tuple[Outcome, ...]:
     """The outcomes of a rule; their probabilities sum to 1 (E301 to E303), and no two are the same (E309)."""
     rest = _rest(nodes, header, scope)
-    outcomes = tuple(_outcome(node, rest, scope, fixed) for node in nodes)
+    outcomes = tuple(_outcome(node, rest, scope, condition, fixed) for node in nodes)
     _refuse_same(nodes, outcomes, condition, scope)
     return outcomes
 
@@ -115,8 +116,10 @@ def _probability(node: syntax.Number, scope: Scope) -> Fraction:
     return node.value
 
 
-def _outcome(node: syntax.OutcomeNode, rest: Fraction, scope: Scope, fixed: bool) -> Outcome:
-    kind, effects = _result(node.result, scope)
+def _outcome(
+    node: syntax.OutcomeNode, rest: Fraction, scope: Scope, condition: Condition, fixed: bool
+) -> Outcome:
+    kind, effects = _result(node.result, scope, condition)
     prior, seen, marked = _marks(node.weight, scope)
     chance = node.weight.chance
     spans = chance.span, node.weight.span
@@ -172,7 +175,7 @@ def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, int | 
 
 
 def _result(
-    node: syntax.Nothing | syntax.Noise | syntax.Effects, scope: Scope
+    node: syntax.Nothing | syntax.Noise | syntax.Effects, scope: Scope, condition: Condition
 ) -> tuple[OutcomeKind, tuple[_Effect, ...]]:
     match node:
         case syntax.Nothing():
@@ -180,7 +183,7 @@ def _result(
         case syntax.Noise():
             return OutcomeKind.NOISE, ()
         case syntax.Effects():
-            return OutcomeKind.CHANGE, check_effects(node, scope)
+            return OutcomeKind.CHANGE, check_effects(node, scope, condition)
 
 
 def check_default(node: syntax.Default, header: Span, scope: Scope) -> tuple[Outcome, ...]:
@@ -240,7 +243,9 @@ def _effective(node: syntax.OutcomeNode, outcome: Outcome, known: _Known, scope:
     changed_by_all = {
         e.symbol for effect in outcome.effects if isinstance(effect, ForAll) for e in effect.effects
     }
-    real = []
+    falling, rising = _shifted(outcome, False), _shifted(outcome, True)
+    real: list[object] = []
+    amounts: dict[tuple[str, tuple[Term, ...]], int] = {}
     for item, effect in zip(items, outcome.effects, strict=True):
         if isinstance(effect, ForAll):
             real.append(_canonical_forall(effect, scope))
@@ -248,20 +253,26 @@ def _effective(node: syntax.OutcomeNode, outcome: Outcome, known: _Known, scope:
         symbol = scope.declared.symbols[effect.symbol]
         key = (symbol.name, canonical(symbol, effect.terms))
         asked = known.get(key)
-        if asked is not None and effect.symbol not in changed_by_all and _leaves(effect, asked, symbol):
+        alone = effect.symbol not in changed_by_all and effect.symbol not in falling & rising
+        if asked is not None and alone and _leaves(effect, asked, symbol):
             why = f"the rule applies only where `{print_literal(asked, scope.declared.symbols)}`"
             scope.findings.warning("W301", "this effect changes nothing", item.span, help=why)
+        elif isinstance(effect, Shift):
+            amounts[key] = amounts.get(key, 0) + effect.amount
         else:
-            real.append((*key, _value_or_amount(effect)))
-    return frozenset(real)
+            real.append((*key, (":=", effect.value)))
+    shifts = [(*key, ("+=", amount)) for key, amount in amounts.items() if amount]
+    return frozenset(Counter([*real, *shifts]).items())
 
 
-def _value_or_amount(effect: Assign | Shift) -> tuple[str, object]:
-    return ("+=", effect.amount) if isinstance(effect, Shift) else (":=", effect.value)
+def _shifted(outcome: Outcome, rises: bool) -> frozenset[str]:
+    """Names of the functions that plain effects of the outcome raise, or lower."""
+    shifts = [effect for effect in outcome.effects if isinstance(effect, Shift)]
+    return frozenset(effect.symbol for effect in shifts if (effect.amount > 0) is rises)
 
 
 def _canonical_forall(effect: ForAll, scope: Scope) -> tuple[object, ...]:
-    return effect.variables, frozenset(effect.condition), frozenset(effect.effects)
+    return effect.variables, frozenset(effect.condition), frozenset(Counter(effect.effects).items())
 
 
 def _leaves(effect: Assign | Shift, asked: Literal, symbol: Symbol) -> bool:

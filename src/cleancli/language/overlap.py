@@ -41,22 +41,22 @@ def witness(conditions: Iterable[Condition], declared: Declarations) -> Witness 
     """A state in which the literals of all conditions (over the same variables) hold, None if none is."""
     parts = [part for condition in conditions for part in condition]
     equalities = [part for part in parts if isinstance(part, Equality)]
-    leaders = _merge(equalities)
-    for one, leader in leaders.items():
-        if not _can_be_one(one, leader, leaders, declared):
+    stands = leaders(equalities)
+    for one, leader in stands.items():
+        if not _can_be_one(one, leader, stands, declared):
             return None
-    if any(not e.equal and _leader(e.left, leaders) == _leader(e.right, leaders) for e in equalities):
+    if any(not e.equal and _leader(e.left, stands) == _leader(e.right, stands) for e in equalities):
         return None
     allowed: dict[tuple[str, tuple[Term, ...]], frozenset[Value]] = {}
     for part in parts:
         if isinstance(part, Literal):
             symbol = declared.symbols[part.symbol]
-            key = (part.symbol, canonical(symbol, tuple(_leader(t, leaders) for t in part.terms)))
+            key = (part.symbol, canonical(symbol, tuple(_leader(t, stands) for t in part.terms)))
             allowed[key] = allowed.get(key, frozenset(symbol.values)) & part.values
     if not all(allowed.values()):
         return None
     literals = tuple(Literal(name, terms, values) for (name, terms), values in allowed.items())
-    return Witness(tuple((one, leader) for one, leader in leaders.items() if one != leader), literals)
+    return Witness(tuple((one, leader) for one, leader in stands.items() if one != leader), literals)
 
 
 def canonical(symbol: Symbol, terms: tuple[Term, ...]) -> tuple[Term, ...]:
@@ -68,17 +68,17 @@ def _leader(term: Term, leaders: Mapping[Term, Term]) -> Term:
     return leaders.get(term, term)
 
 
-def _merge(equalities: Iterable[Equality]) -> dict[Term, Term]:
+def leaders(equalities: Iterable[Equality]) -> dict[Term, Term]:
     """Each term of an equality with the term that stands for its class: an object if there is one."""
-    leaders: dict[Term, Term] = {}
+    found: dict[Term, Term] = {}
     for equality in equalities:
         if not equality.equal:
             continue
-        left, right = _leader(equality.left, leaders), _leader(equality.right, leaders)
+        left, right = _leader(equality.left, found), _leader(equality.right, found)
         kept, gone = (right, left) if isinstance(right, Object) else (left, right)
-        leaders |= {equality.left: left, equality.right: right}
-        leaders = {term: kept if leader == gone else leader for term, leader in leaders.items()}
-    return leaders
+        found |= {equality.left: left, equality.right: right}
+        found = {term: kept if leader == gone else leader for term, leader in found.items()}
+    return found
 
 
 def _can_be_one(one: Term, leader: Term, leaders: Mapping[Term, Term], declared: Declarations) -> bool:

@@ -40,7 +40,7 @@ def learn(
 ) -> tuple[Learned, ...]:
     """Estimates for every rule that the transitions give an example of, or whose parameter they change.
 
-    In the domain's order, the default rule last.
+    In the domain's order, the default rule last. Raises `Refused` (E602).
     """
     counts = Counter(explain(domain, transition) for transition in transitions)
     seen = {rule: _seen(counts, rule, len(outcomes_of(domain, rule))) for rule in _rules(domain)}
@@ -77,6 +77,7 @@ def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned])
     `sources` are the texts of the domain, those that it includes too; each edit's span names its own. The
     prior stays in the text, so learning again from the same experience changes nothing. `rest` stays too: it
     is what the other outcomes leave. What is fixed is left alone; a parameter changes where it is declared.
+    The default rule of a domain that writes none has no text to change.
     """
     texts = {source.path: source.text for source in sources}
     result: list[Edit] = []
@@ -89,12 +90,17 @@ def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned])
             if outcome.parameter is not None:
                 before = pooled.get(outcome.parameter, (probability, 0))[1]
                 pooled[outcome.parameter] = probability, before + seen
-            elif concerned and not outcome.is_rest and not outcome.fixed:
+            elif concerned and not outcome.is_rest and not outcome.fixed and is_written(outcome):
                 result += _edits_of(outcome, texts, probability, seen)
     for parameter in domain.parameters:
         if parameter.name in pooled and not parameter.fixed:
             result += _edits_of(parameter, texts, *pooled[parameter.name])
     return tuple(result)
+
+
+def is_written(stated: Outcome | Parameter) -> bool:
+    """Whether a text says the probability; that of a default rule that is left out stands nowhere."""
+    return stated.probability_span is not None
 
 
 def _edits_of(

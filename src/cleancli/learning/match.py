@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from cleancli.compiler.conflict import results
 from cleancli.compiler.evaluate import Key, StateView, changeable_symbols
 from cleancli.language.model import Domain, Outcome, OutcomeKind
 from cleancli.learning.experience import Transition
@@ -24,14 +25,15 @@ def explain(domain: Domain, transition: Transition) -> Explanation:
     """The rule that covered the state before, and its likeliest outcome that predicts the state after.
 
     Prediction and observation are compared on the symbols that rules can change, over the objects that the
-    rule binds or changes: an area elsewhere that happens to look different explains nothing.
+    rule binds or changes: an area elsewhere that happens to look different explains nothing. Raises `Refused`
+    (E602) where an outcome of the rule gives something two values in the state before.
     """
     before = StateView(domain, transition.objects, transition.before)
     after = StateView(domain, transition.objects, transition.after)
     rule, binding = before.covering(transition.action, transition.arguments) or (None, {})
     outcomes = outcomes_of(domain, rule)
     priors = prior_probabilities(outcomes)
-    changes = [before.changes(outcome, binding) for outcome in outcomes]
+    changes = [{} for _ in outcomes] if rule is None else results(domain, before, rule, binding)
     scope = {*transition.arguments, *binding.values()}.union(
         *(key[1] for change in changes for key in change)
     )
