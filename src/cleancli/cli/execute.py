@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-import platform
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 import click
 from click.core import ParameterSource
 
-from cleancli import __version__
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
@@ -22,7 +19,7 @@ from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
 from cleancli.cli.resume import unfinished
-from cleancli.cli.running import Inputs, alone_in, interruptions, open_site
+from cleancli.cli.running import Inputs, alone_in, interruptions, open_site, versions
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
@@ -38,8 +35,6 @@ from cleancli.language.load import read_source
 from cleancli.language.model import Domain
 from cleancli.planning.table import PLANNERS
 from cleancli.shipped import find
-
-LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
@@ -278,11 +273,7 @@ def _header(options: EpisodeOptions, job: Job, files: list[dict[str, str]]) -> d
     """What another person needs to run the same again."""
     return {
         "format": 1,
-        "versions": {
-            "cleancli": __version__,
-            "python": platform.python_version(),
-            **{library: version(library) for library in LIBRARIES},
-        },
+        "versions": versions(),
         "seed": options.seed,
         "options": {
             "strategy": options.strategy,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import click
 import msgspec
 
 from cleancli import __version__
-from cleancli.cli.running import Inputs
+from cleancli.cli.running import Inputs, versions
 from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
 from cleancli.execution.setup import EpisodeOptions, Job
@@ -89,6 +88,8 @@ def _options(header: Header) -> EpisodeOptions:
 
 def _tell_versions(header: Header) -> None:
     """Say which libraries differ from those the run began with: it may go on differently then."""
+    now = versions()
     for name, old in header.versions.items():
-        if name not in ("cleancli", "python") and version(name) != old:
-            click.echo(f"note: the run began with {name} {old}, this is {version(name)}", err=True)
+        if name not in ("cleancli", "python") and now.get(name) != old:
+            there = f"this is {now[name]}" if name in now else "which is not installed here"
+            click.echo(f"note: the run began with {name} {old}, {there}", err=True)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
+import platform
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import click
 
+from cleancli import __version__
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
 from cleancli.execution.checkpoint import World
@@ -23,6 +26,8 @@ from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
 
+LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
+
 
 @dataclass(frozen=True, slots=True)
 class Inputs:
@@ -33,6 +38,15 @@ class Inputs:
     sources: tuple[Source, ...]
     options: EpisodeOptions
     job: Job | None
+
+
+def versions() -> dict[str, str]:
+    """What a run may depend on, with its version; a library that is not installed is not among it."""
+    found = {"cleancli": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        with suppress(PackageNotFoundError):
+            found[library] = version(library)
+    return found
 
 
 def open_site(inputs: Inputs, world: World | None = None) -> Site:
