@@ -292,7 +292,8 @@ def main() -> None:
         wanted, asked = 8, replace(asked, samples=500, time_limit=0.01, pairs=30, episodes=8)
     counted, skipped = wanted_scores(wanted, given.seed, asked, given.jobs)
     for name, most in {} if given.planner else FEWER.items():
-        counted += wanted_scores(min(most, wanted), given.seed, replace(asked, planners=(name,)), given.jobs)[0]
+        one = replace(asked, planners=(name,))
+        counted += wanted_scores(min(most, wanted), given.seed, one, given.jobs)[0]
     print_table([score for result in counted for score in result])
     reasons = ", ".join(f"{number} where {reason}" for reason, number in skipped.items())
     print(f"\n{wanted} problems; skipped: {reasons or 'none'}")

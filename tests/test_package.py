@@ -1,4 +1,5 @@
-"""The wheel, installed into an empty environment, plans from another folder with the domains it ships."""
+"""The wheel, installed into an empty environment, plans and acts from another folder with what it ships, and
+needs pybullet for tables alone."""
 
 from __future__ import annotations
 
@@ -26,12 +27,20 @@ def test_wheel_plans_from_another_folder(tmp_path: Path) -> None:
     python = environment / "bin" / "python"
     subprocess.run([*pip, "--python", python, "install", "-q", wheel], check=True, cwd=tmp_path)
     clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    result = subprocess.run(
-        [environment / "bin" / "cleancli", "plan", "cleaning", "three_areas", "--samples", "500", "--json"],
-        check=True,
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=clean,
-    )
-    assert json.loads(result.stdout)["plan"]
+
+    def cleancli(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [environment / "bin" / "cleancli", *words]
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=clean)
+
+    planned = cleancli("plan", "cleaning", "three_areas", "--samples", "500", "--json")
+    assert planned.returncode == 0, planned.stderr
+    assert json.loads(planned.stdout)["plan"]
+    subprocess.run([*pip, "--python", python, "uninstall", "-q", "-y", "pybullet"], check=True, cwd=tmp_path)
+    acted = cleancli("execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--json")
+    assert acted.returncode == 0, acted.stderr
+    told = json.loads(acted.stdout)
+    assert told["episode"]["clean"]
+    assert "pybullet" not in told["versions"]
+    table = cleancli("execute", "cleaning", "two_groups")
+    assert table.returncode == 4
+    assert "pybullet" in table.stderr

@@ -7,9 +7,14 @@ import os
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
+
+from cleancli.cli import running
+from cleancli.cli.main import run
 
 ROOT = Path(__file__).parent.parent.parent
 DOMAIN = (ROOT / "domains" / "cleaning.nid").read_text(encoding="utf-8")
@@ -184,6 +189,34 @@ def test_without_pybullet_only_the_table_is_missing(tmp_path: Path) -> None:
         "plan", "cleaning", "three_areas", "--samples", "100", cwd=tmp_path, PYTHONPATH=str(tmp_path)
     )
     assert planned.returncode == 0, planned.stderr
+
+
+def test_a_run_is_recorded_and_goes_on_without_what_another_machine_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No library but those that a symbolic run needs is asked for its version."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    monkeypatch.setattr(running, "version", _without("pybullet", running.version))
+    words = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
+    assert run([*words, "--max-actions", "1"]) in (0, 3)
+    path = tmp_path / "runs" / "three_areas-seed5-001" / "run.json"
+    told = json.loads(path.read_text())
+    assert "pybullet" not in told["versions"]
+    del told["episode"], told["truth"]
+    told["versions"]["pybullet"] = "3.2.7"
+    path.write_text(json.dumps(told))
+    assert run(["execute", "--resume", str(path.parent), "--quiet"]) in (0, 3)
+    assert "began with pybullet 3.2.7, which is not installed here" in capsys.readouterr().err
+
+
+def _without(name: str, version: Callable[[str], str]) -> Callable[[str], str]:
+    def found(library: str) -> str:
+        if library == name:
+            raise PackageNotFoundError(library)
+        return version(library)
+
+    return found
 
 
 def test_record_that_cannot_be_written_is_an_error_before_motion(tmp_path: Path) -> None:

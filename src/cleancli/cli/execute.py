@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import platform
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import closing
@@ -13,7 +12,6 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
-from cleancli import __version__
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
@@ -22,15 +20,7 @@ from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
 from cleancli.cli.resume import reopened, unfinished
-from cleancli.cli.running import (
-    LIBRARIES,
-    Inputs,
-    alone_in,
-    installed,
-    interruptions,
-    none_left_where_refused,
-    open_site,
-)
+from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended
@@ -295,11 +285,7 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
     """What another person needs to run the same again."""
     return {
         "format": FORMAT,
-        "versions": {
-            "cleancli": __version__,
-            "python": platform.python_version(),
-            **{library: now for library in LIBRARIES if (now := installed(library)) is not None},
-        },
+        "versions": versions(),
         "seed": options.seed,
         "options": {
             "strategy": options.strategy,

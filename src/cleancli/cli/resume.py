@@ -14,7 +14,7 @@ import msgspec
 from msgspec import Meta
 
 from cleancli import __version__
-from cleancli.cli.running import LIBRARIES, Inputs, installed, open_site
+from cleancli.cli.running import LIBRARIES, Inputs, open_site, versions
 from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
 from cleancli.execution.fitting import check_fits
@@ -194,7 +194,10 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
 
 def _tell_versions(header: Header) -> None:
     """Say which libraries differ from those the run began with: it may go on differently then."""
+    found = versions()
     for name in LIBRARIES:
-        old, now = header.versions.get(name), installed(name)
+        old, now = header.versions.get(name), found.get(name)
         if old != now:
-            click.echo(printable(f"note: the run began with {name} {old}, this is {now}"), err=True)
+            here = f"this is {now}" if now else "which is not installed here"
+            began = f"with {name} {old}" if old else f"without {name}"
+            click.echo(printable(f"note: the run began {began}, {here}"), err=True)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import click
 
+from cleancli import __version__
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
 from cleancli.execution.checkpoint import World
@@ -41,6 +43,15 @@ class Inputs:
     job: Job | None
 
 
+def versions() -> dict[str, str]:
+    """What a run may depend on, with its version; a library that is not installed is not among it."""
+    found = {"cleancli": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        with suppress(PackageNotFoundError):
+            found[library] = version(library)
+    return found
+
+
 def open_site(inputs: Inputs, world: World | None = None) -> Site:
     """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
 
@@ -63,14 +74,6 @@ def open_site(inputs: Inputs, world: World | None = None) -> Site:
                 raise
             message = f"the last checkpoint is not one of this world: {error}"
             raise Refused([Diagnostic("E706", message, None)]) from None
-
-
-def installed(library: str) -> str | None:
-    """The version of a library; None where it is not installed."""
-    try:
-        return version(library)
-    except PackageNotFoundError:
-        return None
 
 
 @contextmanager

@@ -10,14 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
-from cleancli.planning.compiled import better
+from cleancli.planning.compiled import better, njit
 from cleancli.planning.states import covering, rewarded
 from cleancli.planning.stream import mixed, split
 

@@ -7,13 +7,12 @@ covers a state.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
-from cleancli.planning.compiled import better
+from cleancli.planning.compiled import better, njit
 from cleancli.planning.states import apply, choosable, draw, rewarded
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 

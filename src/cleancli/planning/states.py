@@ -7,11 +7,10 @@ Guaranteed by `lower_process`: indices are in range, and at most one rule of an 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
-from cleancli.planning.compiled import compiled, inlined
+from cleancli.planning.compiled import compiled, inlined, njit
 from cleancli.planning.stream import GOLDEN, split, uniform
 
 

@@ -11,13 +11,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
+from cleancli.planning.compiled import njit
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.reachable import change, digit, enter, find
 from cleancli.planning.states import choosable, draw, rewarded, step
