@@ -228,6 +228,7 @@ def main() -> None:
     )
     parser.add_argument("--samples", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0, help="where the areas lie")
+    parser.add_argument("--areas", nargs="+", type=int, default=AREAS)
     parser.add_argument("--peers", type=Path)
     asked = parser.parse_args()
     prada(prepare(ground(DOMAIN, layout(2, 0))), Options(10))
@@ -237,7 +238,7 @@ def main() -> None:
     )
     print("times in seconds, on one core CPU time")
     print("ratios: libPRADA's and the reference's time to ours on one core, ours to the floor")
-    tasks = [("random tables", [(areas, layout(areas, asked.seed)) for areas in AREAS])]
+    tasks = [("random tables", [(areas, layout(areas, asked.seed)) for areas in asked.areas])]
     if asked.peers is None or not asked.peers.is_dir():
         print("libPRADA's own files are left out: no --peers FOLDER")
     else:

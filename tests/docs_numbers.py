@@ -44,8 +44,10 @@ NO_FIGURE = re.compile(
     re.VERBOSE | re.MULTILINE,
 )
 NAMED = re.compile(r"`([^`]+)`")
-COMMAND = re.compile(r"(?:python (?:benchmarks|tests)/\w+\.py|cleancli \w+|pytest |tests/[\w/]+(?:\.py)?$)")
-FENCED_COMMAND = re.compile(r"^(?:python benchmarks/\w+\.py|cleancli \w+|pytest ).*$", re.MULTILINE)
+COMMAND = re.compile(
+    r"(?:python (?:benchmarks|tests)/\w+\.py|cleancli [a-z]\w*|pytest |tests/[\w/]+(?:\.py)?$)"
+)
+FENCED_COMMAND = re.compile(r"^(?:python benchmarks/\w+\.py|cleancli [a-z]\w*|pytest ).*$", re.MULTILINE)
 WHOLE = re.compile(r"^Numbers of this (section|page):")
 UNITS = (1.0, 1e-2, 1e-3, 1e-4, 1e-6, 60.0, pi / 180, 1024.0, 1024.0**2, 1024.0**3)
 """What a number in some unit is multiplied by in the code: %, cm, mm, cm², min, degrees, kB, MB, GB."""
