@@ -29,7 +29,7 @@ BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
 DRAWS_NOTHING = {"language.py"}
-LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "strategies.py"}
+LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "regret.py", "strategies.py"}
 """Those that take so long that they go on where they stopped."""
 
 
@@ -68,6 +68,15 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert problems == "8"
     assert 0.9 < float(mean) <= 1.0
     assert "8 problems; skipped: " in result.stdout
+
+
+def test_problems_played_before_are_not_played_again(tmp_path: Path) -> None:
+    arguments = ("--quick", "--problems", "2", "--planner", "sst", "--keep", str(tmp_path / "kept"))
+    first = _run("regret.py", *arguments, cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    lines = (tmp_path / "kept").read_text().splitlines()
+    assert _run("regret.py", *arguments, cwd=tmp_path).stdout == first.stdout
+    assert (tmp_path / "kept").read_text().splitlines() == lines
 
 
 def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
