@@ -28,7 +28,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import asdict, dataclass
-from itertools import pairwise, permutations
+from itertools import islice, pairwise, permutations
 from pathlib import Path
 
 import numpy as np
@@ -102,13 +102,14 @@ def layout(rng: np.random.Generator) -> Scene:
 
 def scores(number: int, seed: int, kept: Kept) -> list[Score]:
     """Those of so many random pushes, `ROUND` upon each layout; a line is printed for each layout."""
-    known = {(row["seed"], row["layout"]): row["scores"] for row in kept.rows()}
+    known = {(row["seed"], row["layout"], row["most"]): row["scores"] for row in kept.rows()}
     found: list[Score] = []
     for table in range(10 * number):
-        if (seed, table) not in known:
-            known[seed, table] = [asdict(judged(push)) for push in pushes(seed, table)]
-            kept.add({"seed": seed, "layout": table, "scores": known[seed, table]})
-        own = [Score(**score) for score in known[seed, table]][: number - len(found)]
+        key = seed, table, min(ROUND, number - len(found))
+        if key not in known:
+            known[key] = [asdict(judged(push)) for push in islice(pushes(seed, table), key[2])]
+            kept.add({"seed": seed, "layout": table, "most": key[2], "scores": known[key]})
+        own = [Score(**score) for score in known[key]]
         found += own
         right, there = (sum(score.areas[i] for score in own) for i in (0, 1))
         print(f"layout {table}: {len(own)} pushes, {right} of {there} areas matched right", flush=True)

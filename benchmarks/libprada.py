@@ -1,6 +1,7 @@
-"""Plans for libPRADA's files against its figures: `python benchmarks/libprada.py FOLDER [samples] [seeds]`.
+"""Plans for libPRADA's files against its figures: `python benchmarks/libprada.py [samples] [seeds]`.
 
-FOLDER holds d2, d4 ... d14, each with rules.dat, state.dat and symbols.dat. The reward is eq. 2, the horizon
+The folder libprada beside this file holds rules and symbols in libPRADA's form, and states with 2 to 14 dirty
+areas, on which the library was run. The reward is eq. 2, the horizon
 1 and the number of dirty areas, the discount 0.95. Values are means over the seeds, with the standard error
 for libPRADA's way; true values are of 20,000 runs by the rules. Seconds are CPU time of a plan for a task
 that is grounded and lowered, on one core, medians; libPRADA's were measured before, on the same kind of
@@ -29,7 +30,7 @@ from cleancli.planning.plan import Options
 from cleancli.planning.prepared import Prepared, prepare
 from cleancli.planning.table import PLANNERS
 
-FILES = ("rules.dat", "state.dat", "symbols.dat")
+FOLDER = Path(__file__).parent / "libprada"
 WORDS = 20_000 // 64
 FEW = 2_000
 """The sequences that prada+ may try where it is to need a hundredth of libPRADA's time."""
@@ -73,9 +74,11 @@ class Result:
         return statistics.stdev(self.values) / len(self.values) ** 0.5 if len(self.values) > 1 else 0.0
 
 
-def tasks(folder: Path) -> Iterator[Task]:
-    """The converted problem's task, and the same with libPRADA's own predicates, grounded as it does."""
-    rules, state, symbols = (read_source(folder / name) for name in FILES)
+def tasks(areas: int) -> Iterator[Task]:
+    """The task of the converted problem with so many areas, and the same with libPRADA's own predicates,
+    grounded as it does."""
+    names = "rules.dat", f"d{areas}.state.dat", "symbols.dat"
+    rules, state, symbols = (read_source(FOLDER / name) for name in names)
     for compat in (False, True):
         wishes = Wishes(predicates=compat)
         converted = convert(rules, state, symbols, wishes, ("domain.nid", "problem.nid"))
@@ -103,16 +106,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("folder", type=Path)
     parser.add_argument("samples", type=int, nargs="?", default=10_000)
     parser.add_argument("seeds", type=int, nargs="?", default=20)
     parser.add_argument("--seed", type=int, default=0, help="the first")
     options = parser.parse_args()
-    folder, samples, seeds = (
-        options.folder,
-        options.samples,
-        range(options.seed, options.seed + options.seeds),
-    )
+    samples, seeds = options.samples, range(options.seed, options.seed + options.seeds)
     print(f"n = {samples}, {len(seeds)} seeds, load {os.getloadavg()[0]:.1f}; libPRADA's own in parentheses")
     print(
         "as libPRADA computes:  areas  rules      actions    prada: value ± error (its)  spread  true (its)"
@@ -120,7 +118,7 @@ def main() -> None:
     )
     rows = []
     for areas, theirs in LIBPRADA.items():
-        task, compat = tasks(folder / f"d{areas}")
+        task, compat = tasks(areas)
         truth = prepare(task)
         literal, shortened = (
             planned(planner, compat, truth, seeds, Options(samples, compat=True))

@@ -11,7 +11,8 @@ comes. Else the same losses are summed over drawn episodes, on the same draws fo
 optimal values as control variate, only the losses are noisy, and an optimal planner has no error at all.
 
 200 problems take about ten minutes of CPU for each of the quick planners, and hours for `uct` and others that
-are given a time limit.
+are given a time limit. It says which problem is done, and with --keep each is a line of FILE: those that
+stand there are not played again.
 """
 
 from __future__ import annotations
@@ -19,15 +20,20 @@ from __future__ import annotations
 import argparse
 import ast
 import itertools
+import json
 import math
 import multiprocessing
+import sys
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from instances import FAMILIES, instance
+from kept import Kept
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import GroundAction
@@ -243,17 +249,39 @@ def print_table(found: Sequence[Score]) -> None:
         print(f"{name:{width}} {'  '.join(shown)}\n{'':{width}} worst: {worst}")
 
 
-def played(seeds: Iterable[int], asked: Asked, jobs: int) -> list[tuple[Score, ...] | str]:
-    """The scores of all seeds, in their order."""
-    numbers = list(seeds)
+def played(seeds: Sequence[int], asked: Asked, jobs: int, kept: Kept) -> Iterator[tuple[Score, ...] | str]:
+    """The scores of all seeds, in their order; those that are kept are not played again."""
+    what = json.loads(json.dumps(asdict(asked)))
+    known = {row["seed"]: row["result"] for row in kept.rows() if row["asked"] == what}
+    fresh = in_turn([seed for seed in seeds if seed not in known], asked, jobs)
+    for seed in seeds:
+        if seed not in known:
+            known[seed] = next(fresh)
+            kept.add({"asked": what, "seed": seed, "result": known[seed]})
+        result = known[seed]
+        said = "skipped" if isinstance(result, str) else f"{len(result)} planners"
+        print(f"problem {seed}: {said}", file=sys.stderr, flush=True)
+        yield result if isinstance(result, str) else tuple(Score(**score) for score in result)
+
+
+def in_turn(seeds: Sequence[int], asked: Asked, jobs: int) -> Iterator[list[dict[str, Any]] | str]:
+    """The scores of each seed as data, as soon as they are known."""
     if jobs == 1:
-        return [scores(seed, asked) for seed in numbers]
+        yield from (as_data(scores(seed, asked)) for seed in seeds)
+        return
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as executor:
-        return list(executor.map(scores, numbers, [asked] * len(numbers)))
+        yield from map(as_data, executor.map(scores, seeds, [asked] * len(seeds)))
+
+
+def as_data(result: tuple[Score, ...] | str) -> list[dict[str, Any]] | str:
+    """What a file can keep."""
+    if isinstance(result, str):
+        return result
+    return [asdict(score) | {"share": float(score.share), "error": float(score.error)} for score in result]
 
 
 def wanted_scores(
-    wanted: int, first: int, asked: Asked, jobs: int
+    wanted: int, first: int, asked: Asked, jobs: int, kept: Kept
 ) -> tuple[list[tuple[Score, ...]], Mapping[str, int]]:
     """The scores of so many problems, and how many were skipped on the way, by reason."""
     counted: list[tuple[Score, ...]] = []
@@ -261,7 +289,7 @@ def wanted_scores(
     while len(counted) < wanted:
         batch = range(first, first + wanted - len(counted))
         first = batch.stop
-        for result in played(batch, asked, jobs):
+        for result in played(batch, asked, jobs, kept):
             if isinstance(result, str):
                 skipped[result] = skipped.get(result, 0) + 1
             else:
@@ -278,6 +306,7 @@ def main() -> None:
     parser.add_argument(
         "--planner", action="append", help="perhaps with options, like prada+:solve=0; default: all"
     )
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="problems played before are in it")
     parser.add_argument("--pairs", type=int, default=60)
     parser.add_argument("--episodes", type=int, default=20)
     parser.add_argument("--time-limit", type=float, default=0.1)
@@ -290,10 +319,11 @@ def main() -> None:
     wanted = given.problems
     if given.quick:
         wanted, asked = 8, replace(asked, samples=500, time_limit=0.01, pairs=30, episodes=8)
-    counted, skipped = wanted_scores(wanted, given.seed, asked, given.jobs)
+    kept = Kept(given.keep)
+    counted, skipped = wanted_scores(wanted, given.seed, asked, given.jobs, kept)
     for name, most in {} if given.planner else FEWER.items():
         one = replace(asked, planners=(name,))
-        counted += wanted_scores(min(most, wanted), given.seed, one, given.jobs)[0]
+        counted += wanted_scores(min(most, wanted), given.seed, one, given.jobs, kept)[0]
     print_table([score for result in counted for score in result])
     reasons = ", ".join(f"{number} where {reason}" for reason, number in skipped.items())
     print(f"\n{wanted} problems; skipped: {reasons or 'none'}")

@@ -29,7 +29,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 PAGES = tuple(sorted((ROOT / "docs").rglob("*.md")))
 
-NUMBER = re.compile(r"(?<![\w.,-])[-−]?\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?(?![\w])")
+NUMBER = re.compile(r"(?<![\w.,^-])[-−]?\d+(?:\^\d+)?(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?(?![\w])")
 NO_FIGURE = re.compile(
     r"""
     `[^`]*` | \]\([^)]*\) | ^\s*\d+\.\s              # code, targets of links, the number of an item
@@ -44,11 +44,13 @@ NO_FIGURE = re.compile(
     re.VERBOSE | re.MULTILINE,
 )
 NAMED = re.compile(r"`([^`]+)`")
-COMMAND = re.compile(r"(?:python (?:benchmarks|tests)/\w+\.py|cleancli \w+|pytest |tests/[\w/]+(?:\.py)?$)")
-FENCED_COMMAND = re.compile(r"^(?:python benchmarks/\w+\.py|cleancli \w+|pytest ).*$", re.MULTILINE)
+COMMAND = re.compile(
+    r"(?:python (?:benchmarks|tests)/\w+\.py|cleancli [a-z]\w*|pytest |tests/[\w/]+(?:\.py)?$)"
+)
+FENCED_COMMAND = re.compile(r"^(?:python benchmarks/\w+\.py|cleancli [a-z]\w*|pytest ).*$", re.MULTILINE)
 WHOLE = re.compile(r"^Numbers of this (section|page):")
-UNITS = (1.0, 1e-2, 1e-3, 1e-4, 1e-6, 60.0, pi / 180, 1024.0, 1024.0**2, 1024.0**3)
-"""What a number in some unit is multiplied by in the code: %, cm, mm, cm², min, degrees, kB, MB, GB."""
+UNITS = (1.0, 1e3, 1e-2, 1e-3, 1e-4, 1e-6, 60.0, pi / 180, 1024.0, 1024.0**2, 1024.0**3)
+"""What a number in some unit is multiplied by in the code: km, %, cm, mm, cm², min, degrees, kB, MB, GB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +173,8 @@ def _file(name: str) -> Path | None:
 
 
 def _sets(name: str, written: str) -> bool:
-    value = abs(float(written.replace(",", "").replace("−", "-")))
+    base, _, exponent = written.replace(",", "").replace("−", "-").partition("^")
+    value = abs(float(base)) ** int(exponent or 1)
     path = _file(name)
     assert path is not None
     return any(isclose(value * unit, found, rel_tol=1e-6) for unit in UNITS for found in _numbers_in(path))

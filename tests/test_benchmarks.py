@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import os
 import re
 import runpy
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from cleancli.cli.main import run
 
 ROOT = Path(__file__).parent.parent
 
@@ -24,7 +29,7 @@ BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
 DRAWS_NOTHING = {"language.py"}
-LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "strategies.py"}
+LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "regret.py", "strategies.py"}
 """Those that take so long that they go on where they stopped."""
 
 
@@ -63,6 +68,15 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert problems == "8"
     assert 0.9 < float(mean) <= 1.0
     assert "8 problems; skipped: " in result.stdout
+
+
+def test_problems_played_before_are_not_played_again(tmp_path: Path) -> None:
+    arguments = ("--quick", "--problems", "2", "--planner", "sst", "--keep", str(tmp_path / "kept"))
+    first = _run("regret.py", *arguments, cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    lines = (tmp_path / "kept").read_text().splitlines()
+    assert _run("regret.py", *arguments, cwd=tmp_path).stdout == first.stdout
+    assert (tmp_path / "kept").read_text().splitlines() == lines
 
 
 def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
@@ -140,10 +154,39 @@ def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: P
     assert len(kept.read_text().splitlines()) == 2
     rows = [line.split("|")[1:-1] for line in first.stdout.splitlines() if line.startswith("| ")][1:]
     assert [row[0].strip() for row in rows] == ["plan-2", "reactive"]
-    assert [row[6:8] for row in rows] == [[" 0 ", " 0 "]] * 2
+    assert [row[6:8] for row in rows] == [[" 0 ", " 0 of 1 "]] * 2
     again = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
     assert again.stdout.split("\n\n")[1:] == first.stdout.split("\n\n")[1:]
     assert len(kept.read_text().splitlines()) == 2
+    # What the command itself comes to, down to the last bit of the robot's time.
+    words = ("execute", "cleaning", "two_groups", "--strategy", "reactive", "--seed", "1", "--no-video")
+    assert run([*words, "--runs", str(tmp_path / "runs"), "--quiet"]) == 0
+    told = json.loads((tmp_path / "runs" / "two_groups-seed1-001" / "run.json").read_text())
+    row = next(row for row in map(json.loads, kept.read_text().splitlines()) if row["job"][2] == "reactive")
+    assert row["actions"] == told["episode"]["actions"]
+    for kind in ("transits", "actions"):
+        assert row["seconds"][kind] == told["episode"]["seconds"][kind]
+
+
+def test_times_of_strategies_are_of_clean_runs_and_the_others_are_counted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    strategies = importlib.import_module("strategies")
+
+    def row(strategy: str, seed: int, clean: bool, seconds: float, left: int) -> dict[str, Any]:
+        spent = dict.fromkeys(strategies.KINDS, seconds / 5) | {"total": seconds}
+        job = ["cleaning", "two_groups", strategy, seed]
+        return {"job": job, "clean": clean, "actions": 4, "seconds": spent, "left": left, "lost": 1}
+
+    found = [row("tsp", 1, True, 30.0, 0), row("tsp", 2, False, 900.0, 5), row("reactive", 1, True, 60.0, 0)]
+    found += [row("wipe", 1, False, 900.0, 7)]
+    lines = list(strategies.table(found, "two_groups", ["reactive", "tsp", "wipe"]))
+    head, *rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in (lines[1], *lines[3:])]
+    tsp = dict(zip(head, rows[1], strict=True))
+    assert (rows[1][:3], tsp["left"], tsp["not clean"]) == (["tsp", "30.0", "0.50"], "7", "1 of 2")
+    wipe = dict(zip(head, rows[2], strict=True))
+    assert (wipe["seconds"], wipe["left"], wipe["not clean"]) == ("", "8", "1 of 1")
 
 
 def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:

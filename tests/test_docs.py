@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
@@ -9,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.cli.main import run
+import docs_numbers
+from cleancli.cli.main import SUMMARIES, run
+from docs_numbers import Passage, named_commands, passages, sourced
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -41,3 +44,91 @@ def test_readme_states_the_two_commands() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert "<!-- test command -->\n```sh\n" in text, ".ci/run finds the test command by this mark"
     assert "cleancli execute cleaning two_groups --seed 1\n" in text
+
+
+@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=lambda page: page.stem)
+def test_every_number_names_its_source(page: Path) -> None:
+    """docs/decisions/0010; `python tests/docs_numbers.py` lists them all."""
+    numbers = list(sourced(page.stem, page.read_text(encoding="utf-8")))
+    assert [f"line {number.line}: {number.written}" for number in numbers if not number.source] == []
+
+
+@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=lambda page: page.stem)
+def test_commands_that_make_numbers_are_there(page: Path) -> None:
+    for command in named_commands(page.read_text(encoding="utf-8")):
+        words = command.split()
+        if words[0] == "cleancli":
+            assert words[1] in SUMMARIES, command
+        elif words[0] == "python":
+            text = (ROOT / words[1]).read_text(encoding="utf-8")
+            for option in (word for word in words if word.startswith("--") and word != "--help"):
+                assert f'"{option}"' in text, f"{command}: {words[1]} has no {option}"
+        else:
+            assert (ROOT / words[-1].partition("::")[0]).exists(), command
+
+
+def test_a_number_without_a_source_is_found() -> None:
+    """Of each way to name one, and of each way to miss."""
+    page = """# Page
+
+It takes 17 s.
+
+It takes 18 s (`python benchmarks/world.py`).
+
+Rags are 12 cm wide, and 13 cm long (`scene/grasps.py`).
+
+Measured by `cleancli act`:
+
+| a | b |
+|---|---|
+| 19 | 20 |
+
+After it comes 21.
+
+## Another section
+
+- 22 items
+- 23 (`tests/world`)
+
+Numbers of this section: `motion/pace.py`.
+
+- The tool goes 0.2 m/s, or 25 cm/s, or 26 cm/s, E602, `27`, §4.2, seed 28, in 2 ways.
+"""
+    found = {number.written: number.source for number in sourced("page", page)}
+    assert [written for written, source in found.items() if not source] == ["17", "13", "21", "22", "26"]
+    assert found["18"] == "python benchmarks/world.py"
+    assert found["12"] == "scene/grasps.py"
+    assert found["19"] == found["20"] == "cleancli act"
+    assert found["0.2"] == found["25"] == "motion/pace.py"
+    assert not {"602", "27", "28", "2", "4.2"} & found.keys()
+
+
+def test_a_page_is_cut_into_passages() -> None:
+    page = "# Head\nText\nof two lines\n- one\n  more\n- two\n\n| a |\n| b |\n```\n# code\n\n- x\n```\nEnd"
+    assert [(part.kind, part.line) for part in passages("page", page)] == [
+        ("heading", 1),
+        ("text", 2),
+        ("item", 4),
+        ("item", 6),
+        ("table", 8),
+        ("code", 10),
+        ("text", 15),
+    ]
+    assert Passage("page", 1, 0, "text", "by `python\nbenchmarks/world.py 3`").names() == (
+        "python benchmarks/world.py 3",
+    )
+
+
+def test_options_of_a_run_are_those_that_the_document_lists(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["execute", "cleaning", "three_areas", "--seed", "1", "--samples", "200", "--quiet"]) == 0
+    told = json.loads((tmp_path / "runs" / "three_areas-seed1-001" / "run.json").read_text(encoding="utf-8"))
+    text = (ROOT / "docs" / "runs.md").read_text(encoding="utf-8")
+    rows = {
+        name: set(re.findall(r"`(\w+)`", meaning.partition(":")[2]))
+        for name, meaning in re.findall(r"^\| `(\w+)` \| (.*) \|$", text, re.MULTILINE)
+    }
+    assert set(told["options"]) == rows["options"]
+    assert told.keys() <= rows.keys()
