@@ -211,17 +211,23 @@ def _wait(process: int) -> int:
     return os.waitstatus_to_exitcode(status)
 
 
+def imported(path: Path) -> set[str]:
+    """The modules of cleancli that a file imports, as paths below it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "cleancli":
+            names = [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
+            found |= {"/".join(name.split(".")[1:]) + ".py" for name in names}
+    return found
+
+
 def importers() -> dict[str, set[str]]:
     """For each module, those that import it, and those that import them."""
     sources = ROOT / "src" / "cleancli"
     direct: dict[str, set[str]] = defaultdict(set)
     for path in sources.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("cleancli"):
-                dotted = [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
-                for name in dotted:
-                    imported = "/".join(name.split(".")[1:]) + ".py"
-                    direct[imported].add(path.relative_to(sources).as_posix())
+        for module in imported(path):
+            direct[module].add(path.relative_to(sources).as_posix())
     found = {}
     for module in list(direct):
         pending, seen = [module], set()

@@ -114,7 +114,7 @@ class Knowledge:
         self._breadth: dict[str, int] = {}
         names = {identity: block for block, identity in number.items()}
         read = {self._read(path, names) for path in sorted((folder / "coverage").glob("*.jsonl"))}
-        self._unknown = [file for file in test_files() if file not in read]
+        self._unknown = {file: runs.imported(ROOT / file) for file in test_files() if file not in read}
         self._importers = runs.importers()
 
     def _read(self, path: Path, names: dict[int, str]) -> str:
@@ -136,10 +136,7 @@ class Knowledge:
     def tests_for(self, change: Change, budget: float, kills: Counter[tuple[str, str]]) -> Chosen:
         """In two stages: a few tests of few files, then all within `budget` seconds."""
         tests = self._running(change)
-        for file in self._unknown:
-            if file.split("/")[1] == change.module.split("/")[0]:
-                tests.add(file)  # as a whole
-                self._seconds[file], self._breadth[file] = UNKNOWN_SECONDS, 0
+        tests |= self._perhaps_running(change)
 
         def rank(test: str) -> tuple[int, float]:
             apart = 1.0 if test.split("/")[1] == change.module.split("/")[0] else 2.0
@@ -181,8 +178,16 @@ class Knowledge:
             found = self._functions.get(place)
         return set(found or ())
 
-    def knows(self, block: str) -> bool:
-        return block in self._blocks
+    def _perhaps_running(self, change: Change) -> set[str]:
+        """Of the test files that were not looked at yet those that import the module or what imports it, whole."""
+        users = self._importers.get(change.module, set())
+        found = set()
+        for file, modules in self._unknown.items():
+            if change.module in modules or modules & users:
+                found.add(file)
+                near = 1 if change.module in modules else 4
+                self._seconds[file], self._breadth[file] = near * UNKNOWN_SECONDS, 0
+        return found
 
 
 def _by_file(tests: dict[str, float]) -> dict[str, float]:

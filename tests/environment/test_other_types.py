@@ -1,4 +1,4 @@
-"""Domains whose constants, predicates and actions speak of more than areas are told as far as they are seen."""
+"""Domains that speak of more than areas are legal, and told as far as they are seen."""
 
 from __future__ import annotations
 
