@@ -1,0 +1,52 @@
+"""Of the many ways of an arm one is preferred that begins near its present joints (motion/joint_path.py)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cleancli.motion.actions import tool_path
+from cleancli.motion.arm import Arm, everywhere, poses
+from cleancli.motion.clearance import clear
+from cleancli.motion.joint_path import stroke
+from cleancli.motion.legs import legs
+from cleancli.motion.path import Interpolation, ToolPath
+from cleancli.perception.area import Ellipse
+from cleancli.scene.model import Scene
+from cleancli.world.wam import BUILD, arm_for
+
+_Array = NDArray[np.float64]
+REST = np.array(BUILD.rest)
+
+
+@pytest.fixture(scope="module")
+def arm(paper_scene: Scene) -> Arm:
+    return arm_for(paper_scene)
+
+
+def seconds(arm: Arm, begin: _Array, end: _Array) -> _Array:
+    """The shortest time between joints at full speed."""
+    taken: _Array = (np.abs(end - begin) / np.array(arm.speed)).max(axis=-1)
+    return taken
+
+
+def beginning(arm: Arm, path: ToolPath, how: Interpolation, here: _Array) -> _Array:
+    first: _Array = stroke(arm, legs(path.waypoints, np.zeros(4)), how, here, 1)[0][0]
+    return first
+
+
+@pytest.mark.parametrize("how", list(Interpolation))
+@pytest.mark.parametrize(("x", "y"), [(-0.15, 0.1), (0.1, -0.15)])
+def test_a_stroke_begins_near_where_the_arm_is(
+    arm: Arm, paper_scene: Scene, how: Interpolation, x: float, y: float
+) -> None:
+    path = tool_path("moveToContainerStraight", (Ellipse((x, y), (0.03, 0.02), 0.4),), paper_scene)
+    usual = beginning(arm, path, how, REST)
+    above = legs(path.waypoints, np.zeros(4))[0].points[:1]
+    found = everywhere(arm, poses(above, np.zeros(1)))[0].reshape(-1, 7)
+    found = found[np.isfinite(found).all(axis=1)]
+    found = found[clear(arm, found)]
+    for here in found[np.argsort(-seconds(arm, usual, found), kind="stable")][:3]:
+        there = beginning(arm, path, how, here)
+        assert seconds(arm, here, there) < seconds(arm, here, usual)
