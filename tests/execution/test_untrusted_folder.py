@@ -454,7 +454,7 @@ def test_nothing_from_a_file_steers_the_terminal(folder: Path, capsys: pytest.Ca
     assert run(["report", str(folder)]) == 1
     told = "".join(capsys.readouterr())
     assert not {c for c in told if ord(c) < 32 or 127 <= ord(c) < 160} - {"\n"}
-    assert "·[2J·0m·" in told
+    assert r"\x1b[2J\u009b0m\x07" in told
 
 
 def test_experience_of_a_run_is_learned_from_where_it_is_one(

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import click
 
 from cleancli.cli.completion import check_files
-from cleancli.cli.echo import echo_refused
+from cleancli.cli.echo import wants_colour
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
-from cleancli.language.render import as_json, as_sarif
+from cleancli.language.messages import MOST, counted, distinct, excerpt
+from cleancli.language.render import as_json, as_sarif, render
 
 
 @click.command("check", short_help="Report every mistake in domain, problem and scene files.")
@@ -21,27 +23,31 @@ from cleancli.language.render import as_json, as_sarif
     "--format", "style", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True
 )
 @click.option("--json", "style", flag_value="json", help="The same as --format json.")
-def command(files: tuple[str, ...], style: str) -> int:
+@click.option("--all", "is_all", is_flag=True, help=f"Show all mistakes and warnings, not only {MOST}.")
+def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
     """Report every mistake in FILEs: domains, problems or scenes, by path or shipped name.
 
     A folder stands for all .nid files in it and in its folders, `-` for standard input. A problem is checked
-    with the domain that it names, found beside it or among the shipped ones. Exit code 1 if there is any
-    mistake, 0 if there is none; warnings are printed and change nothing.
+    with the domain that it names, found beside it or among the shipped ones. A mistake to which several files
+    lead is reported once. Exit code 1 if there is any mistake, 0 if there is none; warnings are printed and
+    change nothing.
     """
     names = tuple(expanded(files))
     found = [_found(name) for name in names]
-    diagnostics = [diagnostic for some, _ in found for diagnostic in some]
+    diagnostics = distinct(diagnostic for some, _ in found for diagnostic in some)
     sources = tuple(dict.fromkeys(source for _, some in found for source in some))
     levels = [diagnostic.level for diagnostic in diagnostics]
+    part = excerpt(diagnostics, None if is_all else MOST)
     match style:
         case "json":
-            click.echo(json.dumps(as_json(diagnostics, sources), indent=2))
+            click.echo(json.dumps(as_json(part.shown, sources, part.left_out), indent=2))
         case "sarif":
-            click.echo(json.dumps(as_sarif(diagnostics, sources), indent=2))
+            click.echo(json.dumps(as_sarif(part.shown, sources, left_out=part.left_out), indent=2))
         case _:
-            for some, texts in found:
-                if some:
-                    echo_refused(Refused(some, texts), err=False)
+            if part.shown:
+                click.echo(render(part.shown, sources, colour=wants_colour(sys.stdout)))
+            if part.left_out:
+                click.echo(f"{part.note}: --all shows all")
             click.echo(_summary(levels.count(Level.ERROR), levels.count(Level.WARNING), len(names)))
     return ExitCode.REFUSED if Level.ERROR in levels else ExitCode.DONE
 
@@ -54,9 +60,5 @@ def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
 
 
 def _summary(mistakes: int, warnings: int, files: int) -> str:
-    also = f" and {_number(warnings, 'warning')}" if warnings else ""
-    return f"{_number(mistakes, 'mistake')}{also} in {_number(files, 'file')}"
-
-
-def _number(count: int, what: str) -> str:
-    return f"{count} {what}{'s' * (count != 1)}"
+    also = f" and {counted(warnings, 'warning')}" if warnings else ""
+    return f"{counted(mistakes, 'mistake')}{also} in {counted(files, 'file')}"

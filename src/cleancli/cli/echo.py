@@ -1,4 +1,4 @@
-"""Diagnostics on their way to a person."""
+"""Text on its way to a person; what commands print goes through here, so that no file steers a terminal."""
 
 from __future__ import annotations
 
@@ -8,14 +8,39 @@ from typing import TextIO
 
 import click
 
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics import Refused, printable
+from cleancli.language.messages import MOST, excerpt
 from cleancli.language.render import render
+
+_SHOWN = f"{__name__}.shown"
+
+
+def echo(text: str = "", err: bool = False, nl: bool = True) -> None:
+    """Print a text with its line ends and tabs; other control characters are shown, not sent."""
+    click.echo(printable(text, keep="\n\t"), err=err, nl=nl)
+
+
+def echo_file(text: str) -> None:
+    """Print lines of a file as they are; to a terminal, as `echo` does."""
+    if sys.stdout.isatty():
+        echo(text)
+    else:
+        click.echo(text.encode("utf-8", "surrogateescape"))
 
 
 def echo_refused(refused: Refused, err: bool = True) -> None:
-    """Print every mistake, to standard error or to standard output."""
+    """Print the mistakes, to standard error or to standard output; of one run no more than `MOST`."""
+    context = click.get_current_context(silent=True)
+    before = 0 if context is None else context.meta.get(_SHOWN, 0)
+    part = excerpt(refused.diagnostics, MOST - before)
+    if context is not None:
+        context.meta[_SHOWN] = before + len(part.shown)
     stream = sys.stderr if err else sys.stdout
-    click.echo(render(refused.diagnostics, refused.sources, colour=wants_colour(stream)), err=err)
+    if part.shown:
+        # The renderer makes control characters visible; the only ones left are its own colours.
+        click.echo(render(part.shown, refused.sources, colour=wants_colour(stream)), err=err)
+    if part.left_out:
+        echo(f"{part.note}: `cleancli check --all` shows all of .nid files", err=err)
 
 
 def wants_colour(stream: TextIO) -> bool:

@@ -20,7 +20,7 @@ from cleancli.language.definitions import (
     names_of_counts,
     read_derived,
 )
-from cleancli.language.findings import Findings, meant
+from cleancli.language.findings import Findings
 from cleancli.language.model import (
     Count,
     DerivedPredicate,
@@ -110,7 +110,10 @@ def known_counts(counts: Collection[str], name: syntax.Name, scope: Scope) -> bo
     """Whether a name is that of a derived count; E207 where not."""
     if name.text not in counts and "derived" not in scope.declared.unsure:
         scope.findings.error(
-            "E207", f"unknown count `{name.text}`", name.span, help=meant(name.text, counts, "count")
+            "E207",
+            f"unknown count `{name.text}`",
+            name.span,
+            help=scope.findings.meant(name.text, counts, "count"),
         )
     return name.text in counts
 

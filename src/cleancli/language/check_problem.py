@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from itertools import product
 
@@ -19,6 +20,7 @@ from cleancli.language.conditions import (
 from cleancli.language.declarations import Once, read_objects, refuse_repeated, sections_of, without_point
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings
+from cleancli.language.messages import counted
 from cleancli.language.model import (
     Condition,
     Domain,
@@ -43,6 +45,8 @@ _SECTIONS: Mapping[type[syntax.Node], str] = {
     syntax.Discount: "discount",
     syntax.Planner: "planner",
 }
+_OF_DOMAIN = re.compile(r"E20[135789]|E21[01]|E221|E306|E40[24]|E410|W20[24]|W401")
+"""What is wrong with a problem only because of what its domain declares."""
 _MOST_NAMED = 3
 _LONGEST = 1000
 """Actions in a plan: far beyond any table, near enough that a slip of the pen is caught."""
@@ -51,7 +55,6 @@ _LONGEST = 1000
 def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> Problem:
     """The model of a problem; it may only be used if `findings` holds no error."""
     refuse_repeated(node.sections, _SECTIONS, frozenset(), findings)
-    _check_domain_name(node, domain, findings)
     scope = scope_of(domain, findings)
     objects = _objects(node, domain, scope)
     everything = {**scope.objects, **{o.name: o for o in objects}}
@@ -72,6 +75,7 @@ def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) 
         options.samples,
         options.seed,
     )
+    _check_domain_name(node, domain, findings)
     if not findings.errors:
         warn_impossible(problem, domain, _place_of_init(node), findings)
     return problem
@@ -88,11 +92,13 @@ def _check_domain_name(node: syntax.ProblemNode, domain: Domain, findings: Findi
         )
     for section in named:
         if section.name.text != domain.name:
-            findings.error(
-                "E401",
-                f"this problem is for the domain `{section.name.text}`, not `{domain.name}`",
-                section.name.span,
-            )
+            folded = findings.fold(_OF_DOMAIN)
+            help = f"name the domain `{section.name.text}` instead"
+            if folded:
+                verb = "is" if folded == 1 else "are"
+                help += f"; {counted(folded, 'message')} that may follow from this {verb} left out"
+            message = f"this problem is for the domain `{section.name.text}`, not `{domain.name}`"
+            findings.error("E401", message, section.name.span, help=help)
 
 
 def _objects(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> tuple[Object, ...]:

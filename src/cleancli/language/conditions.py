@@ -8,7 +8,7 @@ from dataclasses import replace
 from cleancli.language import syntax
 from cleancli.language.declarations import Declarations, read_variables, without_point
 from cleancli.language.diagnostics import Span
-from cleancli.language.findings import Findings, meant
+from cleancli.language.findings import Findings
 from cleancli.language.format import print_signature
 from cleancli.language.model import (
     Condition,
@@ -61,7 +61,7 @@ def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:
         variable = scope.variables.get(node.name)
         if variable is None:
             message = f"the variable `?{node.name}` is not bound"
-            help = meant(f"?{node.name}", [f"?{v}" for v in scope.variables], "variable")
+            help = scope.findings.meant(f"?{node.name}", [f"?{v}" for v in scope.variables], "variable")
             if way_out := dict(scope.left).get(node.name):
                 help = f"the quantifier that binds it ended at the comma before: {way_out}"
             scope.findings.error("E204", message, node.span, help=help)
@@ -142,7 +142,7 @@ def resolve_value(node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scop
     elif is_integer(symbol) or isinstance(node, syntax.Number):
         help = f"its values are {shown_values(symbol)}"
     else:
-        help = meant(shown, map(str, symbol.values), "value")
+        help = scope.findings.meant(shown, map(str, symbol.values), "value")
     scope.findings.error("E210", f"`{symbol.name}` has no value `{shown}`", node.span, help=help)
     return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-import unicodedata
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -44,9 +44,21 @@ class Diagnostic(Record):
     level: Level = Level.ERROR
 
 
-def printable(text: str) -> str:
-    """The text with a dot for each control character: these could steer a terminal."""
-    return "".join("·" if unicodedata.category(c) == "Cc" else c for c in text)
+_STEERING = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Control characters, marks that turn the direction of text, line ends, and halves of characters."""
+
+
+def printable(text: str, keep: str = "") -> str:
+    r"""The text with each character that steers a terminal written as `\x1b` or `\u202e`, and a byte of a
+    file name that is no text as `\xff`; those of `keep` stay."""
+    return _STEERING.sub(lambda found: found[0] if found[0] in keep else _escape(ord(found[0])), text)
+
+
+def _escape(code: int) -> str:
+    if 0xDC80 <= code <= 0xDCFF:
+        code -= 0xDC00
+        return f"\\x{code:02x}"
+    return f"\\x{code:02x}" if code < 0x20 else f"\\u{code:04x}"
 
 
 class Refused(Exception):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source, Span
@@ -14,6 +15,10 @@ RESERVED = frozenset(
     }
 )  # fmt: skip
 """Words that the grammar expects where names stand too; as a name they could not be used."""
+
+_FIRST = frozenset({"E401"})
+_MOST_COMPARED = 100_000
+"""Names that spellings are compared with, of all mistakes in a file: about a second's work."""
 
 
 class Findings:
@@ -34,6 +39,7 @@ class Findings:
         self._found = list(found)
         self._errors = len(self._found)
         self._lines: dict[str, Lines] = {}
+        self._compared = 0
 
     @property
     def source(self) -> Source:
@@ -61,11 +67,27 @@ class Findings:
         self, code: str, what: str, name: str, span: Span, known: Iterable[str], where: str = ""
     ) -> None:
         """Note a name that is not declared, with the near ones, or all of them where they are few."""
-        self.error(code, f"unknown {what} `{name}`{where}", span, help=meant(name, known, what))
+        self.error(code, f"unknown {what} `{name}`{where}", span, help=self.meant(name, known, what))
+
+    def meant(self, name: str, known: Iterable[str], what: str) -> str:
+        """As the function `meant`, until it has been asked so often that nobody reads the answers."""
+        names = set(known)
+        if self._compared + len(names) > _MOST_COMPARED:
+            return ""
+        self._compared += len(names)
+        return meant(name, names, what)
 
     def use(self, kind: str, name: str) -> None:
         """Note that something refers to a declared name."""
         self.used.add((kind, name))
+
+    def fold(self, codes: re.Pattern[str]) -> int:
+        """Take back everything that was noted under these codes, and say how much that was."""
+        kept = [diagnostic for diagnostic in self._found if not codes.fullmatch(diagnostic.code)]
+        folded = len(set(self._found)) - len(set(kept))
+        self._found = kept
+        self._errors = sum(diagnostic.level is Level.ERROR for diagnostic in kept)
+        return folded
 
     @property
     def errors(self) -> int:
@@ -82,13 +104,14 @@ class Findings:
 
     @property
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them, file by file in the order of the text; equal ones once."""
+        """All of them, file by file in the order of the text; equal ones once, and first what others follow
+        from."""
         order = {source.path: number for number, source in enumerate(self.sources)}
 
-        def place(diagnostic: Diagnostic) -> tuple[int, int, str, str]:
+        def place(diagnostic: Diagnostic) -> tuple[bool, int, int, str, str]:
             span = diagnostic.span
             where = (-1, -1) if span is None else (order.get(span.path, -1), span.start)
-            return (*where, diagnostic.code, diagnostic.message)
+            return (diagnostic.code not in _FIRST, *where, diagnostic.code, diagnostic.message)
 
         return tuple(sorted(dict.fromkeys(self._found), key=place))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cleancli.language.diagnostics import Diagnostic, Source, Span
@@ -10,7 +11,10 @@ from cleancli.language.lines import Lines
 from cleancli.language.record import Record
 
 _TOKEN = re.compile(r'#[^\r\n]*|"[^"\r\n]*"|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]')
+_LETTER = re.compile(r"[^\r\n]")
 _DEEPEST = 3
+_MOST_REPORTED = 100
+"""Braces: of those that follow from one another, nobody reads more."""
 
 
 class Block(Record):
@@ -33,7 +37,7 @@ class Outline(Record):
 
 def blank(text: str, start: int, end: int) -> str:
     """The text with [start, end) replaced by spaces, line ends kept, so that no offset moves."""
-    return text[:start] + re.sub(r"[^\r\n]", " ", text[start:end]) + text[end:]
+    return text[:start] + _LETTER.sub(" ", text[start:end]) + text[end:]
 
 
 @dataclass(slots=True)
@@ -159,7 +163,20 @@ class _Scan:
             )
 
     def _report(self, code: str, message: str, start: int, end: int, label: str, help: str = "") -> None:
-        self.diagnostics.append(Diagnostic(code, message, Span(self.source.path, start, end), label, help))
+        if len(self.diagnostics) < _MOST_REPORTED:
+            span = Span(self.source.path, start, end)
+            self.diagnostics.append(Diagnostic(code, message, span, label, help))
+
+
+def _without(text: str, blocks: Iterable[Block]) -> str:
+    """The text with these blocks blanked, of which some may lie in others; copied once, however many."""
+    parts, place = [], 0
+    for block in sorted(blocks, key=lambda block: block.start):
+        start, end = max(block.start, place), min(block.end, len(text))
+        if start < end:
+            parts += [text[place:start], _LETTER.sub(" ", text[start:end])]
+            place = end
+    return "".join([*parts, text[place:]])
 
 
 def outline(source: Source) -> Outline:
@@ -173,8 +190,7 @@ def outline(source: Source) -> Outline:
         scan = _Scan(source, by_margin=True)
         scan.run()
     body = source.text if scan.root_end is None else source.text[: scan.root_end]
-    for block in scan.unclosed:
-        body = blank(body, block.start, block.end)
+    body = _without(body, scan.unclosed)
     if scan.root_end is None and any(d.code == "E102" for d in scan.diagnostics):
         body += "}"
     return Outline(tuple(scan.blocks) + tuple(scan.unclosed), body, tuple(scan.diagnostics))

@@ -14,6 +14,8 @@ from cleancli.language.lines import Lines
 
 _TAB = 4
 _WIDEST = 160
+_LONGEST = 2000
+"""Characters of a message."""
 _RED, _YELLOW, _CYAN, _BOLD, _PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[36m", "\x1b[1m", "\x1b[0m"
 
 
@@ -27,23 +29,23 @@ def _one(diagnostic: Diagnostic, lines: dict[str, Lines], colour: bool) -> str:
     paint = _painter(colour)
     tone = _RED if diagnostic.level is Level.ERROR else _YELLOW
     title = paint(f"{diagnostic.level.value}[{diagnostic.code}]", tone)
-    head = f"{title}: {paint(printable(diagnostic.message), _BOLD)}"
+    head = f"{title}: {paint(_safe(diagnostic.message), _BOLD)}"
     span = diagnostic.span
     gutter = "  "
     parts = []
     if span is None:
         parts.append(f"{head}\n")
     elif span.path not in lines:
-        parts.append(f"{printable(span.path)}: {head}\n")
+        parts.append(f"{_safe(span.path)}: {head}\n")
     else:
         line, column = lines[span.path].place(span.start)
-        parts.append(f"{printable(span.path)}:{line}:{column}: {head}\n")
+        parts.append(f"{_safe(span.path)}:{line}:{column}: {head}\n")
         gutter = " " * (len(str(line)) + 1)
         source, carets = _excerpt(lines[span.path], span)
-        label = f" {printable(diagnostic.label)}" if diagnostic.label else ""
+        label = f" {_safe(diagnostic.label)}" if diagnostic.label else ""
         parts.append(f"{gutter}|\n{line} | {source}\n{gutter}| {carets[0]}{paint(carets[1] + label, tone)}\n")
     if diagnostic.help:
-        parts.append(f"{gutter}= {paint('help', _CYAN)}: {printable(diagnostic.help)}\n")
+        parts.append(f"{gutter}= {paint('help', _CYAN)}: {_safe(diagnostic.help)}\n")
     return "".join(parts)
 
 
@@ -75,7 +77,7 @@ def _expand(text: str) -> tuple[str, list[int]]:
             shown.append(" " * width)
         else:
             shown.append(printable(character))
-            width = _width(shown[-1])
+            width = sum(map(_width, shown[-1]))
         widths.append(width)
     return "".join(shown), widths
 
@@ -86,12 +88,30 @@ def _width(character: str) -> int:
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1
 
 
+def _safe(text: str) -> str:
+    """A message, or a part of one, as a terminal may have it; a name of a million letters is cut."""
+    return printable(
+        text if len(text) <= _LONGEST else f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    )
+
+
 def as_json(
-    diagnostics: Iterable[Diagnostic], sources: Iterable[Source]
+    diagnostics: Iterable[Diagnostic], sources: Iterable[Source], left_out: int = 0
 ) -> list[dict[str, str | int | None]]:
-    """Diagnostics as dictionaries; lines and columns from 1, the end exclusive, None without a place."""
+    """Diagnostics as dictionaries; lines and columns from 1, the end exclusive, None without a place.
+
+    Where some are left out, the last dictionary is a note that says how many.
+    """
     lines = {source.path: Lines(source.text) for source in sources}
-    return [_as_dict(diagnostic, lines) for diagnostic in diagnostics]
+    found = [_as_dict(diagnostic, lines) for diagnostic in diagnostics]
+    if left_out:
+        note = _as_dict(Diagnostic("", _left_out(left_out), None), lines)
+        found.append({**note, "level": "note", "left_out": left_out})
+    return found
+
+
+def _left_out(number: int) -> str:
+    return f"{number} more {'is' if number == 1 else 'are'} left out: `cleancli check --all` gives all"
 
 
 def _as_dict(diagnostic: Diagnostic, lines: dict[str, Lines]) -> dict[str, str | int | None]:
@@ -114,23 +134,30 @@ def _as_dict(diagnostic: Diagnostic, lines: dict[str, Lines]) -> dict[str, str |
 
 
 def as_sarif(
-    diagnostics: Iterable[Diagnostic], sources: Iterable[Source], folder: PurePath | None = None
+    diagnostics: Iterable[Diagnostic],
+    sources: Iterable[Source],
+    folder: PurePath | None = None,
+    left_out: int = 0,
 ) -> dict[str, Any]:
     """Diagnostics as one run of SARIF 2.1.0, the format in which code hosts and editors take results.
 
     Lines and columns are those of `as_json`. Files are named as the sources are, but those below `folder`
-    relative to it, and other absolute paths as file URIs.
+    relative to it, and other absolute paths as file URIs. A notification says how many are left out.
     """
     found = tuple(diagnostics)
     lines = {source.path: Lines(source.text) for source in sources}
     codes = sorted({diagnostic.code for diagnostic in found})
     driver = {"name": "cleancli", "version": __version__, "rules": [{"id": code} for code in codes]}
-    run = {
+    run: dict[str, Any] = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
         "newlineSequences": ["\r\n", "\n", "\r"],
         "results": [_as_result(diagnostic, codes, lines, folder) for diagnostic in found],
     }
+    if left_out:
+        note = {"level": "note", "message": {"text": _left_out(left_out)}}
+        run["invocations"] = [{"executionSuccessful": True, "toolExecutionNotifications": [note]}]
+        run["properties"] = {"leftOut": left_out}
     return {
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",

@@ -36,6 +36,8 @@ _MOST_SAID = 12
 _COMMENT = re.compile(r"#[^\r\n]*")
 _FAR = 80
 """How many characters behind a token are looked at for what was meant."""
+_FAR_BACK = 4000
+"""And how many in front of it: those of whole lines."""
 
 
 class Reader:
@@ -69,7 +71,8 @@ class Reader:
     def _accepted(self, error: UnexpectedToken) -> set[str]:
         """The terminals that may stand where the parser stopped."""
         accepted = set(error.accepts or error.expected)
-        before = self._text[: error.token.start_pos or 0].rstrip()
+        start = error.token.start_pos or 0
+        before = self._text[max(0, start - _FAR_BACK) : start].rstrip()
         if accepted == {"THEN", "WITH"} and not before.endswith("{"):
             # The parser had already ended the condition, because in `derived` a name may follow one.
             accepted.add("COMMA")
@@ -99,7 +102,9 @@ class Reader:
 
     def _misplaced(self, token: Token, accepted: frozenset[str]) -> Misplaced:
         start = int(token.start_pos or 0)
-        before = _COMMENT.sub(lambda comment: " " * len(comment[0]), self._text[:start])
+        near = self._text[max(0, start - _FAR_BACK) : start]
+        near = near[near.find("\n") + 1 :] if start > _FAR_BACK else near
+        before = _COMMENT.sub(lambda comment: " " * len(comment[0]), near)
         words = tuple(self._keywords[name] for name in sorted(accepted) if name in self._keywords)
         behind = start + len(token)
         return Misplaced(

@@ -1,0 +1,140 @@
+"""What `check` says of many files and mistakes, as docs/commands.md has it: each once, 100 at most."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cleancli.cli.main import run
+
+BASE = """domain base {
+  types      { area }
+  predicates { dirt(?a - area) }
+  derived    { dirty := count ?a - area: dirt(?a)  lost(?a - area) := dirt(?a), exists ?b - area: dirt(?a) }
+  actions    { wipe(?a - area) }
+  rule wipe_it: wipe(?a) { when dirt(?a) then 0.9: not dirt(?a)  rest: nothing }
+  reward { decrease(dirty) }
+}
+"""
+PROBLEM = "problem {0} {{ domain = base objects {{ a1 - area }} init {{ dirt(a1) }} }}\n"
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str | Path, code: int = 1) -> str:
+    assert run([str(word) for word in words]) == code
+    printed = capsys.readouterr()
+    return printed.out + printed.err
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("names", [["."], ["top.nid", "./base.nid", "p1.nid"], ["p1.nid", "p2.nid"]])
+def test_a_mistake_is_said_once_however_many_files_lead_to_it(
+    folder: Path, capsys: pytest.CaptureFixture[str], names: list[str]
+) -> None:
+    (folder / "base.nid").write_text(BASE.replace("not dirt(?a)", "not dort(?a)"), encoding="utf-8")
+    (folder / "top.nid").write_text('domain top { include "base.nid" }', encoding="utf-8")
+    for name in ("p1", "p2"):
+        (folder / f"{name}.nid").write_text(PROBLEM.format(name), encoding="utf-8")
+    text = said(capsys, "check", *names)
+    assert text.count("error[E203]") == 1
+    assert "1 mistake and 1 warning" in text
+    assert text.count("warning[W202]: the variable `?b`") == 1
+
+
+def test_equal_mistakes_at_two_places_are_two(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = PROBLEM.format("p").replace("dirt(a1)", "dirt(a2), dirt(a2)")
+    (folder / "base.nid").write_text(BASE, encoding="utf-8")
+    (folder / "p.nid").write_text(text, encoding="utf-8")
+    assert said(capsys, "check", "p.nid").count("error[E205]") == 2
+
+
+def test_another_domain_comes_first_and_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = (
+        "problem p { objects { x1 x2 - room  x1 - room } init { at(x1) load(x2) = 3 wet(x9) }"
+        " goal { forall ?r - room: clean(?r) } horizon = 3.5 domain = kitchen }"
+    )
+    (folder / "p.nid").write_text(text, encoding="utf-8")
+    (folder / "base.nid").write_text(BASE, encoding="utf-8")
+    printed = said(capsys, "plan", "base.nid", "p.nid")
+    codes = [line.split("error[")[1][:4] for line in printed.splitlines() if "error[" in line]
+    assert codes == ["E401", "E202", "E406"], "what follows from the domain is not listed, other mistakes are"
+    assert "messages that may follow from this are left out" in printed
+
+
+def test_another_domain_folds_nothing_where_nothing_follows(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "p.nid").write_text("problem p { domain = kitchen objects { a1 - area } }", encoding="utf-8")
+    (folder / "base.nid").write_text(BASE, encoding="utf-8")
+    printed = said(capsys, "plan", "base.nid", "p.nid")
+    assert "E401" in printed
+    assert "follow" not in printed
+
+
+def _many(folder: Path, mistakes: int, warnings: int = 0) -> None:
+    unused = "w{}(?a - area) := dirt(?a), exists ?b - area: dirt(?a)"
+    declared = " ".join(unused.format(n) for n in range(warnings))
+    wrong = " ".join(f"rule r{n}: wope(?a) {{ then 1: noise }}" for n in range(mistakes))
+    text = BASE.replace(unused.replace("w{}", "lost"), declared).replace("reward", f"{wrong} reward")
+    (folder / "base.nid").write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize(("mistakes", "left"), [(100, 0), (101, 1), (300, 200)])
+def test_a_hundred_messages(
+    folder: Path, capsys: pytest.CaptureFixture[str], mistakes: int, left: int
+) -> None:
+    _many(folder, mistakes)
+    text = said(capsys, "check", "base.nid")
+    assert text.count("error[") == 100
+    assert (f"{left} more mistake{'s' * (left != 1)}: --all shows all" in text) == (left > 0)
+    assert text.endswith(f"{mistakes} mistakes in 1 file\n")
+    assert said(capsys, "check", "base.nid", "--all").count("error[") == mistakes
+    planned = said(capsys, "show", "base.nid")
+    assert planned.count("error[") == 100
+    assert (f"{left} more mistake" in planned) == (left > 0)
+
+
+def test_mistakes_go_before_warnings_where_not_all_are_shown(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _many(folder, 40, warnings=90)
+    text = said(capsys, "check", "base.nid")
+    assert (text.count("error["), text.count("warning[")) == (40, 60)
+    assert "30 more warnings: --all shows all" in text
+    assert text.endswith("40 mistakes and 90 warnings in 1 file\n")
+
+
+def test_programs_are_told_how_many_are_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _many(folder, 250)
+    *found, note = json.loads(said(capsys, "check", "base.nid", "--json"))
+    assert [entry["level"] for entry in found] == ["error"] * 100
+    assert (note["level"], note["left_out"], note["path"]) == ("note", 150, None)
+    (sarif,) = json.loads(said(capsys, "check", "base.nid", "--format", "sarif"))["runs"]
+    assert len(sarif["results"]) == 100
+    assert sarif["properties"] == {"leftOut": 150}
+    assert len(json.loads(said(capsys, "check", "base.nid", "--json", "--all"))) == 250
+    (everything,) = json.loads(said(capsys, "check", "base.nid", "--format", "sarif", "--all"))["runs"]
+    assert len(everything["results"]) == 250
+    assert "properties" not in everything
+
+
+def test_bad_lines_by_the_thousand_print_little(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    facts = "\n".join(f"dirt(x{n})" for n in range(10_000))
+    (folder / "base.nid").write_text(BASE, encoding="utf-8")
+    (folder / "p.nid").write_text(PROBLEM.format("p").replace("dirt(a1)", facts), encoding="utf-8")
+    text = said(capsys, "check", "p.nid")
+    assert len(text) < 20_000
+    assert "9900 more mistakes" in text
+
+
+def test_a_name_of_a_million_letters_is_cut(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "base.nid").write_text(
+        BASE.replace("dirt(?a) then", f"{'d' * 10**6}(?a) then"), encoding="utf-8"
+    )
+    assert len(said(capsys, "check", "base.nid")) < 20_000
