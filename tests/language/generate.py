@@ -365,10 +365,12 @@ def _effect(symbol: Symbol, terms: Sequence[str], rng: Random) -> list[str]:
 
 
 def _forall(terms: Typed, beside: Sequence[Sequence[str]], world: World, rng: Random) -> list[list[str]]:
-    """An effect for everything that fits; it sets nothing that those `beside` it always set."""
+    """An effect for everything that fits; it sets nothing that those `beside` it set, and
+    always something."""
     kind = rng.choice(world.types)
     inner = [("?m", kind), *terms]
-    condition = _joined(_literals(_applications(world, inner, rng)[: rng.randint(0, 2)], rng), ",")
+    about_it = [each for each in _applications(world, inner, rng) if "?m" in each[1]]
+    condition = _joined(_literals(about_it[: rng.randint(0, 2)], rng), ",")
     taken = {token for effect in beside for token in effect}
     may_set = [
         (symbol, chosen)
@@ -376,8 +378,8 @@ def _forall(terms: Typed, beside: Sequence[Sequence[str]], world: World, rng: Ra
         if "?m" in chosen or symbol.name not in taken
     ]
     effects = [_effect(*application, rng) for application in may_set[-2:]]
-    if rng.random() < 0.3 or not effects:
-        effects.append(["level", "(", "?m", ")", rng.choice(("+=", "-=")), "1"])
+    effects = effects[rng.randint(0, 2) :]
+    effects.append(["level", "(", "?m", ")", rng.choice(("+=", "-=")), rng.choice(("1", "2", "3"))])
     listed = ["(", *_joined(effects, ","), ")"] if len(effects) > 1 or rng.random() < 0.3 else effects[0]
     return [["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]]
 

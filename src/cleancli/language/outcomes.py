@@ -5,10 +5,10 @@ Guaranteed before: the condition under which the outcomes can come about.
 
 from __future__ import annotations
 
-from collections import Counter
 from fractions import Fraction
 
 from cleancli.language import syntax
+from cleancli.language.alike import Asked, asked_by, doing
 from cleancli.language.conditions import Scope
 from cleancli.language.declarations import Once, sections_of, without_point
 from cleancli.language.diagnostics import Span
@@ -24,7 +24,6 @@ from cleancli.language.model import (
     Parameter,
     Shift,
     Symbol,
-    Term,
 )
 from cleancli.language.overlap import canonical
 
@@ -207,18 +206,17 @@ def _refuse_same(
     nodes: tuple[syntax.OutcomeNode, ...], outcomes: tuple[Outcome, ...], condition: Condition, scope: Scope
 ) -> None:
     """E309 for two outcomes that no observation can tell apart, W301 for effects without effect."""
-    known = {
-        (p.symbol, canonical(scope.declared.symbols[p.symbol], p.terms)): p
-        for p in condition
-        if isinstance(p, Literal) and not scope.compat
-    }
+    # libPRADA takes the condition and what is set as independent, so there all that is set counts.
+    asked = Asked({}, {}, idle=False) if scope.compat else asked_by(condition, scope.declared)
     written: dict[str, syntax.OutcomeNode] = {}
     done: dict[object, syntax.OutcomeNode] = {}
     for node, outcome in zip(nodes, outcomes, strict=True):
         if isinstance(node.result, syntax.Effects) and len(outcome.effects) < len(node.result.effects):
             continue
+        if not scope.compat:
+            _warn_idle(node, outcome, condition, scope)
         shown = print_result(outcome, scope.declared.symbols)
-        real = _effective(node, outcome, known, scope)
+        real = doing(outcome, asked, scope.declared)
         if shown in written:
             line = scope.findings.line(written[shown].span)
             help = f"add its probability to the outcome in {line}"
@@ -231,48 +229,29 @@ def _refuse_same(
         done.setdefault(real, node)
 
 
-_Known = dict[tuple[str, tuple[Term, ...]], Literal]
-
-
-def _effective(node: syntax.OutcomeNode, outcome: Outcome, known: _Known, scope: Scope) -> object:
-    """What an outcome changes, in a form that is equal for outcomes that change the same."""
-    if outcome.kind is OutcomeKind.NOISE:
-        return OutcomeKind.NOISE
-    assert outcome.kind is OutcomeKind.NOTHING or isinstance(node.result, syntax.Effects)
-    items = node.result.effects if isinstance(node.result, syntax.Effects) else ()
-    changed_by_all = {
-        e.symbol for effect in outcome.effects if isinstance(effect, ForAll) for e in effect.effects
+def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, condition: Condition, scope: Scope) -> None:
+    """W301 for plain effects that set what the rule's condition says already."""
+    symbols = scope.declared.symbols
+    known = {
+        (p.symbol, canonical(symbols[p.symbol], p.terms)): p for p in condition if isinstance(p, Literal)
     }
-    falling, rising = _shifted(outcome, False), _shifted(outcome, True)
-    real: list[object] = []
-    amounts: dict[tuple[str, tuple[Term, ...]], int] = {}
+    foralls = [effect for effect in outcome.effects if isinstance(effect, ForAll)]
+    unsure = {e.symbol for effect in foralls for e in effect.effects}
+    unsure |= _shifted(outcome, False) & _shifted(outcome, True)
+    items = node.result.effects if isinstance(node.result, syntax.Effects) else ()
     for item, effect in zip(items, outcome.effects, strict=True):
-        if isinstance(effect, ForAll):
-            real.append(_canonical_forall(effect, scope))
+        if isinstance(effect, ForAll) or effect.symbol in unsure:
             continue
-        symbol = scope.declared.symbols[effect.symbol]
-        key = (symbol.name, canonical(symbol, effect.terms))
-        asked = known.get(key)
-        alone = effect.symbol not in changed_by_all and effect.symbol not in falling & rising
-        if asked is not None and alone and _leaves(effect, asked, symbol):
-            why = f"the rule applies only where `{print_literal(asked, scope.declared.symbols)}`"
+        asked = known.get((effect.symbol, canonical(symbols[effect.symbol], effect.terms)))
+        if asked is not None and _leaves(effect, asked, symbols[effect.symbol]):
+            why = f"the rule applies only where `{print_literal(asked, symbols)}`"
             scope.findings.warning("W301", "this effect changes nothing", item.span, help=why)
-        elif isinstance(effect, Shift):
-            amounts[key] = amounts.get(key, 0) + effect.amount
-        else:
-            real.append((*key, (":=", effect.value)))
-    shifts = [(*key, ("+=", amount)) for key, amount in amounts.items() if amount]
-    return frozenset(Counter([*real, *shifts]).items())
 
 
 def _shifted(outcome: Outcome, rises: bool) -> frozenset[str]:
     """Names of the functions that plain effects of the outcome raise, or lower."""
     shifts = [effect for effect in outcome.effects if isinstance(effect, Shift)]
     return frozenset(effect.symbol for effect in shifts if (effect.amount > 0) is rises)
-
-
-def _canonical_forall(effect: ForAll, scope: Scope) -> tuple[object, ...]:
-    return effect.variables, frozenset(effect.condition), frozenset(Counter(effect.effects).items())
 
 
 def _leaves(effect: Assign | Shift, asked: Literal, symbol: Symbol) -> bool:
