@@ -6,16 +6,19 @@ Subcommands are modules that are imported only when called; a module may import 
 from __future__ import annotations
 
 import importlib
-import os
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 
 import click
 
 from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
+from cleancli.cli.streams import NoReader, finish, prepare
 from cleancli.language.diagnostics import Refused, printable
+from cleancli.language.interrupt import ENDING
 from cleancli.world.missing import MissingPhysics
 
 SUMMARIES = {
@@ -75,14 +78,29 @@ def cli(include_outside: bool) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with a documented code; no input ends in a traceback."""
+    prepare()
+    for number in ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:  # else it is ignored, as nohup wants it
+            signal.signal(number, _end)
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def _end(number: int, _: FrameType | None) -> None:
+    raise KeyboardInterrupt
 
 
 def run(arguments: Sequence[str]) -> int:
     """The exit code for a command line; messages go to standard error."""
+    code = _run(arguments)
+    unwritten = finish()
+    if unwritten is not None and code == ExitCode.DONE:
+        return _of_disk(unwritten)
+    return code
+
+
+def _run(arguments: Sequence[str]) -> int:
     try:
         result = cli.main(args=list(arguments), prog_name="cleancli", standalone_mode=False)
-        sys.stdout.flush()
         return result if isinstance(result, int) else ExitCode.DONE
     except Refused as refused:
         _print_refused(refused)
@@ -101,18 +119,17 @@ def run(arguments: Sequence[str]) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return ExitCode.INTERRUPTED
-    except BrokenPipeError:
-        # The reader has gone; Python would complain again when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return ExitCode.FILES
-    except OSError as error:
-        click.echo(f"error: {printable(_said(error))}", err=True)
-        return ExitCode.FILES
+    except (OSError, NoReader) as error:
+        return _of_disk(error)
 
 
-def _said(error: OSError) -> str:
-    """The file and the reason; an error of our own says both in its message."""
-    return str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
+def _of_disk(error: Exception) -> ExitCode:
+    """Say which file could not be written or read, and why; nothing of a reader that has gone. Errors of our
+    own say both in their message."""
+    if isinstance(error, OSError):
+        named = f"{error.filename}: {error.strerror}" if error.filename is not None else str(error)
+        click.echo(f"error: {printable(named)}", err=True)
+    return ExitCode.FILES
 
 
 def _print_refused(refused: Refused) -> None:

@@ -24,6 +24,7 @@ from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site, symbolic_site, table_site
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.interrupt import ENDING
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
@@ -110,8 +111,8 @@ def none_left_where_refused(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def interruptions() -> Iterator[list[int]]:
-    """What Ctrl-C adds to, for a loop to look at where it may end; a library would swallow an exception, or
-    be left half done by it. Pressed three times, it interrupts at once."""
+    """What Ctrl-C, TERM and HUP add to, for a loop to look at where it may end; a library would swallow an
+    exception, or be left half done by it. The third interrupts at once."""
     pressed: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield pressed
@@ -122,8 +123,9 @@ def interruptions() -> Iterator[list[int]]:
         if len(pressed) > 2:
             raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, press)
+    before = {n: signal.signal(n, press) for n in ENDING if signal.getsignal(n) is not signal.SIG_IGN}
     try:
         yield pressed
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -34,7 +34,10 @@ def read_source(path: Path | str) -> Source:
 
 def read_stream(stream: BinaryIO, name: str) -> Source:
     """The text that a stream holds, under the name that its messages shall have; refuses as `read_source`."""
-    raw = stream.read(LARGEST + 1)
+    try:
+        raw = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise Refused([Diagnostic("E003", f"cannot read `{name}`: {error.strerror}", None)]) from None
     if len(raw) > LARGEST:
         raise Refused([too_large(name)])
     return Source(name, _decode(name, raw))
