@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 from cleancli.execution import checkpoint
+from cleancli.execution.folder import EXPERIENCE
 from cleancli.execution.journal import JOURNAL, Ended, read_journal
 
 POLL = 2e-3  # seconds between looks at the journal
@@ -36,7 +37,7 @@ def unreadable(folder: Path) -> str:
         json.loads((folder / "run.json").read_text(encoding="utf-8"))
         if (folder / JOURNAL).exists():
             read_journal(folder)
-        experience = folder / checkpoint.EXPERIENCE
+        experience = folder / EXPERIENCE
         for line in experience.read_text(encoding="utf-8").split("\n")[:-1] if experience.exists() else ():
             json.loads(line)
         checkpoint.last(folder)

@@ -201,3 +201,53 @@ def test_a_run_killed_at_random_moments_loses_nothing(tmp_path: Path) -> None:
     result = _run("faults.py", "--symbolic", "2", "--tables", "0", cwd=tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
     assert re.search(r"symbolic: 2 runs, [1-9]\d* kills, 0 failures", result.stdout)
+
+
+def test_no_changed_file_crashes_or_stalls_a_command(tmp_path: Path) -> None:
+    """Few of each kind here; what was tried is not tried again."""
+    arguments = ("--inputs", "12", "--keep", str(tmp_path / "kept"), "--seed", "3")
+    result = _run("fuzz_commands.py", *arguments, cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    for kind in ("texts", "folders", "looks"):
+        assert f"0 failures in 12 {kind}" in result.stdout
+        assert len((tmp_path / "kept" / f"{kind}.jsonl").read_text().splitlines()) == 12
+
+
+def test_what_fuzzing_finds_is_told(tmp_path: Path) -> None:
+    """A crash, a code that is none, a long computation, a large memory, a death: each is a failure."""
+    script = (
+        "import os, sys, time\n"
+        "from pathlib import Path\n"
+        "import fuzz_commands as fuzz\n"
+        "def crash(): raise RuntimeError('here')\n"
+        "def slow():\n"
+        "    while time.process_time() < 0.8: pass\n"
+        "    return 0\n"
+        "def outside():\n"
+        "    Path('elsewhere/text').write_text('gone')\n"
+        "    return 0\n"
+        "wrongs = {'crash': crash, 'code': lambda: 77, 'memory': lambda: len(bytearray(3 << 30)),\n"
+        "          'death': lambda: os.abort(), 'slow': slow, 'outside': outside, 'fine': lambda: 0}\n"
+        "fuzz.SECONDS = 0.2\n"
+        "fuzz.run = lambda words: wrongs[words[0]]()\n"
+        "fuzz.KINDS['made'] = lambda rng, place, bases: [(name,)]\n"
+        "for number, name in enumerate(wrongs):\n"
+        "    tried = fuzz.attempt(('made', 1, number, Path(), Path(sys.argv[1])))\n"
+        "    print(name, tried.outcome)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'benchmarks'}"}
+    command = [sys.executable, "-c", script, str(tmp_path)]
+    result = subprocess.run(
+        command, env=environment, capture_output=True, text=True, cwd=tmp_path, timeout=60
+    )
+    said = dict(line.split() for line in result.stdout.splitlines())
+    assert said == {
+        "crash": "crash",
+        "code": "crash",
+        "memory": "crash",
+        "death": "death",
+        "slow": "slow",
+        "outside": "outside",
+        "fine": "passed",
+    }, result.stderr
+    assert len(list(tmp_path.glob("made-*"))) == 6
