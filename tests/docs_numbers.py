@@ -37,7 +37,7 @@ NO_FIGURE = re.compile(
     | \beqs?\.\s\d+ | \bFig\.\s\d+ | \b[EWD]\d{3,4}\b | [dD]ecision\s\d+
     | \b(?:Python|[Vv]ersion|Emacs|bash|pybullet|PDDL)\s\(?\d[\d.]*\w*(?:\s(?:to|and|or)\s\d[\d.]*)*
     | (?:\(|,\s|[a-z]\s)(?:19|20)\d\d\b(?=[),:;])    # the year of a publication
-    | \bexit\scodes?\s\d+ | \b\d+\sbits\b | \bseeds?\s\d+(?:(?:\sto|,|\sand)\s\d+)*
+    | \bexit\scodes?\s\d+ | \bstep\s\d+ | \b\d+\sbits\b | \bseeds?\s\d+(?:(?:\sto|,|\sand)\s\d+)*
     | (?<![\w.,-])-?[012](?![\w]|[.,]\d|-|\s?(?:%|mm|cm|m\b|ms|s\b|g\b|rad|degrees|°|MB|kB))
     | γ\^\S+
     """,
@@ -114,6 +114,8 @@ def _kind(line: str, block: Passage) -> str:
         return "heading"
     if not line.strip():
         return ""
+    if line.startswith("    ") and block.kind in ("", "code"):
+        return "code"
     if line.startswith("|"):
         return "table"
     if re.match(r"(-|\d+\.)\s", line) or (block.kind == "item" and line.startswith(" ")):

@@ -25,6 +25,13 @@ def _run(name: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[s
     return subprocess.run(command, env=environment, capture_output=True, text=True, cwd=cwd, timeout=300)
 
 
+def _main(name: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Any:
+    """What a benchmark's `main` returns, in this process."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    monkeypatch.setattr(sys, "argv", [f"{name}.py", *arguments])
+    return importlib.import_module(name).main()
+
+
 BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
@@ -70,12 +77,15 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert "8 problems; skipped: " in result.stdout
 
 
-def test_problems_played_before_are_not_played_again(tmp_path: Path) -> None:
-    arguments = ("--quick", "--problems", "2", "--planner", "sst", "--keep", str(tmp_path / "kept"))
-    first = _run("regret.py", *arguments, cwd=tmp_path)
-    assert first.returncode == 0, first.stderr
-    lines = (tmp_path / "kept").read_text().splitlines()
-    assert _run("regret.py", *arguments, cwd=tmp_path).stdout == first.stdout
+def test_problems_played_before_are_not_played_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ("--problems", "2", "--planner", "sst", "--keep", str(tmp_path / "kept"))
+    _main("regret", monkeypatch, *arguments)
+    first, lines = capsys.readouterr().out, (tmp_path / "kept").read_text().splitlines()
+    assert "2 problems; skipped: " in first
+    _main("regret", monkeypatch, *arguments)
+    assert capsys.readouterr().out == first
     assert (tmp_path / "kept").read_text().splitlines() == lines
 
 
@@ -116,21 +126,24 @@ def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
         assert f"{robot}, seed 1: 0 faults in 4 actions" in result.stdout
 
 
-def test_conservation_draws_by_its_seed_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
+def test_conservation_draws_by_its_seed_and_goes_on_where_it_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A table done before is not done again; one whose line was cut short is."""
     kept = tmp_path / "kept.jsonl"
 
-    def tables(seed: int, actions: int) -> list[str]:
-        result = _run("conservation.py", str(actions), "--seed", str(seed), "--keep", str(kept), cwd=tmp_path)
-        assert result.returncode == 0, result.stdout + result.stderr
-        return [line.partition("table ")[2] for line in result.stdout.splitlines() if ", table " in line]
+    def tables(seed: int) -> list[str]:
+        code = _main("conservation", monkeypatch, "1", "--seed", str(seed), "--keep", str(kept))
+        printed = capsys.readouterr().out
+        assert code == 0, printed
+        return [line.partition("table ")[2] for line in printed.splitlines() if ", table " in line]
 
-    first, second = tables(1, 2), tables(2, 2)
+    first, second = tables(1), tables(2)
     assert first != second, "another seed lays another table"
     whole = kept.read_text(encoding="utf-8")
     kept.write_text(whole.replace('"on_floor": ', '"on_floor": 9', 1)[:-5], encoding="utf-8")
-    assert "on the floor 9" in tables(1, 2)[0], "as the file says"
-    assert tables(2, 2) == second, "done again"
+    assert "on the floor 9" in tables(1)[0], "as the file says"
+    assert tables(2) == second, "done again"
     assert kept.read_text(encoding="utf-8").replace('"on_floor": 9', '"on_floor": ', 1) == whole
 
 
