@@ -61,6 +61,8 @@ motion.pace.STRAIGHT_SPEED | world.md | and {} m/s)
 motion.pick_up.PAN_SLOPE | world.md | slope {})
 motion.pick_up.ONTO_PAN * 100 | world.md | and {:.0f} cm onto the dustpan
 motion.pick_up.TIP * -1 | world.md | tipped by {:.0f} rad
+motion.pace.LIFT * 100 | world.md | begins and ends {:.0f} cm above the surface
+motion.pace.VERTICAL_SPEED | world.md | comes down and is lifted at {:.2f} m/s
 motion.actions.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
 motion.actions.OVERSHOOT * 100 | world.md | the whole rag is {:.0f} cm past the edge
 motion.actions.GREATEST_SLANT | world.md | slants by more than {:.0f}°
