@@ -173,7 +173,7 @@ class Knowledge:
     def _running(self, change: Change) -> set[str]:
         place = change.block.rpartition(":")[0]
         if change.block.endswith(MODULE) or change.compiled:
-            near = set(self._modules.get(change.module, ()))
+            near = set(self._modules.get(change.module, ()))  # those that import it among them
             wanted = self._importers.get(change.module, set()) if change.compiled or not near else set()
             return near.union(*(self._modules.get(module, set()) for module in wanted))
         found = self._blocks.get(change.block)
