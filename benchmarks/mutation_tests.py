@@ -182,13 +182,13 @@ class Knowledge:
         return set(found or ())
 
     def _perhaps_running(self, change: Change) -> set[str]:
-        """Of the test files that were not looked at yet those that import the module, or what does: whole."""
+        """Of the test files that were not looked at yet those of the package, and those that import the
+        module or what imports it: each as a whole."""
         users = self._importers.get(change.module, set())
+        package = change.module.split("/")[0]
         found = set()
-        command = change.module.startswith("cli/")
         for file, modules in self._unknown.items():
-            # Commands are imported by their names, when they are given.
-            if change.module in modules or modules & users or (command and "cli/main.py" in modules):
+            if change.module in modules or modules & users or file.split("/")[1] == package:
                 found.add(file)
                 near = 1 if change.module in modules else 4
                 self._seconds[file], self._breadth[file] = near * UNKNOWN_SECONDS, 0
