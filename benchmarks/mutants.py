@@ -166,8 +166,12 @@ def instrumented(module: str, text: str, number: dict[str, int]) -> str:
         docstring = place == 0 and ast.get_docstring(tree) is not None
         if not docstring and not (isinstance(statement, ast.ImportFrom) and statement.module == "__future__"):
             break
-    if starts:
-        tree.body.insert(place, ast.ImportFrom("mutation_hits", [ast.alias("hit", "_hit_")], 0))
+    else:
+        place = len(tree.body)
+    imported = number.setdefault(f"{module}:{MODULE}", len(number))
+    call = ast.Call(ast.Name("_hit_", ast.Load()), [ast.Constant(imported)], [])
+    tree.body.insert(place, ast.Expr(call))
+    tree.body.insert(place, ast.ImportFrom("mutation_hits", [ast.alias("hit", "_hit_")], 0))
     return ast.unparse(ast.fix_missing_locations(tree)) + "\n"
 
 

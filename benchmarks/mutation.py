@@ -30,7 +30,7 @@ from pathlib import Path
 
 import mutation_runs as runs
 from mutants import Change, Site, changed, sites
-from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect
+from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect, test_files
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "src" / "cleancli"
@@ -71,9 +71,12 @@ def reviewed(path: Path) -> dict[str, str]:
 
 
 def read_results(path: Path) -> list[Result]:
-    """All that was tried; a last line that was cut is left out."""
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
-    return [Result(**json.loads(line)) for line in lines if line.endswith("}\n")]
+    """All that was tried; a last line that was cut is taken away."""
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        path.write_text(whole, encoding="utf-8")
+    return [Result(**json.loads(line)) for line in whole.splitlines()]
 
 
 # ---- which changes
@@ -141,7 +144,6 @@ class Bench:
         self._sound: set[str] = set()
         self._kills: Counter[tuple[str, str]] = Counter()
         runs.make_copy(self.copy)
-        runs.compile_modules(self.copy)
 
     def try_change(self, change: Change) -> Result:
         started = time.perf_counter()
@@ -194,8 +196,10 @@ class Bench:
 
 def work(worker: int, todo: list[Change], asked: argparse.Namespace, claims: Path) -> None:
     """Try changes until all are tried by this process or another, or the time is over."""
-    knowledge = Knowledge(asked.keep)
+    knowledge = Knowledge(asked.keep, asked.tests)
     bench = Bench(asked.keep, worker, knowledge, asked.per_change, asked.seed)
+    if not asked.quick:
+        runs.compile_modules(bench.copy)
     for place, change in enumerate(todo, start=1):
         if time.time() > asked.until:
             break
@@ -269,9 +273,12 @@ def parse() -> argparse.Namespace:
     parser.add_argument(
         "--quick", action="store_true", help="two changes of one small module, by its own tests"
     )
+    parser.add_argument("--tests", nargs="+", metavar="FILE", help="only these test files")
     asked = parser.parse_args()
     if asked.quick:
         asked.changes, asked.workers, asked.module = 2, 1, ["language/record.py"]
+        asked.tests = ["tests/language/test_record.py"]
+    asked.tests = asked.tests or test_files()
     asked.until = time.time() + 60 * asked.minutes
     return asked
 
@@ -290,10 +297,11 @@ def main() -> int:
     if asked.list:
         print(*(f"{change.line:5} {change.key}" for change in changes), sep="\n")
         return 0
-    runs.load_libraries()
+    if not asked.quick:
+        runs.load_libraries()
     runs.keep_kernels_by_their_own_text()
     if not asked.known:
-        collect(folder, asked.workers, ["tests/language/test_record.py"] if asked.quick else None)
+        collect(folder, asked.workers, asked.tests, asked.module if asked.quick else None)
     if asked.collect:
         return 0
     done = {(result.key, result.sha) for result in tried if result.seed == asked.seed}

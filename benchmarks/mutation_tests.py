@@ -35,15 +35,16 @@ class Chosen:
 # ---- finding out
 
 
-def collect(folder: Path, workers: int, only: list[str] | None) -> None:
-    """Run the test files that changed since they were last run in the marked copy, and keep what they ran."""
+def collect(folder: Path, workers: int, files: list[str], modules: list[str] | None) -> None:
+    """Run those of the test files that changed since they were last run in the marked copy, and keep what
+    they ran; of all modules, unless `modules` names some."""
     coverage = folder / "coverage"
     coverage.mkdir(exist_ok=True)
-    todo = [file for file in only or test_files() if _sha_of(coverage / _name(file)) != _sha(ROOT / file)]
+    todo = [file for file in files if _sha_of(coverage / _name(file)) != _sha(ROOT / file)]
     if not todo:
         return
     marked = folder / "marked"
-    _mark(marked, folder / "blocks.json")
+    _mark(marked, folder / "blocks.json", modules)
     shares = [todo[first::workers] for first in range(workers)]
     processes = [
         multiprocessing.get_context("fork").Process(target=_collect, args=(folder, number, share))
@@ -75,14 +76,16 @@ def _sha_of(kept: Path) -> str:
         return str(json.loads(file.readline())["sha"])
 
 
-def _mark(marked: Path, numbers: Path) -> None:
+def _mark(marked: Path, numbers: Path, modules: list[str] | None) -> None:
     """A copy whose blocks tell when they are run; a block keeps the number that it once had."""
     runs.make_copy(marked)
     number: dict[str, int] = json.loads(numbers.read_text()) if numbers.exists() else {}
     sources = marked / "src" / "cleancli"
     for path in sorted(sources.rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        path.write_text(instrumented(path.relative_to(sources).as_posix(), text, number), encoding="utf-8")
+        module = path.relative_to(sources).as_posix()
+        if modules is None or module in modules:
+            text = instrumented(module, path.read_text(encoding="utf-8"), number)
+            path.write_text(text, encoding="utf-8")
     shutil.copy2(Path(__file__).with_name("mutation_hits.py"), marked / "src")
     numbers.write_text(json.dumps(number))
 
@@ -105,7 +108,7 @@ def _collect(folder: Path, worker: int, files: list[str]) -> None:
 class Knowledge:
     """What each test ran, and how long it took."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, files: list[str]) -> None:
         number: dict[str, int] = json.loads((folder / "blocks.json").read_text())
         self._blocks: dict[str, set[str]] = defaultdict(set)
         self._functions: dict[str, set[str]] = defaultdict(set)
@@ -113,16 +116,17 @@ class Knowledge:
         self._seconds: dict[str, float] = {}
         self._breadth: dict[str, int] = {}
         names = {identity: block for block, identity in number.items()}
-        read = {self._read(path, names) for path in sorted((folder / "coverage").glob("*.jsonl"))}
-        self._unknown = {file: runs.imported(ROOT / file) for file in test_files() if file not in read}
+        kept = {file: folder / "coverage" / _name(file) for file in files}
+        for path in kept.values():
+            if path.exists():
+                self._read(path, names)
+        self._unknown = {f: runs.imported(ROOT / f) for f, path in kept.items() if not path.exists()}
         self._importers = runs.importers()
 
-    def _read(self, path: Path, names: dict[int, str]) -> str:
-        """What the tests of a file ran; returns its name."""
-        head, *lines = path.read_text(encoding="utf-8").splitlines()
-        for line in lines:
+    def _read(self, path: Path, names: dict[int, str]) -> None:
+        for line in path.read_text(encoding="utf-8").splitlines()[1:]:
             seen = json.loads(line)
-            if not seen["passed"] or not (ROOT / seen["test"].split("::")[0]).exists():
+            if not seen["passed"]:
                 continue
             test = seen["test"]
             self._seconds[test], self._breadth[test] = seen["seconds"], len(seen["hits"])
@@ -131,7 +135,6 @@ class Knowledge:
                 self._blocks[block].add(test)
                 self._functions[block.rpartition(":")[0]].add(test)
                 self._modules[block.partition(":")[0]].add(test)
-        return str(json.loads(head)["file"])
 
     def tests_for(self, change: Change, budget: float, kills: Counter[tuple[str, str]]) -> Chosen:
         """In two stages: a few tests of few files, then all within `budget` seconds."""
@@ -170,7 +173,7 @@ class Knowledge:
     def _running(self, change: Change) -> set[str]:
         place = change.block.rpartition(":")[0]
         if change.block.endswith(MODULE) or change.compiled:
-            near = set(self._modules.get(change.module, ()))
+            near = set(self._modules.get(change.module, ()))  # those that import it among them
             wanted = self._importers.get(change.module, set()) if change.compiled or not near else set()
             return near.union(*(self._modules.get(module, set()) for module in wanted))
         found = self._blocks.get(change.block)
@@ -179,11 +182,13 @@ class Knowledge:
         return set(found or ())
 
     def _perhaps_running(self, change: Change) -> set[str]:
-        """Of the test files that were not looked at yet those that import the module or what imports it, whole."""
+        """Of the test files that were not looked at yet those of the package, and those that import the
+        module or what imports it: each as a whole."""
         users = self._importers.get(change.module, set())
+        package = change.module.split("/")[0]
         found = set()
         for file, modules in self._unknown.items():
-            if change.module in modules or modules & users:
+            if change.module in modules or modules & users or file.split("/")[1] == package:
                 found.add(file)
                 near = 1 if change.module in modules else 4
                 self._seconds[file], self._breadth[file] = near * UNKNOWN_SECONDS, 0

@@ -68,3 +68,19 @@ def test_names_are_strings(name: object, place: str) -> None:
 def test_a_value_is_one_that_is_declared(value: object) -> None:
     assert refusals({**GOOD, "before": [["load", ["b1"], value]]}) == ["E701"]
     assert refusals({**GOOD, "before": [["dirty", ["b1"], 1]]}) == ["E701"]
+
+
+@pytest.mark.parametrize("entry", [["dirty", [], True], ["dirty", ["b1", "b1"], True], ["left", [], 1]])
+def test_a_symbol_is_declared_for_so_many_objects(entry: object) -> None:
+    assert refusals({**GOOD, "before": [*GOOD["before"], entry]}) == ["E701"]
+
+
+@pytest.mark.parametrize("line", ["[" * 200_000, '{"action": ' + "[" * 200_000, "", "null", "{", '"wipe"'])
+def test_a_line_that_is_no_object_is_a_mistake(line: str) -> None:
+    text = f"{json.dumps(GOOD)}\n{line}\n{json.dumps(GOOD)}\n"
+    if not line:
+        assert len(decode(Source("x.jsonl", text), DOMAIN)) == 2
+        return
+    with pytest.raises(Refused) as refused:
+        decode(Source("x.jsonl", text), DOMAIN)
+    assert [diagnostic.code for diagnostic in refused.value.diagnostics] == ["E701"]

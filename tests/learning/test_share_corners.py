@@ -139,3 +139,21 @@ def test_rounding_keeps_the_order_and_the_sum(free: int, total: str) -> None:
     assert [float(p) for p in found[:-1]] == pytest.approx([e * share for e in estimates], abs=1.01e-4)
     units = [value * 10_000 for value in found[1:-1]]
     assert all(value.denominator == 1 for value in units), "all but the largest have four decimals"
+
+
+@pytest.mark.parametrize("times", [1, 40])
+def test_parameters_take_no_more_than_fixed_outcomes_leave(times: int) -> None:
+    text = learned(
+        "spill = 0.2  slip = 0.1",
+        "0.5 [fixed]: noise  spill: wet(?a)  slip: not dirt(?a), wet(?a)  rest: not dirt(?a)",
+        *[WET, WET, frozenset({Fact("wet", ("a",))})] * times,
+    )
+    domain = load_domain(Source("mop.nid", text))
+    spill, slip = (float(parameter.probability) for parameter in domain.parameters)
+    # Eq. 5 with 2 and 1 of 3 (times 1 or 40), and 10 / sqrt(examples) for the prior.
+    weight = 10 / (3 * times) ** 0.5
+    wanted = [(seen * times + weight * prior) / (3 * times + weight) for seen, prior in ((2, 0.2), (1, 0.1))]
+    factor = min(1.0, 0.5 / sum(wanted))
+    assert factor < 1
+    assert [spill, slip] == pytest.approx([value * factor for value in wanted], abs=2e-4)
+    assert spill + slip <= 0.5

@@ -1,15 +1,18 @@
-"""Of the many ways of an arm one is preferred that begins near its present joints (motion/joint_path.py)."""
+"""Of the many ways of an arm one is taken that begins near its joints; all parts of it are checked."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.motion import joint_path
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import Arm, everywhere, poses
 from cleancli.motion.clearance import clear
-from cleancli.motion.joint_path import stroke
+from cleancli.motion.joint_path import nearest_pose, stroke, through_air
 from cleancli.motion.legs import legs
 from cleancli.motion.path import Interpolation, ToolPath
 from cleancli.perception.area import Ellipse
@@ -50,3 +53,29 @@ def test_a_stroke_begins_near_where_the_arm_is(
     for here in found[np.argsort(-seconds(arm, usual, found), kind="stable")][:3]:
         there = beginning(arm, path, how, here)
         assert seconds(arm, here, there) < seconds(arm, here, usual)
+
+
+@pytest.mark.parametrize("half", [0, 1], ids=["first half", "second half"])
+def test_both_halves_of_a_raised_way_are_looked_at(
+    arm: Arm, half: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The straight way is blocked, and then one half of the way over a raised middle: neither is gone."""
+    begin, end = REST, nearest_pose(arm, np.array((0.1, 0.1, 0.05, 0.5)))
+    obstacles = [(begin + end) / 2]
+
+    def away(dense: _Array) -> _Array:
+        found: _Array = np.min([np.abs(dense - each).max(axis=1) for each in obstacles], axis=0)
+        return found
+
+    def in_air(_: Arm, dense: _Array, *rest: object) -> NDArray[np.bool_]:
+        return away(dense) > 0.1
+
+    monkeypatch.setattr(joint_path, "_in_air", in_air)
+    raised = through_air(arm, begin, end, 0.06, 1)
+    assert len(raised) == 3
+    obstacles.append((raised[half] + raised[half + 1]) / 2)
+    around = through_air(arm, begin, end, 0.06, 1)
+    np.testing.assert_array_equal(around[[0, -1]], np.stack((begin, end)))
+    for first, last in pairwise(around):
+        # It is looked at every 0.04 rad.
+        assert away(first + np.linspace(0, 1, 200)[:, None] * (last - first)).min() > 0.1 - 0.04

@@ -1,0 +1,125 @@
+"""Numbers that the documents state are those of the code: whoever changes one changes the other.
+
+A row is a constant (or an expression of one), a page, and the words around the number there, with the number
+in braces.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+import re
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cleancli.planning.plan import Options
+
+ROOT = Path(__file__).parent.parent
+NUMBERS = """
+compiler.count.RULE_LIMIT | planning.md | more than {:,} groundings
+compiler.count.PART_LIMIT | planning.md | {:,} literals and effects
+compiler.cases.CASE_LIMIT | planning.md | into more than {:,} cases
+compiler.condition.STEP_LIMIT | planning.md | too many paths ({:,} steps)
+compiler.transition.SUPPORT_LIMIT | planning.md | follows the whole distribution, up to {:,} states
+planning.evaluate.RUNS | planning.md | the mean of {:,} drawn runs
+planning.forecast.FEW_STATES | planning.md | exact up to {:,} states
+planning.forecast.RUNS | planning.md | from more, {:,} runs are drawn
+planning.inference.PORTION | planning.md | every {:,} samples of each thread
+planning.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
+planning.prada_plus.WORDS * 64 | planning.md | by {} runs of the process
+cli.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
+execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
+execution.record.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB)
+environment.MOST_ACTIONS | gym.md | actions until truncation ({})
+language.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
+language.symbols._MOST_VALUES | diagnostics.md | at most {} values
+language.check_problem._LONGEST | language.md | a number up to {}
+language.blocks.WIDTH | commands.md | if it fits {} columns
+world.parameters.TABLE_HEIGHT | world.md | A table {:.2f} m above
+world.parameters.CONTAINER_OVERLAP * 100 | world.md | a container that reaches {:.0f} cm under it
+world.parameters.INK_CELL * 1000 | world.md | cells of {:.0f} mm on the surface
+world.parameters.FLAP_LEAN | world.md | lean back by {} rad
+world.parameters.HEIGHT_NOISE * 1000 | world.md | {} mm in height
+world.parameters.SIDE_NOISE * 1000 | world.md | {:.0f} mm sideways
+world.parameters.YAW_NOISE | world.md | {} rad in yaw
+world.robots.WAM_GAP * 100 | world.md | or {:.0f} cm from the edge of a deeper table
+world.robots.REEM_SHOULDERS * 200 | world.md | Two arms on shoulders {:.0f} cm apart
+world.robots.REEM_ABOVE * 100 | world.md | and {:.0f} cm above the surface
+world.robots.PAN_LIP * 1000 | world.md | (lip {} mm,
+world.robots.PAN_HELD | world.md | the lip is raised by {:.2f} rad
+world.robots.PAN_LEAN | world.md | with its lip raised by {} rad
+world.robots.PAN_LEANS[0] | world.md | (within {} to
+world.robots.PAN_LEANS[1] | world.md | to {:.2f} rad, OMPL
+world.robots.PAN_GAP * 1000 | world.md | {} mm above the surface while the dustpan stands
+motion.pace.TRANSIT_SPEED | world.md | travels between strokes at {} m/s
+motion.pace.FAST_SPEED | world.md | differ in speed ({:.2f} and
+motion.pace.STRAIGHT_SPEED | world.md | and {} m/s)
+motion.pick_up.PAN_SLOPE | world.md | slope {})
+motion.pick_up.ONTO_PAN * 100 | world.md | and {:.0f} cm onto the dustpan
+motion.pick_up.TIP * -1 | world.md | tipped by {:.0f} rad
+motion.pace.LIFT * 100 | world.md | begins and ends {:.0f} cm above the surface
+motion.pace.VERTICAL_SPEED | world.md | comes down and is lifted at {:.2f} m/s
+motion.actions.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
+motion.actions.OVERSHOOT * 100 | world.md | the whole rag is {:.0f} cm past the edge
+motion.actions.GREATEST_SLANT | world.md | slants by more than {:.0f}°
+motion.actions.TURN_STRETCH * 200 | world.md | is turned over {:.0f} cm
+motion.joint_path.RAISE * 100 | world.md | over a middle raised by {:.0f} cm
+motion.joint_path.AIR * 100 | world.md | and the rag {} cm above it
+motion.clearance.TABLE_GAP * 100 | world.md | the links {:.0f} cm clear
+motion.clearance.SELF_GAP * 100 | world.md | the links {:.0f} cm clear
+motion.legs.SPACING * 1000 | world.md | at poses {:.0f} mm apart
+perception.surface.TRIPLES | perception.md | {} triples
+perception.surface.JUDGES | perception.md | judged by {} points
+perception.surface.HOLE - 1 | perception.md | unknown depth up to {} pixels wide
+perception.surface.MISPLACED * 100 | perception.md | a plane more than {:.0f} cm off
+perception.surface.MOST_TILT | perception.md | at more than {:.0f} degrees
+perception.outline.FITS * 100 | perception.md | up to {:.0f} %
+perception.outline.FILLS * 100 | perception.md | holds {:.0f} % of the image
+perception.calibrate.MARGIN | perception.md | is {} times as large
+perception.fit.BRIGHTER * 100 | perception.md | surface is {:.0f} % brighter or darker
+perception.fit.UNEVEN * 100 | perception.md | that changed by {:.0f} % more or less
+perception.fit.RECOLOURED | perception.md | differ by more than {})
+perception.fit.TURNED | perception.md | angle ({:.0f} degrees)
+perception.areas.CELL * 1000 | perception.md | cells of {:.0f} mm instead of 2
+perception.occlusion.CELL * 1000 | perception.md | as cells of {:.0f} mm
+"""
+ROWS = [tuple(map(str.strip, row.split("|"))) for row in NUMBERS.strip().splitlines()]
+OPTIONS = {
+    "rule_threshold": "`rule_threshold` ({}; 0 is allowed)",
+    "margin": "by more than `margin` ({})",
+    "solve": "at most `solve` ({:,}) states",
+    "counted": "counts more than `counted` objects ({})",
+}
+
+
+@cache
+def page(name: str) -> str:
+    return " ".join((ROOT / "docs" / name).read_text(encoding="utf-8").split())
+
+
+def value(expression: str) -> Any:
+    """An expression that begins with a constant of a module."""
+    match = re.fullmatch(r"([\w.]+)\.(\w+)(.*)", expression)
+    assert match is not None
+    module = importlib.import_module(f"cleancli.{match[1]}")
+    return eval(f"constant{match[3]}", {"constant": getattr(module, match[2])})
+
+
+@pytest.mark.parametrize(("expression", "name", "words"), ROWS, ids=[row[0] for row in ROWS])
+def test_the_document_states_the_number_of_the_code(expression: str, name: str, words: str) -> None:
+    number = value(expression)
+    told = words.format(number)
+    assert told in page(name), f"docs/{name} says otherwise, or in other words"
+    figure = re.search(r"\{[^}]*\}", words)
+    assert figure is not None
+    assert math.isclose(float(figure[0].format(number).replace(",", "")), number, rel_tol=1e-9)
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_options_of_planners_are_as_documented(option: str) -> None:
+    assert OPTIONS[option].format(getattr(Options(), option)) in page("planning.md")
+    assert option in {field.name for field in fields(Options)}

@@ -1,0 +1,69 @@
+"""The numbers that measured figures rest on are those that were fixed before they were measured.
+
+Whoever changes one regenerates the list (CLEANCLI_REGENERATE=1), and measures again what the documents state.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).parent.parent
+SOURCES = ROOT / "src" / "cleancli"
+LIST = Path(__file__).parent / "golden" / "numbers.txt"
+LONGEST = 1000
+"""Longer ones are tables that are computed."""
+PACKAGES = ("execution", "motion", "perception", "planning", "scene", "world")
+
+
+def stated(path: Path) -> Iterator[str]:
+    """The constants that a module states."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        for target in targets:
+            if isinstance(target, ast.Name) and target.id.upper() == target.id:
+                yield target.id
+            elif isinstance(target, ast.Tuple):
+                yield from (name.id for name in target.elts if isinstance(name, ast.Name))
+
+
+def numbers(value: Any) -> Any:
+    """A value of numbers as text; None for anything else."""
+    if isinstance(value, np.ndarray):
+        return numbers(value.tolist())
+    if isinstance(value, bool | int | float):
+        return f"{value:.9g}"
+    if is_dataclass(value) and not isinstance(value, type):
+        return numbers(asdict(value))
+    if isinstance(value, Mapping):
+        parts = {key: numbers(part) for key, part in value.items()}
+        return None if None in parts.values() or not parts else str(parts).replace("'", "")
+    if isinstance(value, tuple | list):
+        several = [numbers(part) for part in value]
+        return None if None in several or not several else f"({', '.join(several)})"
+    return value if isinstance(value, str) and len(value) < 20 else None
+
+
+def lines() -> Iterator[str]:
+    for package in PACKAGES:
+        for path in sorted((SOURCES / package).rglob("*.py")):
+            dotted = ".".join(path.relative_to(SOURCES).with_suffix("").parts)
+            module = importlib.import_module(f"cleancli.{dotted}")
+            for name in stated(path):
+                told = numbers(getattr(module, name))
+                if told is not None and any(map(str.isdigit, told)) and len(told) < LONGEST:
+                    yield f"{dotted}.{name} = {told}"
+
+
+def test_numbers_are_as_they_were_fixed() -> None:
+    text = "".join(f"{line}\n" for line in lines())
+    if os.environ.get("CLEANCLI_REGENERATE"):
+        LIST.write_text(text, encoding="utf-8")
+    assert text.splitlines() == LIST.read_text(encoding="utf-8").splitlines()
