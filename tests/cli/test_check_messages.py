@@ -138,3 +138,21 @@ def test_a_name_of_a_million_letters_is_cut(folder: Path, capsys: pytest.Capture
         BASE.replace("dirt(?a) then", f"{'d' * 10**6}(?a) then"), encoding="utf-8"
     )
     assert len(said(capsys, "check", "base.nid")) < 20_000
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("chekc", "`check`"),
+        ("Plan", "`plan`"),
+        ("run", "`cleancli --help` lists the commands"),
+        ("exec", "`execute`"),
+        ("format", "`fmt`"),
+        ("my.nid", "`cleancli check my.nid`"),
+    ],
+)
+def test_a_command_that_does_not_exist(typed: str, meant: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run([typed]) == 2
+    said = capsys.readouterr().err
+    assert f"No such command '{typed}'" in said
+    assert meant in said

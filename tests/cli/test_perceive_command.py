@@ -98,7 +98,7 @@ def test_without_rerun_the_part_is_named(
 ) -> None:
     monkeypatch.setitem(sys.modules, "rerun", None)
     assert run(["perceive", str(frames), "--rrd", str(tmp_path / "x.rrd")]) == 4
-    assert "pip install cleancli[rerun]" in capsys.readouterr().err
+    assert "pip install 'rerun-sdk>=0.24'" in capsys.readouterr().err
     assert not (tmp_path / "x.rrd").exists()
 
 

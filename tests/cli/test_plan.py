@@ -240,7 +240,7 @@ def test_without_matplotlib_only_the_picture_is_missing(
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    assert "pip install cleancli[plot]" in said(capsys, "--plot", "belief.png", code=4)
+    assert "pip install 'matplotlib>=3.8'" in said(capsys, "--plot", "belief.png", code=4)
     assert not Path("belief.png").exists()
 
 

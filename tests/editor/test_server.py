@@ -311,5 +311,5 @@ def test_without_pygls_the_command_says_what_to_install(tmp_path: Path) -> None:
         stdin=subprocess.DEVNULL,
     )
     assert result.returncode == 4
-    assert "pip install cleancli[lsp]" in result.stderr
+    assert "pip install 'pygls>=2.0'" in result.stderr
     assert "Traceback" not in result.stderr

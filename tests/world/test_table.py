@@ -212,4 +212,4 @@ def test_a_missing_engine_says_what_to_install() -> None:
         "try: Engine()\nexcept MissingPhysics as missing: print(missing)"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert "pip install cleancli[physics]" in run.stdout
+    assert "pip install 'pybullet>=3.2.7'" in run.stdout

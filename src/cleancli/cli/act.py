@@ -16,6 +16,7 @@ import click
 import numpy as np
 
 from cleancli.cli.completion import problems
+from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import counting
 from cleancli.execution.overlay import overlay
@@ -87,7 +88,7 @@ def command(
     if plot is not None:
         panels = [(f"{action}, {name}: {len(trials)} trials", trials) for name, trials in found.items()]
         write_png(plot, overlay(setting, panels))
-    click.echo(
+    echo(
         _as_json(setting, action, names, variants, found)
         if as_data
         else "\n\n".join(

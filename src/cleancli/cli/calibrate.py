@@ -11,6 +11,7 @@ import click
 import numpy as np
 
 from cleancli.cli.completion import problems
+from cleancli.cli.echo import echo
 from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics import Level, Refused
@@ -57,7 +58,7 @@ def command(
     except (BadFrame, NoSurface, NotClean) as error:
         raise BadRecording(f"{recorded or 'the camera'}: {error}") from error
     write_atomically(out, as_text(found), before)
-    click.echo(as_text(found).rstrip() if as_data else _printed(found, len(frames), out))
+    echo(as_text(found).rstrip() if as_data else _printed(found, len(frames), out))
 
 
 def _scene_to_calibrate(name_or_path: str) -> Scene:

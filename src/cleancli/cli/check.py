@@ -8,7 +8,7 @@ import sys
 import click
 
 from cleancli.cli.completion import check_files
-from cleancli.cli.echo import wants_colour
+from cleancli.cli.echo import echo, wants_colour
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
@@ -47,8 +47,8 @@ def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
             if part.shown:
                 click.echo(render(part.shown, sources, colour=wants_colour(sys.stdout)))
             if part.left_out:
-                click.echo(f"{part.note}: --all shows all")
-            click.echo(_summary(levels.count(Level.ERROR), levels.count(Level.WARNING), len(names)))
+                echo(f"{part.note}: --all shows all")
+            echo(_summary(levels.count(Level.ERROR), levels.count(Level.WARNING), len(names)))
     return ExitCode.REFUSED if Level.ERROR in levels else ExitCode.DONE
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from cleancli.cli.echo import echo_refused
+from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics import Level, Refused
@@ -107,8 +107,8 @@ def _report(targets: tuple[Path, Path], converted: Converted, as_data: bool) -> 
         }
         click.echo(json.dumps(data, indent=2))
         return
-    click.echo(f"wrote {targets[0]} and {targets[1]}")
+    echo(f"wrote {targets[0]} and {targets[1]}")
     for name, members in converted.functions.items():
-        click.echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
+        echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
     for note in converted.notes:
-        click.echo(f"  {note}")
+        echo(f"  {note}")

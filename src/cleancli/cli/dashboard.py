@@ -26,6 +26,7 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.execution.state import Account, Move, Situation
+from cleancli.language.diagnostics import printable
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
 
@@ -179,4 +180,4 @@ def _bar(share: float, ascii_only: bool) -> str:
 
 
 def _line(text: str, style: str = "") -> Text:
-    return Text(text, style=style, no_wrap=True)
+    return Text(printable(text), style=style, no_wrap=True)

@@ -20,12 +20,12 @@ def echo(text: str = "", err: bool = False, nl: bool = True) -> None:
     click.echo(printable(text, keep="\n\t"), err=err, nl=nl)
 
 
-def echo_file(text: str) -> None:
-    """Print lines of a file as they are; to a terminal, as `echo` does."""
+def echo_exactly(text: str) -> None:
+    """Print the text of a file, to a program byte for byte, to a terminal as `echo` does."""
     if sys.stdout.isatty():
-        echo(text)
+        echo(text, nl=False)
     else:
-        click.echo(text.encode("utf-8", "surrogateescape"))
+        sys.stdout.buffer.write(text.encode("utf-8", "surrogateescape"))
 
 
 def echo_refused(refused: Refused, err: bool = True) -> None:

@@ -13,6 +13,7 @@ import click
 from click.core import ParameterSource
 
 from cleancli.cli.completion import domains, problems
+from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.live import show
@@ -197,7 +198,7 @@ def _go_on(folder: Path, said: _Said) -> int:
         after = 0 if saved is None else saved.episode.actions
         resumed = Resumed(after, dropped)
         if not said.silently:
-            click.echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
+            echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
         episode = None if saved is None else saved.episode
         return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, episode)
 
@@ -236,7 +237,7 @@ def _carry_out(
             ) from None
         except OSError:
             site.stop()
-            click.echo(f"go on later with `cleancli execute --resume {folder}`", err=True)
+            echo(f"go on later with `cleancli execute --resume {folder}`", err=True)
             raise
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = site.truth()
@@ -244,9 +245,9 @@ def _carry_out(
     with working("writing report.html", said.silently):
         write_page(folder)
     if said.as_data:
-        click.echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
+        echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
     elif not said.quiet:
-        click.echo(_summary(event, truth, folder, video and site.picture is not None))
+        echo(_summary(event, truth, folder, video and site.picture is not None))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
 

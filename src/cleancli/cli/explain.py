@@ -9,6 +9,7 @@ import click
 
 from cleancli.cli.calls import read_action
 from cleancli.cli.completion import actions, domains, problems
+from cleancli.cli.echo import echo
 from cleancli.cli.inputs import located_in
 from cleancli.cli.seen import open_both
 from cleancli.compiler.explain import (
@@ -51,7 +52,7 @@ def command(domain: str, problem: str, action: str, as_data: bool) -> None:
     if as_data:
         click.echo(json.dumps(_as_data(model, found), indent=2))
     else:
-        click.echo("\n".join(_lines(model, given, found)))
+        echo("\n".join(_lines(model, given, found)))
 
 
 def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str]:

@@ -7,9 +7,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import click
-
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, printable
+from cleancli.cli.echo import echo_exactly
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import read_source, read_stream
 
 STDIN = "-"
@@ -52,9 +51,4 @@ def echo_difference(source: Source, text: str, what: str) -> None:
     """Print a unified diff from the text as it is to what it would be."""
     old, new = source.text.splitlines(), text.splitlines()
     for line in difflib.unified_diff(old, new, source.path, f"{source.path} ({what})", lineterm=""):
-        click.echo(_shown(line) if sys.stdout.isatty() else line)
-
-
-def _shown(line: str) -> str:
-    """A line of a text as a terminal may have it: nothing in it steers that."""
-    return "\t".join(map(printable, line.split("\t")))
+        echo_exactly(f"{line}\n")

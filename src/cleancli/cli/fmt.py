@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
 from cleancli.cli.completion import nid_files
-from cleancli.cli.echo import echo_refused
+from cleancli.cli.echo import echo, echo_exactly, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import STDIN, echo_difference, expanded, read
 from cleancli.language.diagnostics import Refused
@@ -37,7 +36,7 @@ def command(files: tuple[str, ...], check: bool, diff: bool) -> int:
             changed += is_new
             unchanged += not is_new
     if STDIN not in files:
-        click.echo(_summary(changed, unchanged, failed, dry=check or diff), err=diff)
+        echo(_summary(changed, unchanged, failed, dry=check or diff), err=diff)
     return ExitCode.REFUSED if failed or (check and changed) else ExitCode.DONE
 
 
@@ -49,12 +48,12 @@ def _format(name: str, check: bool, diff: bool) -> bool:
     if diff:
         echo_difference(source, text, "formatted")
     elif is_new and check:
-        click.echo(f"would format {source.path}", err=name == STDIN)
+        echo(f"would format {source.path}", err=name == STDIN)
     elif name == STDIN and not check:
-        sys.stdout.buffer.write(text.encode("utf-8"))
+        echo_exactly(text)
     elif is_new:
         write_atomically(Path(name), text, source.text)
-        click.echo(f"formatted {source.path}")
+        echo(f"formatted {source.path}")
     return is_new
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli.echo import echo
 from cleancli.language.edit import Change, write_all
 from cleancli.language.load import read_source
 
@@ -24,7 +25,7 @@ def command(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     write_all([Change(folder / name, read_source(STARTER / name).text, None) for name in FILES])
     domain, problem = (shlex.quote(str(folder / name)) for name in FILES)
-    click.echo(f"wrote {domain} and {problem}; now try")
-    click.echo(f"  cleancli check {domain} {problem}")
-    click.echo(f"  cleancli plan {domain} {problem}")
-    click.echo(f'  cleancli explain {domain} {problem} "wipe(s2)"')
+    echo(f"wrote {domain} and {problem}; now try")
+    echo(f"  cleancli check {domain} {problem}")
+    echo(f"  cleancli plan {domain} {problem}")
+    echo(f'  cleancli explain {domain} {problem} "wipe(s2)"')

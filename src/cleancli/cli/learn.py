@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from cleancli.cli.completion import domains
+from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.execution.folder import EXPERIENCE, check_folder
@@ -68,7 +69,7 @@ def command(
         changed = [source for source in sources if texts[source.path].text != source.text]
         write_all(Change(Path(source.path), texts[source.path].text, source.text) for source in changed)
         for source in changed:
-            click.echo(f"wrote {source.path}", err=as_data)
+            echo(f"wrote {source.path}", err=as_data)
 
 
 def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
@@ -97,9 +98,7 @@ def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) ->
 
 def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
     examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
-    click.echo(
-        f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules"
-    )
+    echo(f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules")
     for entry in learned:
         if entry.rule is None and not all(map(is_written, model.default)):
             uncovered = sum(entry.seen) + entry.unexplained
@@ -109,7 +108,7 @@ def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
                 " expects nothing to happen there"
             )
         if entry.unexplained:
-            click.echo(
+            echo(
                 f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
                 " and no noise outcome to count them to"
             )

@@ -26,6 +26,7 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.execution.state import Situation
+from cleancli.language.diagnostics import printable
 from cleancli.scene.model import Scene
 
 
@@ -118,7 +119,7 @@ class _Lines:
                 pass
 
     def _line(self, text: str) -> None:
-        self._console.print(text, markup=False, soft_wrap=True)
+        self._console.print(printable(text), markup=False, soft_wrap=True)
 
 
 class _Live(_Lines):

@@ -25,5 +25,5 @@ def _server() -> Callable[[], None]:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] not in ("pygls", "lsprotocol"):
             raise
-        raise MissingPart("the language server needs pygls: pip install cleancli[lsp]") from error
+        raise MissingPart("the language server needs pygls: pip install 'pygls>=2.0'") from error
     return serve

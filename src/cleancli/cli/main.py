@@ -5,6 +5,7 @@ Subcommands are modules that are imported only when called; a module may import 
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import signal
 import sys
@@ -60,9 +61,27 @@ class _Commands(click.Group):
         assert isinstance(command, click.Command)
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does; where there is no such command, the message names the near ones."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            raise click.UsageError(f"{error.message.rstrip('.')}. {_meant(args[0])}", ctx) from None
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(SUMMARIES.items()))
+
+
+def _meant(word: str) -> str:
+    if word.endswith(".nid"):
+        return f"A file stands behind a command: `cleancli check {word}`."
+    near = difflib.get_close_matches(word.lower(), SUMMARIES, n=2, cutoff=0.6)
+    if near:
+        return f"Did you mean {' or '.join(f'`{name}`' for name in near)}?"
+    return "`cleancli --help` lists the commands."
 
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -14,6 +14,7 @@ import click
 import numpy as np
 
 from cleancli.cli.completion import domains, problems
+from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.execution.pictures import write_png
@@ -118,7 +119,7 @@ def command(
             write_recording(recording, told.looks(), folder.name)
     last = told.last
     for doubt in last.observation.doubts:
-        click.echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
+        echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
     if saved is not None:
         save_frames(last.frames, saved)
     if out is not None:

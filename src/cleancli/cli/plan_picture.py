@@ -141,5 +141,5 @@ def _figure(width: float, height: float) -> Any:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] != "matplotlib":
             raise
-        raise MissingPart("a picture needs matplotlib: pip install cleancli[plot]") from error
+        raise MissingPart("a picture needs matplotlib: pip install 'matplotlib>=3.8'") from error
     return Figure(figsize=(width, height), layout="constrained")

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cleancli.cli.completion import domains, problems, renamable
+from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
 from cleancli.language.diagnostics import Refused, Source
@@ -48,7 +49,7 @@ def command(
     if write:
         write_all(Change(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
     places = sum(map(len, edits.values()))
-    click.echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
+    echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
 
 
 def _found(name: str, folder: str, write: bool) -> Path:

@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from cleancli.cli.echo import echo
 from cleancli.cli.progress import working
 from cleancli.cli.tables import plain_table, print_table
-from cleancli.language.diagnostics import printable
 from cleancli.language.edit import replace_file
 from cleancli.report.account import Row, name_of, row_of
 from cleancli.report.page import comparison_page, run_page
@@ -44,7 +44,7 @@ def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None
         return
     print_table(_table(rows))
     if html is not None:
-        click.echo(f"page: {html}")
+        echo(f"page: {html}")
 
 
 def write_page(folder: Path) -> Run:
@@ -59,12 +59,12 @@ def _table(rows: Sequence[Row]) -> Table:
     kinds = list(in_order({kind: 0.0 for row in rows for kind, spent in row.seconds.items() if spent}))
     compared = ("of first",) if len(rows) > 1 else ()
     columns = ("strategy", "seed", "ended", "actions", "left", "seconds", *compared)
-    table = plain_table("run", *columns, *(printable(name_of(kind)) for kind in kinds))
+    table = plain_table("run", *columns, *(name_of(kind) for kind in kinds))
     for row in rows:
         part = f"{100 * row.total / rows[0].total:.0f} %" if rows[0].total else "-"
         table.add_row(
-            printable(row.name),
-            printable(row.strategy),
+            row.name,
+            row.strategy,
             str(row.seed),
             {None: "cut short", True: "clean", False: "not clean"}[row.clean],
             str(row.actions),

@@ -14,6 +14,7 @@ import msgspec
 from msgspec import Meta
 
 from cleancli import __version__
+from cleancli.cli.echo import echo
 from cleancli.cli.running import LIBRARIES, Inputs, open_site, versions
 from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
@@ -23,7 +24,7 @@ from cleancli.execution.journal import Count, Seconds, Started
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, printable
+from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
 from cleancli.language.untrusted import decoded
@@ -110,7 +111,7 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
             failed += refusal.diagnostics
             continue
         for found in failed:
-            click.echo(f"note: {printable(found.message)}; going on from the one before", err=True)
+            echo(f"note: {found.message}; going on from the one before", err=True)
         return saved, site
     if failed:
         raise Refused(failed)
@@ -200,4 +201,4 @@ def _tell_versions(header: Header) -> None:
         if old != now:
             here = f"this is {now}" if now else "which is not installed here"
             began = f"with {name} {old}" if old else f"without {name}"
-            click.echo(printable(f"note: the run began {began}, {here}"), err=True)
+            echo(f"note: the run began {began}, {here}", err=True)

@@ -13,6 +13,7 @@ import click
 import numpy as np
 
 from cleancli.cli.completion import problems
+from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
 from cleancli.execution.overlay import reach_map
@@ -63,7 +64,7 @@ def command(
         lying = np.concatenate((truth.left[:, :2], truth.ink[:, :2]))
         found = Reached(float(able.mean()), len(lying), missed(lying, places, able))
         said = json.dumps(_described(setting, found), indent=2) if as_data else _printed(setting, found)
-        click.echo(said)
+        echo(said)
         table.show()
 
 

@@ -5,19 +5,35 @@ from __future__ import annotations
 import sys
 
 import click
-from rich.console import Console
+from rich.console import Console, RenderableType
+from rich.style import StyleType
 from rich.table import Table
 
 from cleancli.cli.echo import wants_colour
+from cleancli.language.diagnostics import printable
 
 _NO_EDGE = 10_000
 
 
+class _Printable(Table):
+    """A table whose cells steer no terminal, whatever file they come from."""
+
+    def add_row(
+        self,
+        *cells: RenderableType | None,
+        style: StyleType | None = None,
+        end_section: bool = False,
+    ) -> None:
+        """As a table does."""
+        shown = (printable(cell) if isinstance(cell, str) else cell for cell in cells)
+        super().add_row(*shown, style=style, end_section=end_section)
+
+
 def plain_table(*columns: str, left: int = 1) -> Table:
     """A table without lines, with these columns; the first `left` are words, the others numbers."""
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table = _Printable(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number < left else "right")
+        table.add_column(printable(column), justify="left" if number < left else "right")
     return table
 
 

@@ -32,7 +32,7 @@ class MissingRerun(Exception):
     """The rerun-sdk isn't installed."""
 
     def __init__(self) -> None:
-        super().__init__("a Rerun recording needs rerun-sdk: pip install cleancli[rerun]")
+        super().__init__("a Rerun recording needs rerun-sdk: pip install 'rerun-sdk>=0.24'")
 
 
 @dataclass(frozen=True, slots=True)

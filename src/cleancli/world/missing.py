@@ -7,4 +7,4 @@ class MissingPhysics(Exception):
     """pybullet isn't installed, so there is no table to simulate."""
 
     def __init__(self) -> None:
-        super().__init__("the simulated table needs pybullet: pip install cleancli[physics]")
+        super().__init__("the simulated table needs pybullet: pip install 'pybullet>=3.2.7'")
