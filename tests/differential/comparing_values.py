@@ -6,10 +6,11 @@ from collections import Counter
 from fractions import Fraction
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import product
 from comparison import Comparison
-from interpreter import Call
+from interpreter import Call, State
 from product import Grounded
 from worth import STOP, Worth
 
@@ -84,39 +85,58 @@ def compare_sequence_by_time(comparison: Comparison, folder: Path, worth: Worth,
 
 
 def compare_forecast(
-    comparison: Comparison, worth: Worth, sequence: list[Call], steps: list[dict[str, object]]
+    comparison: Comparison, worth: Worth, sequence: list[Call], steps: list[dict[str, Any]]
 ) -> None:
     """`plan --explain`: which rules cover each step, what may come of it, and what it is paid."""
     meaning = worth.meaning
     distribution = {meaning.initial(): Fraction(1)}
+    if steps:
+        compare_first_step(comparison, worth, sequence[0], steps[0])
     for asked, said in zip(sequence, steps, strict=False):
         place = f"{asked} of {sequence}"
-        rules: Counter[str] = Counter()
-        kinds: Counter[str] = Counter()
+        rules: dict[str, Fraction] = {}
+        noise = changing = setting = Fraction(0)
         for state, chance in distribution.items():
             covering = meaning.covering(asked, state)
-            if covering is not None:
-                rules[covering[0].name] += chance  # type: ignore[assignment]
-                for outcome in covering[0].outcomes:
-                    kinds[outcome.idle or "change"] += chance * outcome.probability  # type: ignore[assignment]
+            if covering is None:
+                continue
+            rule, binding = covering
+            rules[rule.name] = rules.get(rule.name, Fraction(0)) + chance
+            for outcome in rule.outcomes:
+                share = chance * outcome.probability
+                noise += share * (outcome.idle == "noise")
+                setting += share * bool(outcome.effects)
+                if share and meaning.after(outcome, binding, state) != state:
+                    changing += share
         reward = sum((p * worth.expected(state, asked) for state, p in distribution.items()), Fraction(0))
         comparison.same("forecast: reward", reward, said["reward"], place)
-        comparison.same("forecast: covered", Fraction(sum(rules.values())), said["covered"], place)
-        named = {each["rule"]: each["probability"] for each in said["rules"]}  # type: ignore[attr-defined]
-        same_shares(comparison, "forecast: rules", rules, Counter(named), place)
-        found: Counter[str] = Counter()
-        for each in said["outcomes"]:  # type: ignore[attr-defined]
-            found[each["kind"]] += each["probability"]
-        same_shares(comparison, "forecast: outcomes", kinds, found, place)
+        comparison.same("forecast: covered", sum(rules.values(), Fraction(0)), said["covered"], place)
+        named = {each["rule"]: each["probability"] for each in said["rules"]}
+        comparison.same("forecast: rules", sorted(rules), sorted(named), place)
+        for name in rules.keys() & named.keys():
+            comparison.same("forecast: rules", rules[name], named[name], f"{name}, {place}")
+        kinds = Counter[str]()
+        for each in said["outcomes"]:
+            kinds[each["kind"]] += each["probability"]
+        comparison.same("forecast: noise", noise, kinds["noise"], place)
+        comparison.same("forecast: sum", sum(rules.values(), Fraction(0)), sum(kinds.values()) + 0.0, place)
+        # What sets only what is there already is a change or nothing, as one likes.
+        if not changing - Fraction(1, 10**9) <= kinds["change"] <= setting + Fraction(1, 10**9):
+            text = f"{place}: {kinds['change']} is not from {changing} to {setting}"
+            comparison.differ("forecast: change", text)
         distribution = worth.spread(distribution, asked)
 
 
-def same_shares(
-    comparison: Comparison, what: str, expected: Counter[str], actual: Counter[str], place: str
-) -> None:
-    names = sorted({name for name in {*expected, *actual} if expected[name] or actual[name]})
-    for name in names:
-        comparison.same(what, Fraction(expected[name]), actual[name], f"{name}, {place}")
+def compare_first_step(comparison: Comparison, worth: Worth, asked: Call, said: dict[str, Any]) -> None:
+    """The effects that are told of the first step lead to the states that may follow."""
+    start = worth.meaning.initial()
+    found: dict[State, float] = {start: 1.0 - said["covered"]}
+    for each in said["outcomes"]:
+        after = product.changed(worth.meaning, start, each["effects"])
+        found[after] = found.get(after, 0.0) + each["probability"]
+    for state in {*found, *worth.after(start, asked)}:
+        expected = worth.after(start, asked).get(state, Fraction(0))
+        comparison.same("forecast: effects", expected, found.get(state, 0.0), f"{asked}: {said['outcomes']}")
 
 
 def compare_optimum(

@@ -352,6 +352,7 @@ class Drawer:
 
     def reward(self, counts: tuple[Count, ...]) -> tuple[Payment, ...]:
         kinds = self.random.sample(("decrease", "count", "goal", "cost"), self.random.choice((1, 1, 2, 3)))
+        kinds += ["decrease"] if self.often(0.15) else []
         if kinds == ["cost"]:
             kinds.append("decrease")
         terms = []

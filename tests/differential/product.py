@@ -225,6 +225,20 @@ def near(one: float | Fraction, other: float | Fraction, within: float = 1e-9) -
     return math.isclose(float(one), float(other), rel_tol=within, abs_tol=within)
 
 
+def changed(meaning: Meaning, state: State, effects: Sequence[str]) -> State:
+    """The state after effects as the product prints them: `p(a)`, `not p(a)`, `f(a) = 2`."""
+    after = list(state)
+    for text in effects:
+        atom, _, written = text.removeprefix("not ").partition(" = ")
+        ((name, objects),) = calls_of([atom])
+        value: Value = not text.startswith("not ")
+        if written:
+            values = meaning.symbols[name].values
+            value = next(each for each in values if str(each) == written)
+        after[meaning.place[meaning.key(name, objects)]] = value
+    return tuple(after)
+
+
 def calls_of(texts: Sequence[str]) -> list[Call]:
     """Actions as the product prints them."""
     found = []

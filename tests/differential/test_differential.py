@@ -30,7 +30,7 @@ OFTEN = {
     "sequence": 10,
     "sampled value": 10,
     "forecast: rules": 20,
-    "forecast: outcomes": 20,
+    "forecast: effects": 20,
     "optimum": 40,
     "optimum by time": 5,
     "course": 40,
