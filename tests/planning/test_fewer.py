@@ -5,7 +5,8 @@ from __future__ import annotations
 import domains
 import pytest
 
-from cleancli.language.diagnostics import Source
+from cleancli.compiler.task import held
+from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.load import load_problem
 from cleancli.language.model import Domain, Fact, Problem, without_objects
 from cleancli.planning.fewer import fewer
@@ -78,3 +79,33 @@ def test_without_objects_their_facts_go_too_and_nothing_else() -> None:
     assert names(left) == ["a", "c", "d", "e"]
     assert {fact.objects for fact in left.state} == {("a",), ("c",), ("d",), ("c", "d"), ("a", "e")}
     assert without_objects(problem, ()) == problem
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_is_to_grow_is_not_what_is_counted(turned: bool) -> None:
+    """A `decrease` of negative weight wants more: horizon and what is left out go by the other count."""
+    terms = ["2 * decrease(dry)", "- decrease(dirty)"]
+    reward = " + ".join(reversed(terms) if turned else terms).replace("+ -", "-")
+    text = """
+    domain d {
+      types { area }
+      predicates { dirt(?a - area) wet(?a - area) }
+      derived { dirty := count ?a - area: dirt(?a)  dry := count ?a - area: not wet(?a) }
+      actions { soak(?a - area) }
+      rule s: soak(?a) { then 1: wet(?a), dirt(?a) }
+      reward { %s }
+    }"""
+    inside = "objects { a1 a2 a3 - area } init { dirt(a1), wet(a1) }"
+    task = domains.task(text % reward, inside)
+    assert task.horizon == 3
+    assert task.counted is not None
+    assert held(task.counted, task.initial) == 2
+    domain = domains.domain(text % reward)
+    problem = load_problem(Source("p.nid", f"problem p {{ domain = d {inside} }}"), domain)
+    assert fewer(domain, problem, 1).ignored == ("a3",)
+
+
+def test_where_nothing_is_wanted_decreased_the_horizon_must_be_given() -> None:
+    domain = domains.domain(SPOTS.replace("{ decrease(dirty) }", "{ - decrease(dirty) }"))
+    with pytest.raises(Refused, match="needs a horizon"):
+        load_problem(Source("p.nid", "problem p { domain = spots objects { a - spot } }"), domain)

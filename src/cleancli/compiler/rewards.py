@@ -18,7 +18,7 @@ from cleancli.compiler.instance import closure_refused
 from cleancli.compiler.numbering import Numbering
 from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
 from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind
+from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, wanted_decreased
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def rewards_of(
                     decrease[condition] -= weight
             case RewardKind.COST:
                 pass  # is paid by the action
-    decreasing = next((t.count for t in domain.reward if t.kind is RewardKind.DECREASE), None)
+    decreasing = wanted_decreased(domain)
     horizon = problem.horizon or Horizon(1, decreasing)
     lengthening = () if horizon.count is None else counts[horizon.count]
     return Rewards(

@@ -32,6 +32,7 @@ from cleancli.language.model import (
     State,
     Symbol,
     Value,
+    wanted_decreased,
 )
 from cleancli.language.planner_options import PlannerOptions, check_planner
 from cleancli.language.reachable import warn_impossible
@@ -222,13 +223,12 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
                 scope.findings.error("E406", message, constant.span, help=without_point(constant))
         count = None if section.count is None else section.count.text
         return Horizon(0 if constant is None else int(constant.value), count)
-    decreases = any(term.kind is RewardKind.DECREASE for term in domain.reward)
-    if not decreases and domain.reward and "horizon" not in scope.findings.broken:
+    if wanted_decreased(domain) is None and domain.reward and "horizon" not in scope.findings.broken:
         scope.findings.error(
             "E410",
             "this problem needs a horizon",
             node.name.span,
-            help="the domain's reward has no `decrease` to take it from: add for example `horizon = 10`",
+            help="the reward wants no count decreased, to take it from: add for example `horizon = 10`",
         )
     return None
 

@@ -298,6 +298,12 @@ class Problem(Record):
     seed: int | None = None
 
 
+def wanted_decreased(domain: Domain) -> str | None:
+    """The first count that the reward wants decreased (#dirt of eq. 3): a term of positive weight."""
+    wanted = (t.count for t in domain.reward if t.kind is RewardKind.DECREASE and t.weight > 0)
+    return next(wanted, None)
+
+
 def without_objects(problem: Problem, names: Collection[str]) -> Problem:
     """The problem without the objects of these names, and without all facts about them."""
     objects = tuple(thing for thing in problem.objects if thing.name not in names)

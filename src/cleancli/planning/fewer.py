@@ -18,7 +18,7 @@ from cleancli.language.model import (
     Literal,
     Object,
     Problem,
-    RewardKind,
+    wanted_decreased,
     without_objects,
 )
 
@@ -54,10 +54,9 @@ def fewer(domain: Domain, problem: Problem, most: int) -> Fewer:
 
 
 def _decreasing(domain: Domain) -> Count | None:
-    """The count that the reward wants decreased; its first, as in eq. 3."""
-    counts = {count.name: count for count in domain.counts}
-    names = (term.count for term in domain.reward if term.kind is RewardKind.DECREASE)
-    return next((counts[name] for name in names if name is not None), None)
+    """The count that the reward wants decreased."""
+    name = wanted_decreased(domain)
+    return next((count for count in domain.counts if count.name == name), None)
 
 
 def _named(condition: Condition) -> Iterator[str]:
