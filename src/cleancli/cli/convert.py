@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -75,22 +76,20 @@ def command(
     paths = files if len(files) == len(FILES) else [str(Path(files[0]) / name) for name in FILES]
     rules, state, symbols = (read_source(path) for path in paths)
     targets = (out / f"{domain_name}.nid", out / "problem.nid")
+    texts = [read_source(path).text if force and path.exists() else None for path in targets]
     wishes = Wishes(domain_name, reward, horizon, discount, predicates)
     converted = convert(rules, state, symbols, wishes, (str(targets[0]), str(targets[1])))
-    _write(targets, converted, force)
+    _write(targets, converted, texts)
     _report(targets, converted, as_data)
     found = [diagnostic.level for diagnostic in converted.diagnostics]
     return ExitCode.REFUSED if Level.ERROR in found else ExitCode.DONE
 
 
-def _write(targets: tuple[Path, Path], converted: Converted, force: bool) -> None:
-    """Both files or none, as far as that can be."""
+def _write(targets: tuple[Path, Path], converted: Converted, before: Sequence[str | None]) -> None:
+    """Both files or none; each must still read as it did `before` anything was converted."""
     targets[0].parent.mkdir(parents=True, exist_ok=True)
     texts = (converted.domain, converted.problem)
-    write_all(
-        Change(path, text, read_source(path).text if force and path.exists() else None)
-        for path, text in zip(targets, texts, strict=True)
-    )
+    write_all(Change(path, text, old) for path, text, old in zip(targets, texts, before, strict=True))
 
 
 def _report(targets: tuple[Path, Path], converted: Converted, as_data: bool) -> None:
