@@ -337,7 +337,7 @@ def _disturbed(file: Path, top: Path, elsewhere: Path, rng: random.Random) -> No
         case 4:
             os.truncate(file, rng.choice((0, 1, 1 << 22, 1 << 34)))
         case 5:
-            names = ("step-000.png", "009.npz", "video.mp4", ".run.json.ab12_xyz")
+            names = ("step-000.png", "009.npz", "video.mp4", ".cleancli-0123456789abcdef.part")
             shutil.copy(file, file.with_name(rng.choice(names)))
         case 6:
             shutil.rmtree(file.parent) if file.parent != top else file.unlink()
