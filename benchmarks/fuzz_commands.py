@@ -14,6 +14,7 @@ import argparse
 import contextlib
 import gc
 import hashlib
+import importlib
 import io
 import json
 import multiprocessing
@@ -35,7 +36,7 @@ from pathlib import Path
 import fuzz_inputs as inputs
 
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.main import run
+from cleancli.cli.main import SUMMARIES, run
 from cleancli.execution import record
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
@@ -151,6 +152,8 @@ KINDS: dict[str, Callable[[random.Random, Path, Path], Commands | None]] = {
 def prepare(bases: Path, kinds: list[str], tables: bool) -> None:
     """What folders and looks are made of: two runs without a table, one with if `tables` are wanted, and the
     frames of a look. Loads the planner too, which each input's process then has."""
+    for name in SUMMARIES:
+        importlib.import_module(f"cleancli.cli.{name}")  # once, and not in each input's process
     words = ["--quiet", *FEW, "--no-video"]
     symbolic = ["execute", "cleaning", "three_areas", "--seed", "5", *words]
     _run([*symbolic, "--runs", str(bases / "runs")])

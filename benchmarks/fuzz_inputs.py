@@ -5,6 +5,7 @@ Everything is drawn from a random generator that is given; nothing here runs a c
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import io
@@ -14,14 +15,14 @@ import random
 import re
 import shutil
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cleancli.language.diagnostics import Refused
-from cleancli.language.load import domain_named, kind_of, read_source
+from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("domains", "problems", "tests/golden", "tests/language", "tests/conversion", "tests/cases", "src")
@@ -51,25 +52,28 @@ WORDS = (
 
 @functools.cache
 def pairs() -> tuple[tuple[str, str], ...]:
-    """Texts of a domain and of a problem of it: all that the checkout has."""
-    domains: dict[str, list[tuple[Path, str]]] = {}
-    problems: list[tuple[Path, str, str]] = []
+    """Texts of a domain and of a problem of it, without mistakes: all that the checkout has."""
+    domains: dict[str, list[Path]] = {}
+    problems: list[Path] = []
     for path in sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.nid")):
-        try:
+        with contextlib.suppress(Refused):
             source = read_source(path)
             match kind_of(source):
                 case "domain":
-                    name = re.search(r"domain\s+(\w+)", source.text)
-                    domains.setdefault(name[1] if name else "", []).append((path, source.text))
+                    domains.setdefault(load_domain(source).name, []).append(path)
                 case "problem":
-                    problems.append((path, domain_named(source).text, source.text))
-        except Refused:
-            continue
-    return tuple((_nearest(path, domains[name]), text) for path, name, text in problems if domains.get(name))
+                    problems.append(path)
+    return tuple(_paired(domains, problems))
 
 
-def _nearest(path: Path, found: list[tuple[Path, str]]) -> str:
-    return min(found, key=lambda each: len(os.path.relpath(each[0], path)))[1]
+def _paired(domains: dict[str, list[Path]], problems: list[Path]) -> Iterator[tuple[str, str]]:
+    for path in problems:
+        with contextlib.suppress(Refused):
+            source = read_source(path)
+            found = domains.get(domain_named(source).text, [])
+            for domain in sorted(found, key=lambda each: len(os.path.relpath(each, path)))[:1]:
+                load_problem(source, load_domain(read_source(domain)))
+                yield domain.read_text(encoding="utf-8"), source.text
 
 
 @functools.cache
@@ -337,7 +341,7 @@ def _disturbed(file: Path, top: Path, elsewhere: Path, rng: random.Random) -> No
         case 4:
             os.truncate(file, rng.choice((0, 1, 1 << 22, 1 << 34)))
         case 5:
-            names = ("step-000.png", "009.npz", "video.mp4", ".run.json.ab12_xyz")
+            names = ("step-000.png", "009.npz", "video.mp4", ".cleancli-0123456789abcdef.part")
             shutil.copy(file, file.with_name(rng.choice(names)))
         case 6:
             shutil.rmtree(file.parent) if file.parent != top else file.unlink()

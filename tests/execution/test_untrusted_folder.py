@@ -400,24 +400,16 @@ def test_a_scene_is_gone_on_with_by_the_calibration_that_went_in(
 
 
 def test_only_our_own_temporary_files_are_removed(folder: Path) -> None:
-    ours = ["run.json", "report.html", "step-001.png", "state/002.npz"]
-    temporary = [Path(name).with_name(f".{Path(name).name}.ab12_xyz") for name in ours]
-    others = [
-        ".gitignore",
-        ".run.json.swp",
-        ".step-001.png.ab12_xyz.bak",
-        ".ab12_xyz",
-        "state/.hidden",
-        ".nfs0001",
-    ]
-    others += ["step-abc.png", "step-1e9.png", "state/notes.npz", "files/.x.nid.ab12_xyz"]
-    for path in (*temporary, *map(Path, others)):
-        (folder / path).write_text("")
-    (folder / ".run.json.abcdefgh").mkdir()
+    ours = [f"{where}.cleancli-0123456789abcdef.part" for where in ("", "state/")]
+    others = [".gitignore", ".run.json.swp", ".cleancli-notes.part", ".cleancli-12.part", "state/.hidden"]
+    others += ["step-abc.png", "step-1e9.png", "state/notes.npz", "files/.hidden"]
+    for name in (*ours, *others):
+        (folder / name).write_text("")
+    (folder / ".cleancli-fedcba9876543210.part").mkdir()
     assert run(resumed(folder)) == 0
-    assert not [path for path in temporary if (folder / path).exists()]
+    assert [name for name in ours if (folder / name).exists()] == []
     assert [name for name in others if not (folder / name).exists()] == []
-    assert (folder / ".run.json.abcdefgh").is_dir()
+    assert (folder / ".cleancli-fedcba9876543210.part").is_dir()
 
 
 def test_a_refused_run_leaves_no_folder(

@@ -29,11 +29,11 @@ from cleancli.execution.folder import (
     pictures,
     read_inside,
     size_of,
-    temporary_files,
 )
 from cleancli.execution.state import EpisodeState
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.edit import replace_file
+from cleancli.language.swap import remove_leftovers
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""
@@ -118,8 +118,10 @@ def cut_back(folder: Path, saved: Saved | None) -> int:
     dropped, actions = 0, -1 if saved is None else saved.episode.actions
     later = [path for number, path in pictures(folder).items() if number > actions]
     later += [path for path in checkpoints(folder) if int(path.stem) > actions]
-    for path in (*later, *temporary_files(folder)):
+    for path in later:
         path.unlink()
+    for where in (folder, folder / STATE):
+        remove_leftovers(where)
     for name in APPENDED:
         path, size = folder / name, 0 if saved is None else saved.sizes[name]
         if not path.exists():

@@ -30,8 +30,6 @@ LARGEST = 64 << 20
 _PICTURE = re.compile(r"step-(\d{3,9})\.png")
 _CHECKPOINT = re.compile(r"(\d{3,9})\.npz")
 _VIDEO = re.compile(r"video(?:-(\d{1,6}))?\.mp4")
-_TEMPORARY = re.compile(r"\.(run\.json|report\.html|step-\d{3,9}\.png|\d{3,9}\.npz)\.[a-z0-9_]{8}")
-"""What `language.edit` calls a file of ours while it is being written."""
 
 
 def check_folder(folder: Path) -> None:
@@ -97,18 +95,6 @@ def videos(folder: Path) -> tuple[str, ...]:
     """The names of the videos, the earliest first."""
     numbers = {int(match[1] or 1): match[0] for match in map(_VIDEO.fullmatch, _names(folder)) if match}
     return tuple(name for _, name in sorted(numbers.items()))
-
-
-def temporary_files(folder: Path) -> tuple[Path, ...]:
-    """What a run that died while it wrote has left beside the files that it meant to replace."""
-    return tuple(
-        sorted(
-            Path(entry.path)
-            for name in ("", STATE)
-            for entry in _entries(folder, name)
-            if _TEMPORARY.fullmatch(entry.name) and entry.is_file(follow_symlinks=False)
-        )
-    )
 
 
 def refuse_other_names(folder: Path) -> None:
