@@ -5,7 +5,8 @@ from __future__ import annotations
 import domain_texts
 import pytest
 
-from cleancli.compiler import count
+from cleancli.compiler import condition, count
+from cleancli.compiler import ground as ground_module
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics import Refused
 
@@ -80,3 +81,63 @@ def test_groundings_are_counted_exactly_where_that_is_quick() -> None:
         ("wiped", 4, True),
         ("linked", 16, True),
     ]
+
+
+BLAMED = """domain d {
+  types { area; tool }
+  constants { rag - tool }
+  predicates { dirt(?a - area)  near(?a ?b - area) [static]  fits(?t - tool, ?a - area) [static] }
+  derived { dirty := count ?a - area: dirt(?a) }
+  actions { wipe(?a ?b ?c - area)  use(?t - tool, ?a - area)  pause() }
+  rule wiped: wipe(?a, ?b, ?c) { when %s then 0.5: not dirt(?a) rest: noise }
+  rule used: use(?t, ?a) { when dirt(?a), fits(?t, ?a) then 0.5: not dirt(?a) rest: noise }
+  reward { decrease(dirty) }
+}"""
+SOME = """objects { a b c d - area  mop - tool }
+  init { dirt(a), near(a, b), near(b, c), near(a, c), fits(rag, a), fits(mop, b) }"""
+
+
+@pytest.mark.parametrize(
+    ("when", "number", "blame"),
+    [
+        ("dirt(?a)", 64, "no fact restricts `?a`: 4 objects fit"),
+        ("near(?a, ?b)", 12, "no fact restricts `?c`: 4 objects fit"),
+        ("near(?a, ?b), near(?b, ?c)", 1, "`near(?a, ?b)` holds in 3 ways"),
+        ("near(?a, ?b), near(?c, ?b), fits(rag, ?a)", 3, "`near(?a, ?b)` holds in 3 ways"),
+        ("near(?a, ?b), fits(mop, b), dirt(?c)", 12, "no fact restricts `?c`: 4 objects fit"),
+        ("near(?a, ?b), fits(rag, b)", 0, ""),
+    ],
+)
+def test_what_leaves_most_groundings_is_blamed(when: str, number: int, blame: str) -> None:
+    text = BLAMED.replace("rag - tool", "rag mop - tool b - area") % when
+    inside = SOME.replace("a b c d - area  mop - tool", "a c d - area")
+    first, second = count.count_groundings(*domain_texts.checked(text, inside))
+    assert (first.count, first.exact, first.blame) == (number, True, blame)
+    assert (second.name, second.count) == ("used", 2)
+
+
+def test_all_cases_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten areas have a case each of `exists`: fewer than an instance may have, and more than all may."""
+    text = TEXT % (", exists ?m - area: (dirt(?m), ?m != ?a)", "", "")
+    checked = domain_texts.checked(text, AREAS)
+    monkeypatch.setattr(ground_module, "RULE_LIMIT", 10)
+    monkeypatch.setattr(count, "RULE_LIMIT", 100)
+    with pytest.raises(Refused) as refused:
+        ground(*checked)
+    (said,) = refused.value.diagnostics
+    assert said.code == "E605"
+    assert said.label.endswith("cases of rule `wiped`")
+
+
+@pytest.mark.parametrize("place", ["count", "goal"])
+def test_a_closure_of_too_many_paths_says_where(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(condition, "STEP_LIMIT", 3)
+    text = TEXT.replace("dirty :=", "linked(?a ?b - area) := closure near  dirty :=") % ("", "", "")
+    goal = " goal { linked(a, d) }" if place == "goal" else ""
+    if place == "count":
+        text = text.replace("  dirty :=", "  far := count ?a ?b - area: linked(?a, ?b)  dirty :=")
+    with pytest.raises(Refused) as refused:
+        ground(*domain_texts.checked(text, AREAS + goal))
+    (said,) = refused.value.diagnostics
+    assert said.code == "E606"
+    assert place in f"{said.message} {said.label} {said.help}"

@@ -179,6 +179,27 @@ MALFORMED = {
     "fact of what is not": ("state.dat", "wet(3)", "wets(3)", "state.dat:1:64: error[E912]", "did you mean"),
     "two values": ("state.dat", "water(1)=0", "water(7)=0", "state.dat:2:", "two values"),
     "missing value": ("state.dat", "water(1)=0", "", "symbols.dat:12:1: error[E913]", "water(1)"),
+    "a comparison in the state": (
+        "state.dat",
+        "water(1)=0",
+        "water(1)<1",
+        "state.dat:2:63: error[E912]",
+        "a state gives `water` a value",
+    ),
+    "default with arguments": (
+        "rules.dat",
+        "default()",
+        "default(X)",
+        "rules.dat:3:3: error[E913]",
+        "no arguments",
+    ),
+    "action with a value": (
+        "rules.dat",
+        "wash(X)\n",
+        "wash(X)=1\n",
+        "rules.dat:11:3: error[E911]",
+        "an action",
+    ),
     "not a text": ("state.dat", "sink", "\0sink", "E004", "UTF-8"),
 }
 
