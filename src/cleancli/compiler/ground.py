@@ -40,7 +40,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
 
     Actions that are `named` are listed even if they can change nothing. `compat` grounds as libPRADA does:
     each binding of the references is a rule of its own, whether or not others fit too, and rules may overlap
-    (no E603). Such a task is for planners that are asked for the same. """
+    (no E603). Such a task is for planners that are asked for the same."""
     universe = Universe(domain, problem)
     _refuse(refuse_too_many(domain, problem, universe))
     conditions = Conditions(universe)

@@ -22,7 +22,7 @@ class Process(NamedTuple):
     reward or the goal asks.
 
     A state is (V,) value indices. Conditions 0..R-1 are the rules', then those that are asked. A literal is a
-    variable and a row of `allowed`, which says for each of its values whether it fits. """
+    variable and a row of `allowed`, which says for each of its values whether it fits."""
 
     sizes: Ints  # (V,) values of each variable
     slot_start: Ints  # (V + 1,) slots of each variable, one a value

@@ -107,7 +107,7 @@ def exact_value(task: Task, actions: Sequence[int]) -> float:
 
     From their end to the horizon nothing is done, and the state is paid for what it is; so a sequence gains
     nothing by stopping. Actions beyond the horizon do not count. Raises `SupportTooLargeError` where the
-    states that may occur are too many. """
+    states that may occur are too many."""
     actions = actions[: max(task.horizon, 0)]
     distribution: dict[Assignment, float] = {task.initial: 1.0}
     expected, value = decreasing(task, task.initial), 0.0

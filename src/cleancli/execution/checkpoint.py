@@ -34,6 +34,7 @@ from cleancli.execution.folder import (
 from cleancli.execution.state import EpisodeState
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.edit import replace_file
+from cleancli.language.plural import plural
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""
@@ -100,7 +101,7 @@ def read(folder: Path, path: Path) -> Saved:
     except KeyError:
         raise refused(path, "it has no `rest`") from None
     if rest.episode.actions != int(path.stem):
-        raise refused(path, f"it is of another moment, after {rest.episode.actions} actions")
+        raise refused(path, f"it is of another moment, after {plural(rest.episode.actions, 'action')}")
     sizes = dict(zip(APPENDED, (rest.sizes.journal, rest.sizes.experience), strict=True))
     for name, size in sizes.items():
         if not _ends_a_line(folder, name, size):

@@ -70,7 +70,7 @@ def plan_value(
 
     After its end nothing is done up to the horizon, and what lies beyond it does not count, as in
     `exact_value` of compiler/transition.py; but that does not treat variables as independent, as the belief
-    does. """
+    does."""
     actions = actions[: max(task.horizon, 0)]
     tables = lower(task, independent=compat)
     return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0][0])

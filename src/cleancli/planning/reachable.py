@@ -30,7 +30,7 @@ class Graph(NamedTuple):
     An action is a choice where a rule covers the state and may change it; if waiting is a choice, wherever a
     rule covers. State 0 is the initial one. States that were found in the last step have no choices. A
     choice's transitions go to different states, one of them perhaps its own, with probabilities that sum to
-    1. """
+    1."""
 
     states: Ints  # (N, V)
     within: Ints  # (steps + 1,) how many states are found within so many steps

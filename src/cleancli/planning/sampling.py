@@ -32,7 +32,7 @@ def _look_ahead(
     per step that is looked ahead and one more. Leaves the best action (-1: to stop) in `best`.
 
     `idle` (steps + 1,) is what a reward of 1 in each of so many last steps is worth. In the last row nothing
-    is done any more. `counts` (rows, most outcomes of a rule) is 0 between uses. """
+    is done any more. `counts` (rows, most outcomes of a rule) is 0 between uses."""
     decreasing, standing, ahead = rewarded(p, rows[level])
     left = len(idle) - 1 - level
     value, earliness, chosen = float(standing * idle[left]), float(standing * (left * (left + 1) // 2)), -1

@@ -343,7 +343,7 @@ def anneal(
 
     A loss is accepted with probability exp(loss / warmth); the warmth falls to 0 from `heat` times what an
     action of the best sequence adds to doing nothing. Of equals only one that is no later is accepted. The
-    runs have begun. """
+    runs have begun."""
     nothing = _worth(runs, 0, 0, idle)
     _run(p, runs, luck, s.current, length, 0, 0, seed)
     value, early = _worth(runs, length, 0, idle), _earliness(runs, length, 0)
