@@ -23,6 +23,7 @@ from cleancli.execution.overlay import overlay
 from cleancli.execution.pictures import write_png
 from cleancli.execution.trials import Outcome, Trial, attempt, wilson
 from cleancli.language.findings import meant
+from cleancli.language.plural import plural
 from cleancli.motion.actions import ARITIES, can_execute
 from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named
@@ -79,14 +80,16 @@ def command(
     first = setting.seed if seed is None else seed
     variants = _variants(setting, grasps)
     found: dict[str, list[Trial]] = {name: [] for name in variants}
-    with counting(f"{action}, {{}} of {repeat * len(variants)} trials", as_data) as count:
+    with counting(f"{action}, {{}} of {plural(repeat * len(variants), 'trial')}", as_data) as count:
         for name, variant in variants.items():
             try_one = partial(attempt, variant, action, names)
             for trial in in_order(try_one, range(first, first + repeat), jobs):
                 found[name].append(trial)
                 count()
     if plot is not None:
-        panels = [(f"{action}, {name}: {len(trials)} trials", trials) for name, trials in found.items()]
+        panels = [
+            (f"{action}, {name}: {plural(len(trials), 'trial')}", trials) for name, trials in found.items()
+        ]
         write_png(plot, overlay(setting, panels))
     echo(
         _as_json(setting, action, names, variants, found)
@@ -123,7 +126,8 @@ def table(title: str, trials: Sequence[Trial]) -> str:
     if done:
         left = sum(trial.left for trial in done) / max(1, sum(trial.targets for trial in done))
         lines.append(
-            f"left on the table: {left:.0%} of the dirt; on the floor: {sum(t.lost for t in done)} particles;"
+            f"left on the table: {left:.0%} of the dirt;"
+            f" on the floor: {plural(sum(t.lost for t in done), 'particle')};"
             f" robot time: {np.mean([t.seconds for t in done]):.1f} s"
         )
     return "\n".join(lines)

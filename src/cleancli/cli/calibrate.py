@@ -17,6 +17,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics import Level, Refused
 from cleancli.language.edit import write_atomically
 from cleancli.language.load import parse_as, read_source
+from cleancli.language.plural import plural
 from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
 from cleancli.perception.frame import Frame
@@ -101,7 +102,7 @@ def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
 def _printed(found: Calibration, frames: int, out: Path) -> str:
     default, thresholds = asdict(Thresholds()), asdict(found.thresholds)
     lines = [
-        f"{out}: the surface is clean in {frames} frame{'s' * (frames != 1)} with",
+        f"{out}: the surface is clean in {plural(frames, 'frame')} with",
         "threshold        value  default",
     ]
     lines += [f"{name:14} {value:7.3g}  {default[name]:7.3g}" for name, value in thresholds.items()]

@@ -10,6 +10,7 @@ from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.findings import meant
 from cleancli.language.format import print_signature
 from cleancli.language.model import Action, Domain, Object, Problem
+from cleancli.language.plural import plural
 
 Call = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
@@ -59,7 +60,7 @@ def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem
     ]
     wanted = declared[name].parameters
     if len(places) != len(wanted):
-        message = f"`{name}` takes {len(wanted)} object{'s' * (len(wanted) != 1)}, not {len(places)}"
+        message = f"`{name}` takes {plural(len(wanted), 'object')}, not {len(places)}"
         help = f"it is declared as `{print_signature(name, wanted)}`"
         _refuse(source, "E208", message, match.start("action"), match.end(), help)
     _check_objects(source, places, declared[name], domain, problem)

@@ -13,7 +13,8 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
 from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
-from cleancli.language.messages import MOST, counted, distinct, excerpt
+from cleancli.language.messages import MOST, distinct, excerpt
+from cleancli.language.plural import plural
 from cleancli.language.render import as_json, as_sarif, render
 
 
@@ -60,5 +61,5 @@ def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
 
 
 def _summary(mistakes: int, warnings: int, files: int) -> str:
-    also = f" and {counted(warnings, 'warning')}" if warnings else ""
-    return f"{counted(mistakes, 'mistake')}{also} in {counted(files, 'file')}"
+    also = f" and {plural(warnings, 'warning')}" if warnings else ""
+    return f"{plural(mistakes, 'mistake')}{also} in {plural(files, 'file')}"

@@ -12,6 +12,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from cleancli.cli.symbolic import Told
 from cleancli.cli.table_map import rows_for, table_map
 from cleancli.execution.events import (
     Acted,
@@ -27,6 +28,7 @@ from cleancli.execution.events import (
 )
 from cleancli.execution.state import Account, Move, Situation
 from cleancli.language.diagnostics import printable
+from cleancli.language.plural import plural
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
 
@@ -47,7 +49,7 @@ SPINNER = "|/-\\"
 class Shown:
     """What is told. `most`: dirty areas at the worst; `before`: those that there were when the action
     began that is under way, or was last; `moves` are still to be done; `path` is the
-    way of the tool now, `tool` where it is."""
+    way of the tool now, `tool` where it is. `told`: of the symbolic world, where there are no areas."""
 
     doing: str = "looking"
     situation: Situation | None = None
@@ -58,21 +60,24 @@ class Shown:
     path: ToolPath | None = None
     tool: tuple[float, float] | None = None
     happened: str = ""
+    told: str = ""
     actions: int = 0
     clock: float = 0.0
     spent: Account = field(default_factory=Account)
 
 
-def updated(shown: Shown, event: Event) -> Shown:
-    """What is to be told after an event."""
+def updated(shown: Shown, event: Event, told: Told | None = None) -> Shown:
+    """What is to be told after an event; `told` says it of a situation in the symbolic world."""
     match event:
         case Looked(situation):
             most = max(shown.most, len(situation.areas))
-            return replace(shown, situation=situation, most=most, doing="thinking", path=None)
+            words = "" if told is None else told(situation)
+            return replace(shown, situation=situation, most=most, doing="thinking", path=None, told=words)
         case Decided(_, moves, plan):
             value = None if plan is None else plan.value
             whole = moves if plan is None else tuple(Move(a.name, a.objects) for a in plan.actions)
-            return replace(shown, moves=whole, value=value, doing="moving the arm out of view")
+            doing = "moving the arm out of view" if told is None else "acting"
+            return replace(shown, moves=whole, value=value, doing=doing)
         case Started(number, move, path):
             left = shown.moves[1:] if shown.moves[:1] == (move,) else shown.moves
             before = names_of(shown.situation)
@@ -81,7 +86,7 @@ def updated(shown: Shown, event: Event) -> Shown:
         case Moved(clock):
             return replace(shown, clock=clock)
         case StrokeEnded(_, clock):
-            return replace(shown, doing="looking", clock=clock)
+            return replace(shown, doing="looking" if told is None else "acting", clock=clock)
         case Failed(number, move, reason):
             return replace(shown, happened=f"{number}. {move} failed: {reason}", doing="looking", moves=())
         case Acted():
@@ -101,7 +106,7 @@ def came_of(before: frozenset[str], event: Acted) -> str:
     parts = [f"{_listed(gone)} gone"] * bool(gone) + [f"{_listed(new)} new"] * bool(new)
     if not before and not after and event.transition is not None:
         changed = len(event.transition.before ^ event.transition.after)
-        parts = [f"{changed} facts changed"] * bool(changed)
+        return f"{event.number}. {event.move}: {plural(changed, 'fact') if changed else 'no fact'} changed"
     return f"{event.number}. {event.move}: {', '.join(parts) or 'no area came or went'}"
 
 
@@ -152,7 +157,10 @@ def _map_columns(scene: Scene, columns: int, rows: int) -> int:
 def _side(shown: Shown, limit: int, ascii_only: bool) -> list[Text]:
     situation = shown.situation
     now = 0 if situation is None else len(situation.areas)
-    lines = [_line(f"robot time {shown.clock:.1f} s"), _line(f"actions {shown.actions} of at most {limit}")]
+    clock = "time of the domain" if shown.told else "robot time"
+    lines = [_line(f"{clock} {shown.clock:.1f} s"), _line(f"actions {shown.actions} of at most {limit}")]
+    if shown.told:
+        lines += [_line(part) for part in shown.told.split("; ")]
     if shown.most:
         lines.append(_line(f"dirty areas {now} {_bar(now / shown.most, ascii_only)} of {shown.most}"))
     if shown.happened:

@@ -22,9 +22,10 @@ from cleancli.cli.refusal import planning_refused
 from cleancli.cli.report import write_page
 from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
+from cleancli.cli.symbolic import told_of
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
-from cleancli.execution.events import Ended
+from cleancli.execution.events import Ended, Looked
 from cleancli.execution.folder import FILES
 from cleancli.execution.journal import Interrupted, Resumed
 from cleancli.execution.loop import clean
@@ -35,6 +36,7 @@ from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
+from cleancli.language.plural import plural
 from cleancli.planning.table import PLANNERS
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text
@@ -165,6 +167,10 @@ def command(
             return _carry_out(inputs, site, folder, header, video, said)
 
 
+_SHORT = 0.05
+"""Seconds that are shown as 0.0."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Said:
     """How the run is told: as data, or not at all."""
@@ -198,7 +204,7 @@ def _go_on(folder: Path, said: _Said) -> int:
         after = 0 if saved is None else saved.episode.actions
         resumed = Resumed(after, dropped)
         if not said.silently:
-            echo(f"going on after {after} action{'s' * (after != 1)}", err=True)
+            echo(f"going on after {plural(after, 'action')}", err=True)
         episode = None if saved is None else saved.episode
         return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, episode)
 
@@ -215,26 +221,29 @@ def _carry_out(
 ) -> int:
     """The loop to its end, recorded and shown; from a checkpoint on, if there is one."""
     setup, cell = site.setup, site.cell
+    told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
+    last = ""
     entries = Entries(inputs.domain, lambda: cell.clock, None if saved is None else saved.spent)
     with (
         located_in(*inputs.sources),
         planning_refused(inputs.sources),
         Recorder(folder, header, site.picture, video, entries, site.save, resumed) as recorder,
-        show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions) as view,
+        show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions, told=told) as view,
     ):
         try:
             with interruptions() as pressed:
                 for event in clean(setup, cell, saved):
                     recorder.write(event)
                     view.write(event)
+                    if told is not None and isinstance(event, Looked):
+                        last = told(event.situation)
                     if pressed:
                         raise KeyboardInterrupt
         except KeyboardInterrupt:
             site.stop()
             recorder.note(Interrupted(cell.clock))
-            raise Stopped(
-                f"stopped with the tool up; go on with: cleancli execute --resume {folder}"
-            ) from None
+            how = "stopped with the tool up" if told is None else "stopped"
+            raise Stopped(f"{how}; go on with: cleancli execute --resume {folder}") from None
         except OSError:
             site.stop()
             echo(f"go on later with `cleancli execute --resume {folder}`", err=True)
@@ -247,7 +256,7 @@ def _carry_out(
     if said.as_data:
         echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
     elif not said.quiet:
-        echo(_summary(event, truth, folder, video and site.picture is not None))
+        echo(_summary(event, truth, folder, video and site.picture is not None, last))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
 
@@ -302,12 +311,17 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
     }
 
 
-def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: bool) -> str:
-    spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in ended.spent.by_kind().items())
+def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: bool, told: str) -> str:
+    """`told`: of the symbolic world, which is not called clean, and has no looks that would take time."""
+    kinds = {kind: s for kind, s in ended.spent.by_kind().items() if s >= _SHORT or not told}
+    spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
+    is_so = "" if ended.clean else "not "
     lines = [
-        f"{'clean' if ended.clean else 'not clean'}: {ended.reason}, after {ended.actions} actions",
-        f"seconds: {ended.spent.total:.1f} ({spent})",
+        f"{is_so}{'done' if told else 'clean'}: {ended.reason}, after {plural(ended.actions, 'action')}",
+        f"seconds: {ended.spent.total:.1f}" + (f" ({spent})" if spent else ""),
     ]
+    if told:
+        lines.insert(1, f"in the end: {told}")
     if "particles" in truth:
         lines += _left(truth)
     lines.append(f"record: {folder}/  page: report.html" + ("  video: video.mp4" if video else ""))

@@ -17,6 +17,7 @@ from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import checked_domain, read_source
 from cleancli.language.model import Domain
+from cleancli.language.plural import plural
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import decode
 from cleancli.learning.learn import Learned, edits, is_written, learn
@@ -98,7 +99,10 @@ def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) ->
 
 def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
     examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
-    echo(f"{transitions} transitions, {examples} examples for {len(learned)} of {len(model.rules) + 1} rules")
+    echo(
+        f"{plural(transitions, 'transition')}, {plural(examples, 'example')}"
+        f" for {len(learned)} of {plural(len(model.rules) + 1, 'rule')}"
+    )
     for entry in learned:
         if entry.rule is None and not all(map(is_written, model.default)):
             uncovered = sum(entry.seen) + entry.unexplained

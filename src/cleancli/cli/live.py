@@ -12,6 +12,7 @@ from rich.live import Live
 
 from cleancli.cli.dashboard import Shown, came_of, dashboard, names_of, updated
 from cleancli.cli.progress import SLOW
+from cleancli.cli.symbolic import Told
 from cleancli.cli.table_map import Place
 from cleancli.execution.events import (
     Acted,
@@ -27,6 +28,8 @@ from cleancli.execution.events import (
 )
 from cleancli.execution.state import Situation
 from cleancli.language.diagnostics import printable
+from cleancli.language.plural import plural
+from cleancli.planning.compiled import has_compiled
 from cleancli.scene.model import Scene
 
 
@@ -44,30 +47,37 @@ def show(
     tool: Callable[[], Place | None] = lambda: None,
     limit: int = 0,
     console: Console | None = None,
+    told: Told | None = None,
 ) -> Iterator[View]:
     """A view on standard error: live in a terminal, plain lines elsewhere, silent if `quiet`.
 
     `scene` is drawn as a map, with the tool where `tool()` says that it is; `limit`: the most actions.
+    In the symbolic world `told` says what there is to say of a situation.
     """
     if quiet:
         yield _Silent()
         return
     console = Console(stderr=True, highlight=False) if console is None else console
     if not console.is_terminal:
-        yield _Lines(console)
+        yield _Lines(console, told)
         return
-    view = _Live(console, scene, tool, limit)
+    view = _Live(console, scene, tool, limit, told)
     with Live(console=console, get_renderable=view.render, refresh_per_second=8, transient=True):
         yield view
 
 
+def how_loaded() -> str:
+    """What was done to have the planner ready."""
+    return "compiling the planner, once after installation" if has_compiled() else "loading the planner"
+
+
 def _seen(situation: Situation) -> str:
-    """The areas seen, those hidden in brackets; in the symbolic world, how many facts hold."""
+    """The areas seen, those hidden in brackets."""
     if situation.areas:
         names = (a.name if a.name not in situation.unseen else f"({a.name})" for a in situation.areas)
         later = f"; left out of plans: {', '.join(situation.left_out)}" if situation.left_out else ""
         return ", ".join(names) + later
-    return f"{len(situation.state)} facts" if situation.state else "no dirt"
+    return "no dirt"
 
 
 _LOOKS = {
@@ -86,8 +96,8 @@ class _Silent:
 class _Lines:
     """Prints what has happened, a line each."""
 
-    def __init__(self, console: Console) -> None:
-        self._console = console
+    def __init__(self, console: Console, told: Told | None = None) -> None:
+        self._console, self._told, self._last = console, told, ""
         self._before: frozenset[str] = frozenset()
         self._seen: frozenset[str] = frozenset()
 
@@ -95,28 +105,38 @@ class _Lines:
         """Show one event."""
         match event:
             case Looked(situation, _, seconds, purpose):
-                self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
+                if self._told is not None:
+                    self._tell(self._told(situation))
+                else:
+                    self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
                 self._seen = names_of(situation)
             case Decided(_, moves, plan, seconds):
                 chosen = ", ".join(str(move) for move in moves) or "nothing"
-                value = "" if plan is None else f"; value {plan.value:.2f}, {len(plan.actions)} actions"
+                value = (
+                    "" if plan is None else f"; value {plan.value:.2f}, {plural(len(plan.actions), 'action')}"
+                )
                 self._line(f"decided: {chosen}{value} ({seconds:.2f} s)")
-                if plan is not None and (compiling := plan.seconds.get("compile", 0.0)) > SLOW:
-                    self._line(
-                        f"(and {compiling:.0f} s for compiling the planner, which only the first run does)"
-                    )
+                if plan is not None and (loading := plan.seconds.get("compile", 0.0)) > SLOW:
+                    self._line(f"(and {loading:.0f} s for {how_loaded()})")
             case Started():
                 self._before = self._seen
             case Failed(number, move, reason):
                 self._line(f"  {number}. {move} failed: {reason}")
             case StrokeEnded(number, clock):
-                self._line(f"  {number}. carried out at {clock:.1f} s of robot time")
+                time = "the domain's" if self._told is not None else "robot"
+                self._line(f"  {number}. carried out at {clock:.1f} s of {time} time")
             case Acted():
                 self._line(f"  {came_of(self._before, event)}")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:
                 pass
+
+    def _tell(self, text: str) -> None:
+        """What the symbolic world is like now, where that is news."""
+        if text != self._last:
+            self._line(f"now: {text}")
+        self._last = text
 
     def _line(self, text: str) -> None:
         self._console.print(printable(text), markup=False, soft_wrap=True)
@@ -126,16 +146,21 @@ class _Live(_Lines):
     """The lines, and below them the table, the plan and the account as they are now."""
 
     def __init__(
-        self, console: Console, scene: Scene | None, tool: Callable[[], Place | None], limit: int
+        self,
+        console: Console,
+        scene: Scene | None,
+        tool: Callable[[], Place | None],
+        limit: int,
+        told: Told | None = None,
     ) -> None:
-        super().__init__(console)
+        super().__init__(console, told)
         self._scene, self._tool, self._limit = scene, tool, limit
         self._shown = Shown()
 
     def write(self, event: Event) -> None:
         """Show one event."""
         super().write(event)
-        self._shown = updated(self._shown, event)
+        self._shown = updated(self._shown, event, self._told)
         if isinstance(event, Moved | StrokeEnded):
             self._shown = replace(self._shown, tool=self._tool())
 

@@ -35,7 +35,8 @@ from cleancli.planning.table import PLANNERS
 from cleancli.scene.model import Scene
 from cleancli.shipped import find
 
-_PLANNING = "planning (the first run compiles the planner)"
+_DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"
+_PLANNING = "planning (the planner is loaded first, or compiled, once after installation)"
 
 _APART = (
     ("planner", "compare", "evaluate"),
@@ -200,7 +201,10 @@ def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) ->
 
 def _evaluate(job: Job, calls: Sequence[Call], wanted: _Wanted, seconds: dict[str, float]) -> None:
     actions = numbered(job.task, calls)
-    with _timed(seconds, "evaluate"), working("drawing runs (the first time compiles what does)"):
+    with (
+        _timed(seconds, "evaluate"),
+        working(_DRAWING),
+    ):
         found = evaluate(job.prepared, actions, job.options)
     expected = _expected(job, actions[: max(job.task.horizon, 0)], wanted, seconds)
     echo_evaluation(job, actions, found, expected, seconds, wanted.as_data)

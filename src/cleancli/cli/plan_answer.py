@@ -11,7 +11,9 @@ from cleancli.cli.plan_job import Job, why_nothing
 from cleancli.cli.plan_steps import steps_data, steps_table
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.compiler.transition import reaches_goal
+from cleancli.language.plural import plural
 from cleancli.planning.compare import Row
+from cleancli.planning.compiled import has_compiled
 from cleancli.planning.evaluate import Evaluation, Sampled
 from cleancli.planning.forecast import Forecast
 from cleancli.planning.plan import Plan
@@ -44,10 +46,15 @@ def echo_plan(
     _echo_not_planned_for(job)
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.3g}"
     click.echo(
-        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plan.samples} samples,"
-        f" horizon {plan.horizon}, {len(job.problem.objects)} objects{coverage}"
+        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plural(plan.samples, 'sample')},"
+        f" horizon {plan.horizon}, {plural(len(job.problem.objects), 'object')}{coverage}"
     )
-    click.echo("seconds: " + ", ".join(f"{phase} {spent:.3f}" for phase, spent in seconds.items()))
+    click.echo("seconds: " + ", ".join(f"{_phase(name)} {spent:.3f}" for name, spent in seconds.items()))
+
+
+def _phase(name: str) -> str:
+    """A phase in words: what was compiled once is loaded ever after."""
+    return "load" if name == "compile" and not has_compiled() else name
 
 
 def _echo_not_planned_for(job: Job) -> None:
@@ -115,7 +122,7 @@ def echo_evaluation(
         error = f"± {found.sampled.error:.4f} (standard error), {found.sampled.runs} runs"
         table.add_row("sampled", f"{found.sampled.value:.4f}", error)
     print_table(table)
-    click.echo(f"{len(actions)} action{'s' * (len(actions) != 1)}, horizon {job.task.horizon}")
+    click.echo(f"{plural(len(actions), 'action')}, horizon {job.task.horizon}")
     if beyond:
         lie = "action lies" if len(beyond) == 1 else "actions lie"
         click.echo(

@@ -16,6 +16,7 @@ from cleancli.language.edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source
 from cleancli.language.model import Domain
 from cleancli.language.names import Kind
+from cleancli.language.plural import plural
 from cleancli.language.rename import RENAMABLE, rename
 from cleancli.scene.check import load_scene
 from cleancli.shipped import find
@@ -49,7 +50,7 @@ def command(
     if write:
         write_all(Change(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
     places = sum(map(len, edits.values()))
-    echo(f"{places} place{'s' * (places != 1)} in {len(edits)} of {len(sources)} files", err=not write)
+    echo(f"{plural(places, 'place')} in {len(edits)} of {plural(len(sources), 'file')}", err=not write)
 
 
 def _found(name: str, folder: str, write: bool) -> Path:

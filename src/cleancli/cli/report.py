@@ -66,7 +66,7 @@ def _table(rows: Sequence[Row]) -> Table:
             row.name,
             row.strategy,
             str(row.seed),
-            {None: "cut short", True: "clean", False: "not clean"}[row.clean],
+            row.verdict,
             str(row.actions),
             "-" if row.left is None else f"{row.left}/{row.particles}",
             f"{row.total:.1f}",

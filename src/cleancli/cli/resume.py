@@ -27,6 +27,7 @@ from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
+from cleancli.language.plural import plural
 from cleancli.language.untrusted import decoded
 from cleancli.planning.table import PLANNERS
 from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
@@ -116,7 +117,7 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
     if failed:
         raise Refused(failed)
     if begun.begun:
-        message = f"`{folder}` has no checkpoint, though {begun.begun} actions were begun"
+        message = f"`{folder}` has no checkpoint, though it had begun {plural(begun.begun, 'action')}"
         raise Refused([Diagnostic("E706", message, None, help="start a new run")])
     return None, open_site(begun.inputs)
 

@@ -30,6 +30,7 @@ from cleancli.language.format import (
     symbols_of,
 )
 from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
+from cleancli.language.plural import plural
 from cleancli.planning.coverage import coverage
 
 _NO_EDGE = 10_000
@@ -129,9 +130,10 @@ def _parts(domain: Domain, sizes: Sizes | None) -> Iterator[RenderableType]:
     if sizes is not None:
         yield Text("")
         yield Text(
-            f"problem {sizes.problem}: {sizes.objects} objects, {sizes.variables} state variables,"
-            f" {sizes.actions.total()} actions, {sizes.rules.total()} rules; horizon {sizes.horizon},"
-            f" coverage {sizes.coverage:.3g} by {sizes.samples} samples (eq. 3)"
+            f"problem {sizes.problem}: {plural(sizes.objects, 'object')},"
+            f" {plural(sizes.variables, 'state variable')}, {plural(sizes.actions.total(), 'action')},"
+            f" {plural(sizes.rules.total(), 'rule')}; horizon {sizes.horizon},"
+            f" coverage {sizes.coverage:.3g} by {plural(sizes.samples, 'sample')} (eq. 3)"
         )
 
 
@@ -193,7 +195,7 @@ def _action(action: Action, sizes: Sizes | None) -> str:
     duration = "" if action.duration is None else f"  {action.duration:g} s"
     if action.cost:
         duration += f"  cost {print_fraction(action.cost)}"
-    counted = "" if sizes is None else f"  {sizes.actions[action.name]} groundings"
+    counted = "" if sizes is None else f"  {plural(sizes.actions[action.name], 'grounding')}"
     return f"{print_signature(action.name, action.parameters)}{duration}{counted}"
 
 

@@ -9,6 +9,7 @@ import click
 from rich.table import Table
 
 from cleancli.cli.tables import plain_table, print_table
+from cleancli.language.plural import plural
 from cleancli.simulation.episode import Episode
 from cleancli.simulation.runs import Setup
 from cleancli.simulation.summary import Estimate, Summary
@@ -17,7 +18,8 @@ from cleancli.simulation.summary import Estimate, Summary
 def print_summaries(summaries: Sequence[Summary]) -> None:
     """The table, and why episodes ended."""
     print_table(_table(summaries))
-    click.echo(f"means of {summaries[0].episodes} episodes; ± and to: 95 % intervals (Student's t, Wilson's)")
+    episodes = plural(summaries[0].episodes, "episode")
+    click.echo(f"means of {episodes}; ± and to: 95 % intervals (Student's t, Wilson's)")
     for summary in summaries:
         reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
         click.echo(f"{summary.planner} ended: {reasons}")

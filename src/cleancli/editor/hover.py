@@ -17,6 +17,7 @@ from cleancli.language.format import print_fraction
 from cleancli.language.lines import Lines
 from cleancli.language.model import Rule
 from cleancli.language.names import Kind, Occurrence, children
+from cleancli.language.plural import plural
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,13 +194,13 @@ def _sums(rule: Rule) -> str:
         sums[outcome.kind.value] = sums.get(outcome.kind.value, Fraction(0)) + outcome.probability
     count = len(rule.outcomes)
     parts = ", ".join(f"{print_fraction(probability)} {kind}" for kind, probability in sums.items())
-    return f"{count} outcome{'s' * (count != 1)}: {parts}"
+    return f"{plural(count, 'outcome')}: {parts}"
 
 
 def _groundings(counted: Groundings) -> str:
     """For how many tuples of a problem's objects the facts that never change allow a rule."""
     most = "" if counted.exact else "at most "
-    return f"{most}{counted.count} grounding{'s' * (counted.count != 1)}"
+    return f"{most}{plural(counted.count, 'grounding')}"
 
 
 # ---- probabilities

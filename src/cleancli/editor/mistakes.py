@@ -14,6 +14,7 @@ from cleancli.language.findings import Findings
 from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.names import Kind
+from cleancli.language.plural import plural
 from cleancli.language.syntax import ProblemNode, SceneNode
 from cleancli.scene.check import check_scene
 
@@ -98,7 +99,7 @@ def _without_domain(asked: Document, domain: Document | None, library: Library) 
             yield Diagnostic("E001", message, occurrence.span, help=f"known here: {known}")
         else:
             errors = [d for d in mistakes(domain, library) if d.level is Level.ERROR]
-            message = f"the domain `{name}` has {len(errors)} mistake{'s' * (len(errors) != 1)}"
+            message = f"the domain `{name}` has {plural(len(errors), 'mistake')}"
             help = f"the first: {errors[0].code} {errors[0].message}"
             yield replace(errors[0], message=message, span=occurrence.span, label="", help=help)
         return

@@ -33,6 +33,7 @@ from cleancli.execution.folder import (
 from cleancli.execution.state import EpisodeState
 from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.edit import replace_file
+from cleancli.language.plural import plural
 from cleancli.language.swap import remove_leftovers
 
 KEPT = 2
@@ -100,7 +101,7 @@ def read(folder: Path, path: Path) -> Saved:
     except KeyError:
         raise refused(path, "it has no `rest`") from None
     if rest.episode.actions != int(path.stem):
-        raise refused(path, f"it is of another moment, after {rest.episode.actions} actions")
+        raise refused(path, f"it is of another moment, after {plural(rest.episode.actions, 'action')}")
     sizes = dict(zip(APPENDED, (rest.sizes.journal, rest.sizes.experience), strict=True))
     for name, size in sizes.items():
         if not _ends_a_line(folder, name, size):

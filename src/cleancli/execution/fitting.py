@@ -13,6 +13,7 @@ from math import dist
 
 from cleancli.execution.state import EpisodeState, Move, Situation
 from cleancli.language.model import Domain, Object, State
+from cleancli.language.plural import plural
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 
@@ -97,7 +98,9 @@ def _check_move(move: Move, domain: Domain, known: Collection[str] | None) -> No
         return _check_path(move.path)
     arities = {action.name: len(action.parameters) for action in domain.actions}
     if arities.get(move.action) != len(move.objects):
-        raise ValueError(f"the domain has no action {move.action!r} for {len(move.objects)} objects")
+        raise ValueError(
+            f"the domain has no action {move.action!r} for {plural(len(move.objects), 'object')}"
+        )
     if known is not None and not {*move.objects} <= {*known}:
         raise ValueError(f"{move} is about what the problem has not")
     return None

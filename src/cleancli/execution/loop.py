@@ -28,6 +28,7 @@ from cleancli.execution.state import PATIENCE, Account, EpisodeState, Move, Situ
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.model import Domain
+from cleancli.language.plural import plural
 from cleancli.learning.experience import Transition
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered
@@ -68,7 +69,7 @@ def _over(setup: Setup, cell: Workcell, state: EpisodeState) -> str:
     if cell.is_done(state.situation):
         return CLEAN if state.clear_looks >= CLEAR_LOOKS else ""
     if state.actions >= setup.options.max_actions:
-        return f"the limit of {setup.options.max_actions} actions is reached"
+        return f"the limit of {plural(setup.options.max_actions, 'action')} is reached"
     if state.spent.total >= setup.options.max_seconds:
         return f"the limit of {setup.options.max_seconds:g} seconds is reached"
     return ""

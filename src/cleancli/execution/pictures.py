@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cleancli.execution.events import Started
 from cleancli.execution.state import Situation
 from cleancli.language.edit import replace_file
+from cleancli.language.plural import plural
 from cleancli.perception.frame import Frame
 from cleancli.perception.pictures import draw, project
 
@@ -31,7 +32,7 @@ TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Picture) -> Picture:
     """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
     seen = draw(frame, situation.areas, situation.state)
-    title = f"0. first look: {len(situation.areas)} areas"
+    title = f"0. first look: {plural(len(situation.areas), 'area')}"
     if started is not None and started.path is not None:
         title = f"{started.number}. {started.move}"
         points = [(w.x, w.y) for w in started.path.waypoints if w.z <= 0]

@@ -20,7 +20,6 @@ from cleancli.language.conditions import (
 from cleancli.language.declarations import Once, read_objects, refuse_repeated, sections_of, without_point
 from cleancli.language.diagnostics import Span
 from cleancli.language.findings import Findings
-from cleancli.language.messages import counted
 from cleancli.language.model import (
     Condition,
     Domain,
@@ -35,6 +34,7 @@ from cleancli.language.model import (
     wanted_decreased,
 )
 from cleancli.language.planner_options import PlannerOptions, check_planner
+from cleancli.language.plural import plural
 from cleancli.language.reachable import warn_impossible
 
 _SECTIONS: Mapping[type[syntax.Node], str] = {
@@ -97,7 +97,7 @@ def _check_domain_name(node: syntax.ProblemNode, domain: Domain, findings: Findi
             help = f"name the domain `{section.name.text}` instead"
             if folded:
                 verb = "is" if folded == 1 else "are"
-                help += f"; {counted(folded, 'message')} that may follow from this {verb} left out"
+                help += f"; {plural(folded, 'message')} that may follow from this {verb} left out"
             message = f"this problem is for the domain `{section.name.text}`, not `{domain.name}`"
             findings.error("E401", message, section.name.span, help=help)
 

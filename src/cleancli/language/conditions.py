@@ -22,6 +22,7 @@ from cleancli.language.model import (
     Variable,
 )
 from cleancli.language.overlap import negated
+from cleancli.language.plural import plural
 from cleancli.language.record import Record
 
 _SYMBOLS = ("predicate", "function", "derived predicate")
@@ -94,7 +95,7 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
         wants = len(symbol.parameters)
         scope.findings.error(
             "E208",
-            f"`{name}` takes {wants} term{'s' * (wants != 1)}, not {len(terms)}",
+            f"`{name}` takes {plural(wants, 'term')}, not {len(terms)}",
             node.span,
             help=f"it is declared as `{print_signature(name, symbol.parameters)}`",
         )

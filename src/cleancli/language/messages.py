@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable
 
 from cleancli.language.diagnostics import Diagnostic, Level
+from cleancli.language.plural import plural
 from cleancli.language.record import Record
 
 MOST = 100
@@ -28,12 +29,7 @@ class Excerpt(Record):
     def note(self) -> str:
         """How many are not shown: `2 more mistakes and 1 more warning`."""
         numbers = ((self.mistakes, "more mistake"), (self.warnings, "more warning"))
-        return " and ".join(counted(number, what) for number, what in numbers if number)
-
-
-def counted(number: int, what: str) -> str:
-    """`1 mistake`, `2 mistakes`."""
-    return f"{number} {what}{'' if number == 1 else 's'}"
+        return " and ".join(plural(number, what) for number, what in numbers if number)
 
 
 def distinct(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -17,6 +17,7 @@ from cleancli.language.diagnostics import Span
 from cleancli.language.exclusion import refuse_overlaps, refuse_unsatisfiable
 from cleancli.language.model import Action, Assign, ForAll, Outcome, Reference, Rule, Shift, Term, Variable
 from cleancli.language.outcomes import check_outcomes
+from cleancli.language.plural import plural
 from cleancli.language.symbols import read_marks
 
 
@@ -92,7 +93,7 @@ def _action(node: syntax.RuleNode, scope: Scope) -> Action | None:
         wants = len(action.parameters)
         scope.findings.error(
             "E208",
-            f"`{action.name}` takes {wants} variable{'s' * (wants != 1)}, not {len(node.terms)}",
+            f"`{action.name}` takes {plural(wants, 'variable')}, not {len(node.terms)}",
             Span(node.span.path, node.action.span.start, (node.terms or (node.action,))[-1].span.end),
         )
         return None

@@ -10,6 +10,7 @@ from typing import Any
 from cleancli.compiler.evaluate import canonical_state
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.model import Domain, Fact, Object, State
+from cleancli.language.plural import plural
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +106,7 @@ def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str])
         name, objects, fact_value = entry[0], tuple(_names(entry[1], key)), entry[2]
         symbol = symbols.get(name)
         if symbol is None or len(symbol.parameters) != len(objects):
-            raise ValueError(f"the domain has no symbol {name!r} for {len(objects)} objects")
+            raise ValueError(f"the domain has no symbol {name!r} for {plural(len(objects), 'object')}")
         if type(fact_value) is not type(symbol.values[0]) or fact_value not in symbol.values:
             raise ValueError(f"{name} cannot be {fact_value!r}")
         if not known.issuperset(objects):

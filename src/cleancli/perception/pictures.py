@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.language.model import State
+from cleancli.language.plural import plural
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.frame import Camera, Frame
 from cleancli.perception.geometry import project
@@ -54,7 +55,7 @@ def contact_sheet(
 ) -> Picture:
     """What each step of perception left of `frame`, captioned as in Fig. 2, two rows of three; RGB."""
     steps = observation.steps
-    counted = "1 area" if len(areas) == 1 else f"{len(areas)} areas"
+    counted = plural(len(areas), "area")
     tiles = [
         _captioned(frame.colour, "(a) colour image"),
         _captioned(_cut_out(frame, steps.surface), "(b) surface segmented by depth"),

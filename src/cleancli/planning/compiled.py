@@ -19,6 +19,8 @@ from cleancli.planning.preference import preferred
 F = TypeVar("F", bound=Callable[..., object])
 
 _numba_njit: Any = numba.njit  # its annotations know nothing of `_nrt`
+_made: list[Any] = []
+"""The compiled functions of this process."""
 
 
 def njit(*, cache: bool = True, **options: Any) -> Callable[[F], F]:
@@ -31,9 +33,15 @@ def njit(*, cache: bool = True, **options: Any) -> Callable[[F], F]:
             result = _forgiving(_numba_njit(cache=cache and not _is_homeless(), **options)(function))
         except RuntimeError:  # there is no folder for the cache
             result = _numba_njit(**options)(function)
+        _made.append(result)
         return result
 
     return compiled
+
+
+def has_compiled() -> bool:
+    """Whether this process has compiled something; else all that it ran was loaded from disk."""
+    return any(function.stats.cache_misses for function in _made)
 
 
 def _is_homeless() -> bool:

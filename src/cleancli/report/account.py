@@ -13,7 +13,8 @@ from cleancli.report.timeline import KINDS, in_order
 @dataclass(frozen=True, slots=True)
 class Row:
     """One run. `clean` and `reason` are None and empty while it has not ended, `left` is what truly lay on
-    the table at its end, None where nobody has looked. `areas`: dirty areas seen in the last look."""
+    the table at its end, None where nobody has looked. `areas`: dirty areas seen in the last look, None in
+    the `symbolic` world."""
 
     name: str
     problem: str
@@ -28,12 +29,26 @@ class Row:
     particles: int | None
     left: int | None
     on_floor: int | None
+    symbolic: bool = False
+
+    @property
+    def verdict(self) -> str:
+        """In a word or two, how the run ended; the symbolic world has nothing to be clean."""
+        if self.clean is None:
+            return "cut short"
+        return f"{'' if self.clean else 'not '}{'done' if self.symbolic else 'clean'}"
 
 
 def row_of(run: Run) -> Row:
     """The run in figures."""
     episode, truth = run.header.episode, run.header.truth or Truth()
     looks = [record for record in run.records if isinstance(record, Looked)]
+    # Of a run cut short nothing says where it took place; a table shows areas, or has no facts.
+    symbolic = truth.facts is not None or (
+        truth.particles is None
+        and any(look.facts for look in looks)
+        and not any(look.areas for look in looks)
+    )
     return Row(
         name=run.name,
         problem=run.problem,
@@ -42,12 +57,13 @@ def row_of(run: Run) -> Row:
         clean=None if episode is None else episode.clean,
         reason="" if episode is None else episode.reason,
         actions=run.actions(),
-        areas=len(looks[-1].areas) if looks else None,
+        areas=len(looks[-1].areas) if looks and not symbolic else None,
         total=run.total(),
         seconds=in_order(run.spent()),
         particles=truth.particles,
         left=truth.on_table,
         on_floor=truth.on_floor,
+        symbolic=symbolic,
     )
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import jinja2
 
 from cleancli.execution.journal import Planned
+from cleancli.language.plural import plural
 from cleancli.report.account import Row, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import Run
@@ -135,6 +136,7 @@ def _templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["plural"] = plural
     environment.filters["seconds"] = _seconds_text
     environment.filters["call"] = lambda step: call(step.action, step.arguments)
     environment.filters["likely"] = step_text
@@ -159,7 +161,7 @@ def _verdict(run: Run) -> tuple[str, str]:
     episode = run.header.episode
     if episode is None:
         return "cut short", "the run has not ended: it was stopped or killed, or still goes on"
-    return ("clean" if episode.clean else "not clean"), episode.reason
+    return row_of(run).verdict, episode.reason
 
 
 def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:

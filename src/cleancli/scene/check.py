@@ -110,13 +110,13 @@ def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:
 
 def _surface(settings: Settings) -> Surface:
     surface = Surface(
-        settings.length("width", 0.90),
-        settings.length("depth", 0.70),
+        settings.length("width", 0.90, least=0.1, most=5.0),
+        settings.length("depth", 0.70, least=0.1, most=5.0),
         settings.number("friction", 0.45, 0, 2),
         settings.colour("colour", (205, 198, 184)),
         settings.angles("tilt", (0.0, 0.0), (-10, 10), (-10, 10)),
         settings.number("texture", 0.0, 0, 0.3, including=True),
-        settings.length("grain", 0.01),
+        settings.length("grain", 0.01, least=0.001, most=0.5),
     )
     settings.refuse_others()
     return surface
@@ -126,8 +126,8 @@ def _container(settings: Settings, surface: Surface, findings: Findings) -> Cont
     container = Container(
         settings.word("edge", "east", EDGES),
         settings.length("offset", 0.0, negative=True),
-        settings.length("width", 0.32),
-        settings.length("depth", 0.16),
+        settings.length("width", 0.32, least=0.01, most=5.0),
+        settings.length("depth", 0.16, least=0.01, most=5.0),
     )
     settings.refuse_others()
     edge = surface.width if container.edge in ("north", "south") else surface.depth
@@ -160,15 +160,15 @@ def _grasps(node: SceneNode, findings: Findings) -> tuple[Grasp, ...]:
 def _grasp(name: str, settings: Settings) -> Grasp:
     grasp = Grasp(
         name,
-        settings.length("flap", WIDE.flap),
+        settings.length("flap", WIDE.flap, least=0.001, most=1.0),
         settings.number("gain", WIDE.gain, 0, 1),
         settings.number("torque", WIDE.torque, 0, 10),
         settings.angle("angle_spread", WIDE.angle_spread, 0, 30),
-        settings.length("gap_spread", WIDE.gap_spread, zero=True),
-        settings.length("bow", WIDE.bow, zero=True),
+        settings.length("gap_spread", WIDE.gap_spread, zero=True, most=0.01),
+        settings.length("bow", WIDE.bow, zero=True, most=0.1),
         settings.angle("sweep", WIDE.sweep, 0, 45),
         settings.angle("skew", WIDE.skew, -45, 45),
-        settings.length("width", WIDE.width),
+        settings.length("width", WIDE.width, least=0.001, most=5.0),
     )
     settings.refuse_others()
     return grasp
@@ -176,7 +176,7 @@ def _grasp(name: str, settings: Settings) -> Grasp:
 
 def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], findings: Findings) -> Rag:
     grasp = known[settings.word("grasp", "wide", known)]
-    rag = Rag(grasp, settings.length("width", grasp.width))
+    rag = Rag(grasp, settings.length("width", grasp.width, least=0.001, most=5.0))
     settings.refuse_others()
     if rag.width > container.width + SLACK:
         findings.error(
@@ -209,12 +209,12 @@ def _light(settings: Settings) -> Light:
 
 def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
     symbols = SymbolThresholds(
-        settings.length("link", 0.05),
-        settings.length("small", 0.06),
-        settings.length("medium", 0.12),
+        settings.length("link", 0.05, least=0.001, most=1.0),
+        settings.length("small", 0.06, least=0.001),
+        settings.length("medium", 0.12, least=0.001),
         settings.number("density", 0.14, 0, 1),
         settings.length("near", 0.20, zero=True),
-        settings.length("traversal", 0.05),
+        settings.length("traversal", 0.05, least=0.001),
         settings.whole("most", 1000, 1, 1000),
         settings.word("leave_out", "smallest", LEFT_OUT),
     )

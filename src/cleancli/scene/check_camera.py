@@ -19,10 +19,14 @@ def check_camera(
     settings: Settings, surface: Surface, findings: Findings, read: Read
 ) -> tuple[CameraSetup, Calibration | None]:
     """The camera, and what the file says that its `calibration` names (E516, E517), which `read` reads."""
-    height = settings.length("height", 0.9)
+    height = settings.length("height", 0.9, least=0.1)
     width, depth = settings.image("image", (640, 480))
     camera = CameraSetup(
-        height, width, depth, settings.number("focal", 525.0, 0), settings.point("at", (0.0, 0.0))
+        height,
+        width,
+        depth,
+        settings.number("focal", 525.0, 10, 100_000, including=True),
+        settings.point("at", (0.0, 0.0)),
     )
     calibration = _calibration(settings, findings, read)
     settings.refuse_others()

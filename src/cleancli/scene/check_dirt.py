@@ -77,7 +77,7 @@ def _ink(section: Section, surface: Surface, findings: Findings) -> Ink:
     settings = Settings(section.name, section.entries, findings)
     ink = Ink(
         settings.points("along", MOST_POINTS),
-        settings.length("width", 0.008),
+        settings.length("width", 0.008, least=0.001, most=1.0),
         settings.own_colour("colour"),
     )
     settings.refuse_others()

@@ -27,6 +27,9 @@ SLACK = 1e-9
 MOST_PIXELS = 1920 * 1080
 """Of an image. Measured: a look of three frames computes for 7 s, and takes less than half a GB."""
 
+LONGEST = 10.0
+"""Metres of whatever is not limited otherwise: the world and perception take memory and time by lengths."""
+
 _PER_METRE = {"m": 1, "cm": 100, "mm": 1000}
 _PER_RADIAN = {"rad": 1.0, "deg": 180 / math.pi}
 
@@ -58,14 +61,27 @@ class Settings:
         setting = self._settings.get(key)
         return self._name.span if setting is None else setting.value.span
 
-    def length(self, key: str, default: float | None, zero: bool = False, negative: bool = False) -> float:
-        """A length in metres, above zero unless said otherwise."""
+    def length(
+        self,
+        key: str,
+        default: float | None,
+        zero: bool = False,
+        negative: bool = False,
+        least: float = 0.0,
+        most: float = LONGEST,
+    ) -> float:
+        """A length in metres, above zero unless said otherwise, and from `least` to `most`."""
         value = self._take(key, default)
         if value is None:
             return default or 0.0
         metres = self._metres(value)
         if metres is not None and not negative and (metres < 0 or (metres == 0 and not zero)):
             self._range(value, "must not be negative" if zero else "must be above 0")
+            metres = None
+        if metres is not None and not least - SLACK <= abs(metres) <= most + SLACK:
+            self._range(
+                value, f"must be {f'from {_length(least)} to' if least else 'at most'} {_length(most)}"
+            )
             metres = None
         return (default or 0.0) if metres is None else metres
 
@@ -117,7 +133,7 @@ class Settings:
         if not isinstance(value, Pair):
             self._wrong(value, "a point such as `(10 cm, -5 cm)`")
             return 0.0, 0.0
-        return self._metres(value.x) or 0.0, self._metres(value.y) or 0.0
+        return self._coordinate(value.x), self._coordinate(value.y)
 
     def points(self, key: str, most: int) -> tuple[tuple[float, float], ...]:
         """One point `(x, y)` or several `((x, y), ...)`, required, in metres; `most` at most."""
@@ -130,7 +146,7 @@ class Settings:
         pairs = value.points if isinstance(value, Points) else (value,)
         if len(pairs) > most:
             self._range(value, f"must have at most {most} points")
-        return tuple((self._metres(pair.x) or 0.0, self._metres(pair.y) or 0.0) for pair in pairs)
+        return tuple((self._coordinate(pair.x), self._coordinate(pair.y)) for pair in pairs)
 
     def angle(self, key: str, default: float, low: float, high: float) -> float:
         """An angle in radians, from `low` to `high` degrees."""
@@ -224,6 +240,13 @@ class Settings:
         # Dividing the exact number gives the float nearest to what is written: 35 mm is 0.035.
         return float(value.value / _PER_METRE[value.unit])
 
+    def _coordinate(self, value: SettingValue) -> float:
+        metres = self._metres(value) or 0.0
+        if abs(metres) > LONGEST + SLACK:
+            self._range(value, f"must be at most {_length(LONGEST)} from the middle")
+            return 0.0
+        return metres
+
     def _radians(self, value: SettingValue, low: float, high: float) -> float | None:
         if not isinstance(value, Quantity):
             self._wrong(value, "an angle such as `5 deg`")
@@ -254,6 +277,11 @@ class Settings:
 
     def _range(self, value: SettingValue, condition: str) -> None:
         self._findings.error("E505", f"this {condition}", value.span)
+
+
+def _length(metres: float) -> str:
+    """A limit as it is written in a scene."""
+    return next(f"{metres * n:g} {unit}" for unit, n in _PER_METRE.items() if metres * n >= 1 or n == 1000)
 
 
 def centimetres(metres: float) -> str:

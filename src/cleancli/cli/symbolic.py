@@ -1,0 +1,33 @@
+"""What is told of a situation in the symbolic world, which has no table: the domain's counts and the goal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cleancli.compiler.evaluate import StateView
+from cleancli.execution.state import Situation
+from cleancli.language.model import Domain, Problem
+from cleancli.language.plural import plural
+
+Told = Callable[[Situation], str]
+"""What to say of a situation."""
+
+
+def told_of(domain: Domain, problem: Problem) -> Told:
+    """Says for example `dirty_areas 2, wet_areas 0; the goal does not hold`."""
+
+    def told(situation: Situation) -> str:
+        view = StateView(domain, (*domain.constants, *situation.objects), situation.state)
+        counts = [
+            f"{count.name} {sum(1 for _ in view.extensions(count.variables, count.condition, {}))}"
+            for count in domain.counts
+        ]
+        text = (
+            ", ".join(counts)
+            or f"{plural(len(situation.state), 'fact')} hold{'s' * (len(situation.state) == 1)}"
+        )
+        if not problem.goal:
+            return text
+        return f"{text}; the goal {'holds' if view.holds(problem.goal, {}) else 'does not hold'}"
+
+    return told
