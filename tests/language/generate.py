@@ -204,14 +204,16 @@ def _shared(rng: Random) -> list[str]:
 
 
 def _reward(world: World, rng: Random) -> list[str]:
-    """Some of the terms that there are, each at most once; one is the fall of a count."""
-    terms = [["decrease", "(", "other", ")"], ["total"], ["cost"]]
-    chosen = [["decrease", "(", "total", ")"], *rng.sample(terms, rng.randint(0, 3))]
+    """Some of the terms that there are, each at most once; one is the fall of a count, which is wanted."""
+    terms, fall = [["decrease", "(", "other", ")"], ["total"], ["cost"]], ["decrease", "(", "total", ")"]
+    chosen = [fall, *rng.sample(terms, rng.randint(0, 3))]
     chosen += [["goal"]] if world.pays_goal else []
     rng.shuffle(chosen)
     tokens: list[str] = []
     for place, term in enumerate(chosen):
         sign = rng.choice(("+", "-")) if place else rng.choice(("", "-"))
+        if term is fall:
+            sign = "+" if place else ""
         weight = rng.choice(([], ["2", "*"], ["0.5", "*"], ["1/3", "*"]))
         tokens += [*([sign] if sign else []), *weight, *term]
     return ["reward", "{", *tokens, "}"]

@@ -127,6 +127,34 @@ def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
     assert plan.value == pytest.approx(1.06, abs=0.04)
 
 
+COURIER = """
+domain d {
+  types      { street }
+  constants  { north east south - street }
+  predicates { wet(?s - street) delivered() lame() }
+  actions    { shelter() cross() detour() }
+  rule sun: shelter() {
+    when wet(north)
+    then 0.5: not wet(north), not wet(east), not wet(south)
+         rest: nothing
+  }
+  rule dry: cross() { when not delivered(), forall ?s - street: not wet(?s) then 1: delivered() }
+  rule long: detour() { when not delivered(), not lame() then 0.3: delivered(), lame() rest: lame() }
+  reward { goal }
+}
+"""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_gain_is_reached_by_way_of_equals(seed: int) -> None:
+    """From a detour to shelter and crossing it is one change that gains nothing, and one more."""
+    wet = "objects { } init { wet(north), wet(east), wet(south) }"
+    plan = search(
+        domains.task(COURIER, f"{wet} goal {{ delivered() }} horizon = 2 discount = 1"), Options(1000, seed)
+    )
+    assert [str(action) for action in plan.actions] == ["shelter()", "cross()"]
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=8)

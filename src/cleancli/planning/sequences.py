@@ -342,8 +342,9 @@ def anneal(
     """Tries `moves` changes of `s.current`, and leaves the best sequence met in `best`; returns its length.
 
     A loss is accepted with probability exp(loss / warmth); the warmth falls to 0 from `heat` times what an
-    action of the best sequence adds to doing nothing. Of equals only one that is no later is accepted. The
-    runs have begun."""
+    action of the best sequence adds to doing nothing. Of equals the later are accepted too, but not in the
+    last quarter: many a gain is reached by way of an equal. The runs have begun.
+    """
     nothing = _worth(runs, 0, 0, idle)
     _run(p, runs, luck, s.current, length, 0, 0, seed)
     value, early = _worth(runs, length, 0, idle), _earliness(runs, length, 0)
@@ -361,7 +362,7 @@ def anneal(
         warmth = heat * (best_value - nothing) / max(best_length, 1) * (1.0 - move / moves)
         if tried - value < warmth * np.log(1.0 - uniform(stream + np.uint64(3))):
             continue
-        if abs(tried - value) <= AS_GOOD and soon < early - AS_GOOD:
+        if 4 * move >= 3 * moves and abs(tried - value) <= AS_GOOD and soon < early - AS_GOOD:
             continue
         for place in range(start + 1, new + 1):
             runs.row[place] = 1 - runs.row[place]
