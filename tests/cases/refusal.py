@@ -7,6 +7,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from cleancli.cli.inputs import open_domain
+from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics import Diagnostic, Refused, Source
 from cleancli.language.load import (
@@ -82,14 +83,18 @@ def _folder(sources: list[Source]) -> tuple[Diagnostic, ...]:
         open_domain(Path("name.txt").read_text(encoding="utf-8").strip())
         return ()
     domain = load_domain(_read("domain.nid", sources))
-    _with_domain(domain, sources)
-    return ()
+    return _with_domain(domain, sources)
 
 
-def _with_domain(domain: Domain, sources: list[Source]) -> None:
+def _with_domain(domain: Domain, sources: list[Source]) -> tuple[Diagnostic, ...]:
+    """What is found; warnings of a problem are returned, mistakes raised."""
+    found: tuple[Diagnostic, ...] = ()
     if os.path.exists("problem.nid"):
-        ground(domain, load_problem(_read("problem.nid", sources), domain))
+        problem = load_problem(_read("problem.nid", sources), domain)
+        ground(domain, problem)
+        found = warnings_of(sources[-1], domain, problem)
     if os.path.exists("scene.nid"):
         symbolize((), load_scene(_read("scene.nid", sources)), domain)
     if os.path.exists("experience.jsonl"):
         decode(_read("experience.jsonl", sources), domain)
+    return found

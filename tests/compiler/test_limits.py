@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import time
+import tracemalloc
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,7 +13,8 @@ from handmade import A, B, M, false, noise, one_of, outcome, put, true
 
 from cleancli.compiler.count import RULE_LIMIT, count_groundings
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Diagnostic, Refused, Span
+from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.load import checked_domain, load_domain, load_problem
 from cleancli.language.model import (
     Action,
     Assign,
@@ -161,3 +164,97 @@ def test_a_closure_over_what_stays_is_decided_at_once() -> None:
     found = ground(replace(rule, derived=(joined,)), problem(30, *facts))
     assert len(found.actions) == 30 * 29 // 2
     assert {v.symbol for v in found.variables} == {"dirt"}
+
+
+SEVEN = """\
+domain refs {
+  types      { thing }
+  predicates { p(?a - thing)  q(?a ?b - thing) }
+  derived    { n := count ?a - thing: p(?a) }
+  actions    { act(?a - thing) }
+  rule r: act(?a) {
+    when p(?a) %s
+    then 1: not p(?a), forall ?b - thing => not q(?a, ?b)
+  }
+  reward     { decrease(n) }
+}
+"""
+
+
+@pytest.mark.parametrize(("references", "objects"), [(7, 60), (2, 60), (3, 200)])
+def test_bindings_of_references_multiply_and_are_refused_before_they_are_built(
+    references: int, objects: int
+) -> None:
+    names = [f"o{number}" for number in range(objects)]
+    others = " ".join(
+        f"with ?r{n} - thing: q({'?a' if n == 0 else f'?r{n - 1}'}, ?r{n})" for n in range(references)
+    )
+    text = (SEVEN % others).replace("not q(?a, ?b)", f"not q(?r{references - 1}, ?b)")
+    found = load_domain(Source("refs.nid", text))
+    facts = " ".join(f"p({name}) q({name}, {name})" for name in names)
+    things = f"problem many {{ domain = refs objects {{ {' '.join(names)} - thing }} init {{ {facts} }} }}"
+    given = load_problem(Source("many.nid", things), found)
+    tracemalloc.start()
+    started = time.process_time()
+    diagnostic = refusal(found, given)
+    seconds = time.process_time() - started
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert diagnostic.code == "E604"
+    assert "q(" in diagnostic.label
+    assert peak < 300_000_000
+    assert seconds < 10, "a second without a tracer on a machine that does nothing else"
+
+
+def test_references_that_facts_decide_are_counted_by_the_facts() -> None:
+    """200 objects, of which each is beside two: no bound of 200 bindings each refuses it."""
+    text = SEVEN.replace("q(?a ?b - thing)", "q(?a ?b - thing)  beside(?a ?b - thing) [static]")
+    found = load_domain(
+        Source("refs.nid", text % "with ?r - thing: beside(?a, ?r) with ?s - thing: beside(?r, ?s)")
+    )
+    names = [f"o{number}" for number in range(60)]
+    pairs = [*itertools.pairwise(names), *zip(names[30:], names[32:], strict=False)]
+    facts = " ".join([*(f"p({name})" for name in names), *(f"beside({one}, {two})" for one, two in pairs)])
+    things = f"problem many {{ domain = refs objects {{ {' '.join(names)} - thing }} init {{ {facts} }} }}"
+    assert ground(found, load_problem(Source("many.nid", things), found)).actions
+
+
+def test_a_closure_over_2000_symmetric_facts_is_decided_at_once() -> None:
+    text = """domain clos {
+      types { thing } predicates { link(?a ?b - thing) [symmetric, static]  p(?a - thing) }
+      derived { reach(?a ?b - thing) := closure link  n := count ?a - thing: p(?a) }
+      actions { act(?a ?b - thing) }
+      rule r: act(?a, ?b) { when p(?a), %s then 1: not p(?a) }
+      reward { decrease(n) } }"""
+    names = [f"o{number}" for number in range(2000)]
+    facts = [f"link({one}, {two})" for one, two in itertools.pairwise(names)]
+    facts += [f"p({name})" for name in names[::200]]
+    stated = f"objects {{ {' '.join(names)} - thing }} init {{ {' '.join(facts)} }}"
+    things = f"problem many {{ domain = clos {stated} }}"
+    started = time.process_time()
+    found = load_domain(Source("clos.nid", text % "reach(?a, ?b), ?b = ?a"))
+    assert len(ground(found, load_problem(Source("p.nid", things), found)).actions) == 10
+    every = load_domain(Source("clos.nid", text % "reach(?a, ?b)"))
+    assert refusal(every, load_problem(Source("p.nid", things), every)).code == "E604"
+    assert time.process_time() - started < 12, "under two seconds on a machine that does nothing else"
+
+
+def test_20000_types_in_a_chain_are_read_at_once() -> None:
+    chain = "; ".join(f"t{number} - t{number - 1}" for number in range(1, 20_000))
+    text = f"""domain chain {{
+      types {{ t0; {chain} }} predicates {{ p(?a - t0) }} derived {{ n := count ?a - t0: p(?a) }}
+      actions {{ act(?a - t19999) }} rule r: act(?a) {{ when p(?a) then 1: not p(?a) }}
+      reward {{ decrease(n) }} }}"""
+    started = time.process_time()
+    found = load_domain(Source("chain.nid", text))
+    things = "problem p { domain = chain objects { a - t19999 b - t10000 } init { p(a) p(b) } }"
+    assert len(ground(found, load_problem(Source("p.nid", things), found)).actions) == 1
+    assert time.process_time() - started < 12, "under two seconds on a machine that does nothing else"
+
+
+def test_types_in_circles_are_told_once_each() -> None:
+    """Also where thousands of types lie below a circle that is declared after them."""
+    tail = "; ".join(f"t{number} - t{number - 1}" for number in range(1, 3000))
+    text = f"domain c {{ types {{ {tail}; t0 - u; u - v; v - u; w - w }} reward {{ decrease(n) }} }}"
+    found = [d for d in checked_domain(Source("c.nid", text)).diagnostics if d.code == "E215"]
+    assert [d.message for d in found] == ["the type `u` is below itself", "the type `w` is below itself"]

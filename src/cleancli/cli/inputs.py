@@ -88,5 +88,17 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
             _, _, domain = open_domain(str(beside) if beside.exists() else name)
-            found = checked_problem(source, domain)
-            return found.diagnostics, found.sources
+            return _check_problem(source, domain)
+
+
+def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """The mistakes and warnings of a problem; without mistakes also what it wants in vain (W403).
+
+    Grounding is imported here: other files are checked without it.
+    """
+    found = checked_problem(source, domain)
+    if found.model is None or any("the goal" in each.help for each in found.diagnostics):
+        return found.diagnostics, found.sources
+    from cleancli.cli.unreached import warnings_of
+
+    return (*found.diagnostics, *warnings_of(source, domain, found.model)), found.sources

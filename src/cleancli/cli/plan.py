@@ -20,6 +20,7 @@ from cleancli.cli.plan_picture import check_picture, draw_picture
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import Seen, look
+from cleancli.cli.unreached import tell_unreached
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time
 from cleancli.language.diagnostics import Source
@@ -127,6 +128,7 @@ def command(
     sources = (*sources, read_source(find(problem, "problems")))
     seen, seed = _seen(model, problem, sources, seed, seconds)
     model, given = seen.domain, seen.problem
+    tell_unreached(sources, model, given)
     options = planner_options(
         given,
         samples=samples,

@@ -15,6 +15,7 @@ from cleancli.cli.progress import counted
 from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import open_both
 from cleancli.cli.simulated import as_data, print_summaries
+from cleancli.cli.unreached import tell_unreached
 from cleancli.language.diagnostics import Source
 from cleancli.language.load import read_source
 from cleancli.planning.table import PLANNERS
@@ -113,6 +114,7 @@ def command(
         objective == "time",
     )
     texts = (*sources, *world_sources, read_source(find(problem, "problems")))
+    tell_unreached(texts, model, given)
     with located_in(*texts):
         found = _episodes(setup, episodes, jobs, texts)
     summaries = [

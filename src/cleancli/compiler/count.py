@@ -103,34 +103,51 @@ def _refusal(what: str, found: Groundings, in_all: str, span: Span | None) -> Di
 
 
 def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterator[Diagnostic]:
-    """E604 for a rule whose instances are few, but each is long: of an effect, quantifier or reference."""
+    """E604 for a rule whose references fit too much, or whose instances are few, but each is long: of an
+    effect, quantifier or reference."""
     foralls = [e for outcome in rule.outcomes for e in outcome.effects if isinstance(e, ForAll)]
     if not (foralls or rule.references or any(_length(p, set(), universe) for p in rule.condition)):
         return
     bound = set(rule.variables)
     lengths: dict[str, int] = {part_text(p): _length(p, bound, universe) for p in rule.condition}
+    fitting: dict[str, int] = {}
     for reference in rule.references:
         text = ", ".join(part_text(part) for part in reference.condition)
-        # Each binding of a reference makes an instance that speaks of all the others.
-        lengths[text] = _bound(reference.variables, reference.condition, universe, bound) ** 2
+        # Each binding of a reference makes an instance, which speaks of all the others.
+        fitting[text] = _bound(reference.variables, reference.condition, universe, bound)
+        lengths[text] = lengths.get(text, 0) + fitting[text]
         bound |= set(reference.variables)
     for effect in foralls:
         variables = " ".join(print_term(variable) for variable in effect.variables)
         length = _bound(effect.variables, effect.condition, universe, bound)
         lengths[f"forall {variables}"] = lengths.get(f"forall {variables}", 0) + length
-    total = found.count * sum(lengths.values())
-    if total > PART_LIMIT and not found.exact:
-        total = _groundings(found.rule, rule, universe, PATIENT_STEPS).count * sum(lengths.values())
-    if total > PART_LIMIT:
+    length = sum(lengths.values())
+    instances, exact = found.count * prod(fitting.values()), found.exact and not fitting
+    if (instances > RULE_LIMIT or instances * length > PART_LIMIT) and not exact:
+        instances = min(instances, _with_references(rule, universe))
+    if instances > RULE_LIMIT:
+        worst = max(fitting, key=lambda text: fitting[text])
+        label = f"the reference `{worst}` fits up to {fitting[worst]:,} bindings in each"
+        yield _refusal(
+            f"rule `{rule.name}`", Groundings(found.rule, "", instances, False, label), "", rule.span
+        )
+    elif instances * length > PART_LIMIT:
         worst = max(lengths, key=lambda text: lengths[text])
         yield Diagnostic(
             "E604",
-            f"the groundings of rule `{rule.name}` have up to {total:,} literals and effects;"
+            f"the groundings of rule `{rule.name}` have up to {instances * length:,} literals and effects;"
             f" {PART_LIMIT:,} are the most that fit",
             rule.span,
             label=f"`{worst}` stands for up to {lengths[worst]:,} of them in each",
             help="add a literal whose facts no rule changes, or take fewer objects",
         )
+
+
+def _with_references(rule: Rule, universe: Universe) -> int:
+    """The instances of a rule: bindings of its variables and of those of its references."""
+    variables = [*rule.variables, *(v for reference in rule.references for v in reference.variables)]
+    condition = (*rule.condition, *(part for reference in rule.references for part in reference.condition))
+    return _count(variables, condition, universe, PATIENT_STEPS)[0]
 
 
 def _length(part: Part, bound: set[Variable], universe: Universe) -> int:

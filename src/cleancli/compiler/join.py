@@ -12,12 +12,14 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from cleancli.compiler.evaluate import (
     Binding,
     Key,
+    ObjectsByType,
     changeable_symbols,
     name_of,
     names_of,
     parameters_of,
     values_of,
 )
+from cleancli.compiler.paths import Paths
 from cleancli.language.model import (
     Condition,
     DerivedPredicate,
@@ -47,15 +49,12 @@ class Universe:
         self.derived: Mapping[str, DerivedPredicate] = {derived.name: derived for derived in domain.derived}
         self.changeable = _changeable(domain)
         objects = (*domain.constants, *problem.objects)
-        self._objects = {
-            type_.name: tuple(sorted({o.name for o in objects if domain.is_a(o.type, type_.name)}))
-            for type_ in domain.types
-        }
+        self._objects = ObjectsByType(domain, sorted(set(objects)))
         self._values = values_of(problem.state)
         self._rows = self._rows_by_value(problem.state)
         self._indices: dict[tuple[str, frozenset[Value], tuple[int, ...]], dict[_Row, list[_Row]]] = {}
         self._follows: dict[tuple[str, _Row], bool] = {}
-        self._reached_from: dict[tuple[str, str], frozenset[str]] = {}
+        self._paths: dict[str, Paths] = {}
 
     def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
         """The symbol for the objects that `terms` stand for, all of them bound."""
@@ -117,7 +116,11 @@ class Universe:
         open_tests = [test for test in tests if test not in decided]
         for more in self._next_bindings(binding, free, open_tests):
             extended = {**binding, **more}
-            yield from self._extend(extended, [v for v in free if v not in extended], open_tests)
+            left = [variable for variable in free if variable not in more]
+            if left:
+                yield from self._extend(extended, left, open_tests)
+            else:
+                yield extended if all(self.holds(test, extended) for test in open_tests) else None
 
     def _next_bindings(
         self, binding: dict[Variable, str], free: list[Variable], tests: list[Part]
@@ -128,6 +131,12 @@ class Universe:
             for test in tests
             if isinstance(test, Literal) and self._lists_rows(test)
         ]
+        for test in tests:
+            if isinstance(test, Equality) and test.equal and (same := _equated(test, binding)) is not None:
+                variable, name = same
+                if variable in free and name in self._objects.names(variable.type):
+                    yield {variable: name}
+                return
         smallest = min(joins, key=lambda join: len(join[0]), default=None)
         if smallest is None or len(smallest[0]) > len(self._objects[free[0].type]):
             for name in self._objects[free[0].type]:
@@ -184,29 +193,38 @@ class Universe:
                 return (next(self.extensions(variables, condition, binding), None) is not None) is exists
 
     def _derives(self, derived: DerivedPredicate, objects: _Row) -> bool:
+        if derived.closure is not None:
+            return self._closed(derived.closure).lead(*objects)
         known = self._follows.get((derived.name, objects))
         if known is None:
-            if derived.closure is None:
-                binding = dict(zip(derived.parameters, objects, strict=True))
-                known = next(self.extensions((), derived.condition, binding), None) is not None
-            else:
-                known = objects[1] in self._reached(derived.closure, objects[0])
+            binding = dict(zip(derived.parameters, objects, strict=True))
+            known = next(self.extensions((), derived.condition, binding), None) is not None
             self._follows[derived.name, objects] = known
         return known
 
-    def _reached(self, predicate: str, start: str) -> frozenset[str]:
-        """The objects that one or more steps of an unchangeable predicate lead to."""
-        if (predicate, start) in self._reached_from:
-            return self._reached_from[predicate, start]
-        reached: set[str] = set()
-        frontier = [start]
-        while frontier:
-            one = frontier.pop()
-            steps = {two for two in self.steps(predicate, one) if self.holds(step(predicate, one, two), {})}
-            frontier += sorted(steps - reached)
-            reached |= steps
-        self._reached_from[predicate, start] = frozenset(reached)
-        return self._reached_from[predicate, start]
+    def _closed(self, predicate: str) -> Paths:
+        """Where the steps of an unchangeable predicate of two parameters lead."""
+        if predicate not in self._paths:
+            steps: dict[str, list[str]] = defaultdict(list)
+            for source, target in self._pairs(predicate):
+                steps[source].append(target)
+            self._paths[predicate] = Paths(steps)
+        return self._paths[predicate]
+
+    def _pairs(self, predicate: str) -> Iterator[tuple[str, str]]:
+        """The pairs for which an unchangeable predicate holds."""
+        derived = self.derived.get(predicate)
+        if derived is None:
+            yield from ((one, two) for one, two in self._rows.get((predicate, True), ()))
+        elif derived.closure is None:
+            for found in self.extensions(derived.parameters, derived.condition, {}):
+                one, two = (found[parameter] for parameter in derived.parameters)
+                yield one, two
+        else:
+            inner = self._closed(derived.closure)
+            source, target = derived.parameters
+            everyone = itertools.product(self._objects[source.type], self._objects[target.type])
+            yield from (pair for pair in everyone if inner.lead(*pair))
 
     def steps(self, predicate: str, start: str) -> tuple[str, ...]:
         """The objects that a predicate of two parameters may relate `start` to, by their types."""
@@ -251,6 +269,15 @@ def _known(literal: Literal, bound: Collection[Variable]) -> tuple[int, ...]:
         for position, term in enumerate(literal.terms)
         if not isinstance(term, Variable) or term in bound
     )
+
+
+def _equated(equality: Equality, binding: Binding) -> tuple[Variable, str] | None:
+    """The variable that an equality binds to what its other term stands for, if only one is known."""
+    for term, other in ((equality.left, equality.right), (equality.right, equality.left)):
+        known = not isinstance(other, Variable) or other in binding
+        if isinstance(term, Variable) and term not in binding and known:
+            return term, name_of(other, binding)
+    return None
 
 
 def _is_bound(test: Part, binding: Binding) -> bool:

@@ -159,31 +159,42 @@ def _types(node: syntax.DomainNode, findings: Findings) -> dict[str, Type]:
                     parents[name.text] = group.type
                     names[name.text] = name
     types: dict[str, Type] = {}
+    circles = _circles(parents)
+    broken: set[str] = set()
     for text, parent in tuple(parents.items()):
         if parent is not None and parent.text not in parents:
             findings.unknown("E201", "type", parent.text, parent.span, parents)
             parent = None
-        if parent is not None and _is_above_itself(text, parents):
+        if parent is not None and text in circles and circles[text] not in broken:
+            broken.add(circles[text])
             findings.error(
                 "E215",
                 f"the type `{text}` is below itself",
                 names[text].span,
                 help="types form a tree: remove one parent",
             )
-            parents[text] = parent = None
+            parent = None
         if parent is not None:
             findings.use("type", parent.text)
         types[text] = Type(text, None if parent is None else parent.text)
     return types
 
 
-def _is_above_itself(name: str, parents: Mapping[str, syntax.Name | None]) -> bool:
-    current = parents.get(name)
-    for _ in parents:
-        if current is None or current.text == name:
-            break
-        current = parents.get(current.text)
-    return current is not None and current.text == name
+def _circles(parents: Mapping[str, syntax.Name | None]) -> dict[str, str]:
+    """The types that lie in a circle, each with a name for its circle. No type is passed more than twice."""
+    circles: dict[str, str] = {}
+    passed: dict[str, str] = {}
+    for start in parents:
+        here: str | None = start
+        while here is not None and here not in passed:
+            passed[here] = start
+            above = parents.get(here)
+            here = None if above is None else above.text
+        while here is not None and passed[here] == start and here not in circles:
+            circles[here] = start
+            above = parents.get(here)
+            here = None if above is None else above.text
+    return circles
 
 
 def _known_type(name: syntax.Name | None, declared: Declarations, findings: Findings) -> str:

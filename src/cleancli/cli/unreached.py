@@ -1,0 +1,56 @@
+"""Says that a goal can't be reached, or that a count can't fall to 0, before time goes into it (W403)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cleancli.cli.echo import echo_refused
+from cleancli.compiler.unreached import Unreached, unreached
+from cleancli.language.declarations import sections_of
+from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source, Span
+from cleancli.language.model import Domain, Problem
+from cleancli.language.parse import kind_of
+from cleancli.language.read import parse_as
+from cleancli.language.syntax import Goal, ProblemNode
+
+_MOST_NAMED = 3
+
+
+def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagnostic, ...]:
+    """W403 for what no action can bring about, at its place in the problem's text."""
+    return tuple(_warning(each, problem, _place(source)) for each in unreached(domain, problem))
+
+
+def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) -> None:
+    """Print the warnings of a problem, whose text is the last of `sources`; of a scene nothing is said."""
+    if kind_of(sources[-1]) != "problem":
+        return
+    found = warnings_of(sources[-1], domain, problem)
+    if found:
+        echo_refused(Refused(found, sources))
+
+
+def _place(source: Source) -> Span:
+    root, _ = parse_as(source, "problem")
+    assert isinstance(root, ProblemNode)
+    for section in sections_of(root.sections, Goal):
+        return Span(section.span.path, section.span.start, section.span.start + len("goal"))
+    return root.name.span
+
+
+def _warning(found: Unreached, problem: Problem, place: Span) -> Diagnostic:
+    named = [f"`{literal}`" for literal in found.never[:_MOST_NAMED]]
+    more = f" and {len(found.never) - _MOST_NAMED} more" if len(found.never) > _MOST_NAMED else ""
+    if found.count is None:
+        what = f"the goal of `{problem.name}` can never be reached"
+        reason = (
+            f"no action makes {', '.join(named)}{more} true" if named else "its parts never hold together"
+        )
+        help = "add what is missing to `init`, write a rule that brings it about, or correct the goal"
+    else:
+        what = f"`{found.count}` can never fall to 0 in `{problem.name}`"
+        reason = (
+            f"no action makes {', '.join(named)}{more} true" if named else "no action changes what it counts"
+        )
+        help = "write a rule that brings it about, or take out of `init` what no action can end"
+    return Diagnostic("W403", f"{what}: {reason}", place, help=help, level=Level.WARNING)
