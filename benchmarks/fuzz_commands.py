@@ -154,6 +154,7 @@ def prepare(bases: Path, kinds: list[str], tables: bool) -> None:
     frames of a look. Loads the planner too, which each input's process then has."""
     for name in SUMMARIES:
         importlib.import_module(f"cleancli.cli.{name}")  # once, and not in each input's process
+    inputs.pairs()
     words = ["--quiet", *FEW, "--no-video"]
     symbolic = ["execute", "cleaning", "three_areas", "--seed", "5", *words]
     _run([*symbolic, "--runs", str(bases / "runs")])
@@ -190,15 +191,14 @@ def _cut(words: list[str], actions: int) -> None:
 
     record.Recorder._checkpoint = dies  # type: ignore[assignment, method-assign]
     try:
-        with contextlib.suppress(_Cut):
-            _run(words)
+        _said(tuple(words))
     finally:
         record.Recorder._checkpoint = checkpoint  # type: ignore[method-assign]
 
 
 def _run(words: list[str]) -> None:
-    with contextlib.redirect_stdout(io.StringIO()):
-        assert run(words) in (0, 3), words
+    code, said, wrong = _said(tuple(words))
+    assert code in (0, 3), f"{words}: {said}{wrong}"
 
 
 # ---- one input
@@ -273,12 +273,14 @@ def _try(kind: str, rng: random.Random, place: Path, bases: Path) -> tuple[str, 
 
 def _said(words: tuple[str, ...]) -> tuple[int, str, str]:
     """The exit code of a command, what it says, and its traceback."""
-    said = io.StringIO()
+    written, code, wrong = io.BytesIO(), -1, ""
+    said = io.TextIOWrapper(written, "utf-8", "replace", write_through=True)
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
         try:
-            return run(list(words)), said.getvalue(), ""
+            code = run(list(words))
         except BaseException:
-            return -1, said.getvalue(), traceback.format_exc()
+            wrong = traceback.format_exc()
+    return code, written.getvalue().decode("utf-8", "replace"), wrong
 
 
 def _limit() -> None:
