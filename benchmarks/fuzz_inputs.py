@@ -342,12 +342,12 @@ def _disturbed(file: Path, top: Path, elsewhere: Path, rng: random.Random) -> No
             os.truncate(file, rng.choice((0, 1, 1 << 22, 1 << 34)))
         case 5:
             names = ("step-000.png", "009.npz", "video.mp4", ".cleancli-0123456789abcdef.part")
-            shutil.copy(file, file.with_name(rng.choice(names)))
+            file.with_name(rng.choice(names)).write_bytes(file.read_bytes())
         case 6:
             shutil.rmtree(file.parent) if file.parent != top else file.unlink()
         case _:
-            others = sorted(each for each in top.rglob("*") if each.is_file())
-            shutil.copy(rng.choice(others), file) if rng.choice(others) != file else None
+            others = sorted(each for each in top.rglob("*") if each.is_file() and not each.is_symlink())
+            file.write_bytes(rng.choice(others).read_bytes())
 
 
 def _agreed(path: Path, file: Path) -> None:
