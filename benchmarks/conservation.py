@@ -8,7 +8,7 @@ must be on the table, in the container or on the floor (or falling there), not i
 faster than anything here can make it. Exit code 1 where one is not. Each table of 20 actions has its own
 line, and with --keep it is a line of FILE as well: those that stand there are not done again.
 
-200 actions take about three minutes of CPU (REEM: five).
+200 actions take about six minutes of CPU (REEM: three, since it reaches less).
 """
 
 from __future__ import annotations
