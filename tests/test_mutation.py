@@ -199,6 +199,17 @@ def test_changed_modules_come_first_then_those_tried_longest_ago(load: Any) -> N
     assert [next(order) for _ in range(3)] == [names[5], names[7], names[0]]
 
 
+def test_what_is_drawn_of_a_module_depends_on_no_other(load: Any) -> None:
+    mutation = load("mutation")
+    names = ["planning/plan.py", "planning/exact.py", "language/record.py"]
+    together = mutation.draw(iter(names * 9), 12, 5)
+    alone = mutation.draw(iter(names[1:2] * 9), 4, 5)
+    assert len(together) == 12
+    assert [change.key for change in together if change.module == names[1]][:4] == [c.key for c in alone]
+    other = mutation.draw(iter(names[1:2] * 9), 4, 6)
+    assert [change.key for change in other] != [change.key for change in alone]
+
+
 def test_a_quick_run_notices_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
     command = [sys.executable, str(ROOT / "benchmarks" / "mutation.py"), "--quick", "--keep", str(tmp_path)]
     before = (ROOT / "src" / "cleancli" / "language" / "record.py").read_bytes()
