@@ -137,11 +137,3 @@ def column(chunk: Any, name: str) -> list[Any]:
     values = chunk.to_record_batch().column(name).to_pylist()
     assert isinstance(values, list)
     return values
-
-
-def test_a_folder_without_frames_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "frames" / "deeper").mkdir(parents=True)
-    assert run(["perceive", str(tmp_path / "frames")]) != 0
-    told = capsys.readouterr()
-    assert f"{tmp_path / 'frames'}: neither camera.json nor a folder with one" in told.err
-    assert told.out == ""
