@@ -338,7 +338,12 @@ def _of_call(node: ast.Call) -> Iterator[tuple[str, ast.expr, ast.expr]]:
         other = ast.Name(_OTHER_CALL[node.func.id], ast.Load())
         keywords = [] if other.id == "list" else node.keywords
         yield "other function", node, ast.Call(other, node.args, keywords)
-    if len(node.args) >= 2 and not any(isinstance(argument, ast.Starred) for argument in node.args[:2]):
+    either_way = isinstance(node.func, ast.Name) and node.func.id in {"max", "min"}
+    if (
+        len(node.args) >= 2
+        and not either_way
+        and not any(isinstance(argument, ast.Starred) for argument in node.args[:2])
+    ):
         first, second, *rest = node.args
         yield "swapped arguments", node, ast.Call(node.func, [second, first, *rest], node.keywords)
     for index, keyword in enumerate(node.keywords):

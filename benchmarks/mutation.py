@@ -111,9 +111,13 @@ def alike(rng: random.Random) -> Iterator[str]:
         yield from rng.choices(names, weights, k=100)
 
 
-def draw(names: Iterator[str], count: int, rng: random.Random) -> list[Change]:
-    """Changes of the modules: a statement of each, and one of the statement's changes, all alike likely."""
+def draw(names: Iterator[str], count: int, seed: int) -> list[Change]:
+    """Changes of the modules: a line of each, and one of the line's changes, all alike likely.
+
+    What is drawn of a module depends on no other one, so that a run goes on although some have changed.
+    """
     found: dict[str, Change] = {}
+    times: Counter[str] = Counter()
     known: dict[str, list[list[Site]]] = {}
     paths = modules()
     for name in names:
@@ -125,6 +129,8 @@ def draw(names: Iterator[str], count: int, rng: random.Random) -> list[Change]:
             for site in sites(name, text):
                 by_line.setdefault(site.node.lineno, []).append(site)
             known[name] = list(by_line.values())
+        times[name] += 1
+        rng = random.Random(f"{seed} {name} {times[name]}")
         if known[name]:
             change = changed(rng.choice(rng.choice(known[name])), text)
             if change is not None:
@@ -293,7 +299,7 @@ def main() -> int:
     names = alike(rng) if asked.draw == "all" else in_turn(earlier, rng)
     if asked.module:
         names = iter(asked.module * 50 * asked.changes)
-    changes = draw(names, asked.changes, rng)
+    changes = draw(names, asked.changes, asked.seed)
     if asked.list:
         print(*(f"{change.line:5} {change.key}" for change in changes), sep="\n")
         return 0

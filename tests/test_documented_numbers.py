@@ -30,10 +30,9 @@ planning.forecast.FEW_STATES | planning.md | exact up to {:,} states
 planning.forecast.RUNS | planning.md | from more, {:,} runs are drawn
 planning.inference.PORTION | planning.md | every {:,} samples of each thread
 planning.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
-planning.prada_plus.WORDS * 64 | planning.md | by {} runs of the process
 cli.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
-execution.record.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB)
+execution.record.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})
 language.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
 language.symbols._MOST_VALUES | diagnostics.md | at most {} values
@@ -57,7 +56,7 @@ world.robots.PAN_LEANS[1] | world.md | to {:.2f} rad, OMPL
 world.robots.PAN_GAP * 1000 | world.md | {} mm above the surface while the dustpan stands
 motion.pace.TRANSIT_SPEED | world.md | travels between strokes at {} m/s
 motion.pace.FAST_SPEED | world.md | differ in speed ({:.2f} and
-motion.pace.STRAIGHT_SPEED | world.md | and {} m/s)
+motion.pace.STRAIGHT_SPEED | world.md | (0.20 and {} m/s
 motion.pick_up.PAN_SLOPE | world.md | slope {})
 motion.pick_up.ONTO_PAN * 100 | world.md | and {:.0f} cm onto the dustpan
 motion.pick_up.TIP * -1 | world.md | tipped by {:.0f} rad
@@ -66,7 +65,7 @@ motion.pace.VERTICAL_SPEED | world.md | comes down and is lifted at {:.2f} m/s
 motion.actions.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
 motion.actions.OVERSHOOT * 100 | world.md | the whole rag is {:.0f} cm past the edge
 motion.actions.GREATEST_SLANT | world.md | slants by more than {:.0f}°
-motion.actions.TURN_STRETCH * 200 | world.md | is turned over {:.0f} cm
+motion.actions.TURN_STRETCH * 100 | world.md | stroke is turned from {:.0f} cm before
 motion.joint_path.RAISE * 100 | world.md | over a middle raised by {:.0f} cm
 motion.joint_path.AIR * 100 | world.md | and the rag {} cm above it
 motion.clearance.TABLE_GAP * 100 | world.md | the links {:.0f} cm clear
@@ -83,8 +82,7 @@ perception.calibrate.MARGIN | perception.md | is {} times as large
 perception.fit.BRIGHTER * 100 | perception.md | surface is {:.0f} % brighter or darker
 perception.fit.UNEVEN * 100 | perception.md | that changed by {:.0f} % more or less
 perception.fit.RECOLOURED | perception.md | differ by more than {})
-perception.fit.TURNED | perception.md | angle ({:.0f} degrees)
-perception.areas.CELL * 1000 | perception.md | cells of {:.0f} mm instead of 2
+perception.fit.TURNED | perception.md | angle ({:.0f} degrees
 perception.occlusion.CELL * 1000 | perception.md | as cells of {:.0f} mm
 """
 ROWS = [tuple(map(str.strip, row.split("|"))) for row in NUMBERS.strip().splitlines()]
@@ -92,7 +90,7 @@ OPTIONS = {
     "rule_threshold": "`rule_threshold` ({}; 0 is allowed)",
     "margin": "by more than `margin` ({})",
     "solve": "at most `solve` ({:,}) states",
-    "counted": "counts more than `counted` objects ({})",
+    "counted": "`counted` objects ({}",
 }
 
 

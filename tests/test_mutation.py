@@ -45,7 +45,7 @@ class Shelf:
             if thing < 0 and spare:
                 raise ValueError(f"{thing} is no size")
             total += thing
-        return max(total, spare) <= self.size
+        return max(total, spare) <= self.size and isinstance(spare, int)
 
 
 @njit(cache=True)
@@ -86,12 +86,13 @@ def test_each_kind_of_change_is_made_where_it_can_be(mutants: ModuleType) -> Non
         ("dropped statement", "raise ValueError(f'{thing} is no size')", "pass"),
         ("other operator", "total += thing", "total -= thing"),
         ("other function", "max(total, spare)", "min(total, spare)"),
-        ("swapped arguments", "max(total, spare)", "max(spare, total)"),
+        ("swapped arguments", "isinstance(spare, int)", "isinstance(int, spare)"),
         ("constant", "3", "4"),
         ("constant", "7", "6"),
         ("constant", "True", "False"),
         ("comparison", "a < b", "a <= b"),
     } <= found
+    assert ("swapped arguments", "max(total, spare)", "max(spare, total)") not in found, "that is the same"
 
 
 def test_every_change_differs_from_the_text_in_one_place_and_keeps_its_lines(mutants: ModuleType) -> None:
@@ -196,6 +197,17 @@ def test_changed_modules_come_first_then_those_tried_longest_ago(load: Any) -> N
     del tried[7]
     order = mutation.in_turn(tried, random.Random(1))
     assert [next(order) for _ in range(3)] == [names[5], names[7], names[0]]
+
+
+def test_what_is_drawn_of_a_module_depends_on_no_other(load: Any) -> None:
+    mutation = load("mutation")
+    names = ["planning/plan.py", "planning/exact.py", "language/record.py"]
+    together = mutation.draw(iter(names * 9), 12, 5)
+    alone = mutation.draw(iter(names[1:2] * 9), 4, 5)
+    assert len(together) == 12
+    assert [change.key for change in together if change.module == names[1]][:4] == [c.key for c in alone]
+    other = mutation.draw(iter(names[1:2] * 9), 4, 6)
+    assert [change.key for change in other] != [change.key for change in alone]
 
 
 def test_a_quick_run_notices_and_goes_on_where_it_stopped(tmp_path: Path) -> None:

@@ -117,3 +117,32 @@ def test_an_effect_that_depends_on_the_state_and_a_plain_one_on_another_object()
             frozenset(dirty): 0.25,
         }
     )
+
+
+def test_what_is_paid_for_stands_in_one_order() -> None:
+    """By variable, and then by value: sets of values have no order of their own."""
+    text = """domain d {
+      types { area }
+      functions { load(?a - area): 0..5 }
+      derived {
+        %s
+      }
+      actions { fill(?a - area) }
+      rule filled: fill(?a) { when load(?a) < 5 then 0.5: load(?a) += 1  rest: noise }
+      reward { %s }
+    }"""
+    asked = [
+        "load(?a) = 3",
+        "load(?a) >= 2",
+        "load(?a) = 1",
+        "load(?a) >= 4",
+        "load(?a) != 2",
+        "load(?a) < 2",
+    ]
+    counts = "  ".join(f"c{n} := count ?a - area: {what}" for n, what in enumerate(asked))
+    reward = " + ".join(f"decrease(c{n})" for n in range(len(asked)))
+    inside = "objects { a b - area } init { load(a) = 0, load(b) = 0 } horizon = 3"
+    found = ground(*domain_texts.checked(text % (counts, reward), inside))
+    conditions = [[(variable, sorted(values)) for variable, values in r.condition] for r in found.rewards]
+    assert len(conditions) == 12
+    assert conditions == sorted(conditions)

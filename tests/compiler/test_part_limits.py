@@ -141,3 +141,30 @@ def test_a_closure_of_too_many_paths_says_where(place: str, monkeypatch: pytest.
     (said,) = refused.value.diagnostics
     assert said.code == "E606"
     assert place in f"{said.message} {said.label} {said.help}"
+
+
+@pytest.mark.parametrize(
+    ("condition", "number", "blame"),
+    [
+        ("dirt(?a)", 64, "no fact restricts `?a`: 4 objects fit"),
+        ("near(?a, ?b), dirt(?c)", 12, "no fact restricts `?c`: 4 objects fit"),
+        ("near(?a, ?b), near(?b, ?c)", 1, "`near(?a, ?b)` holds in 3 ways"),
+    ],
+)
+def test_a_count_has_no_more_bindings_than_fit(
+    condition: str, number: int, blame: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = BLAMED.replace("derived {", f"derived {{ many := count ?a ?b ?c - area: {condition}")
+    text = text % "dirt(?a), near(?a, ?b), near(?b, ?c)"
+    checked = domain_texts.checked(text, SOME)
+    ground(*checked)
+    monkeypatch.setattr(count, "RULE_LIMIT", max(number - 1, 4))
+    if number <= 4:
+        ground(*checked)
+        return
+    with pytest.raises(Refused) as refused:
+        ground(*checked)
+    (said,) = refused.value.diagnostics
+    assert said.code == "E604"
+    assert said.message.startswith(f"the count `many` has {number} groundings; ")
+    assert said.label == blame

@@ -147,3 +147,13 @@ def test_words_in_a_path_are_no_names() -> None:
 def test_nothing_is_offered_behind_a_slash() -> None:
     text = "domain d {\n  rule r: a() { then 1/"
     assert completions(document(Source("/nowhere/d.nid", text)), len(text), Library()) == ()
+
+
+def test_a_domain_does_not_include_itself(tmp_path: Path) -> None:
+    files = library(tmp_path)
+    asked = held(files, tmp_path / "tables.nid")
+    assert [each.path.name for each in files.included(asked)] == ["base.nid"]
+    assert files.included(held(files, tmp_path / "base.nid")) == ()
+    (tmp_path / "base.nid").write_text(BASE.replace("{\n", '{\n  include "tables.nid"\n', 1))
+    files = Library({})
+    assert [each.path.name for each in files.included(held(files, tmp_path / "tables.nid"))] == ["base.nid"]
