@@ -1,4 +1,4 @@
-"""Lengths that would make a world or what is perceived of it absurd are located mistakes (docs/language.md)."""
+"""Lengths that would make a world, or what is seen of it, absurd are located mistakes (docs/language.md)."""
 
 from __future__ import annotations
 

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 
 import click
 
+from cleancli.cli.kernels import has_compiled
 from cleancli.cli.plan_job import Job, why_nothing
 from cleancli.cli.plan_steps import steps_data, steps_table
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.compiler.transition import reaches_goal
 from cleancli.language.plural import plural
 from cleancli.planning.compare import Row
-from cleancli.planning.compiled import has_compiled
 from cleancli.planning.evaluate import Evaluation, Sampled
 from cleancli.planning.forecast import Forecast
 from cleancli.planning.plan import Plan
