@@ -44,9 +44,10 @@ def echo_plan(
         return
     _echo_actions(job, plan, expected)
     _echo_not_planned_for(job)
+    sampled = f", {plural(plan.samples, 'sample')}" if plan.samples else ""
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.3g}"
     click.echo(
-        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plural(plan.samples, 'sample')},"
+        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}{sampled},"
         f" horizon {plan.horizon}, {plural(len(job.problem.objects), 'object')}{coverage}"
     )
     click.echo("seconds: " + ", ".join(f"{_phase(name)} {spent:.3f}" for name, spent in seconds.items()))
