@@ -11,6 +11,7 @@ from rich.console import Console, RenderableType
 from rich.live import Live
 
 from cleancli.cli.dashboard import Shown, came_of, dashboard, names_of, updated
+from cleancli.cli.kernels import how_loaded
 from cleancli.cli.progress import SLOW
 from cleancli.cli.symbolic import Told
 from cleancli.cli.table_map import Place
@@ -29,7 +30,6 @@ from cleancli.execution.events import (
 from cleancli.execution.state import Situation
 from cleancli.language.diagnostics import printable
 from cleancli.language.plural import plural
-from cleancli.planning.compiled import has_compiled
 from cleancli.scene.model import Scene
 
 
@@ -64,11 +64,6 @@ def show(
     view = _Live(console, scene, tool, limit, told)
     with Live(console=console, get_renderable=view.render, refresh_per_second=8, transient=True):
         yield view
-
-
-def how_loaded() -> str:
-    """What was done to have the planner ready."""
-    return "compiling the planner, once after installation" if has_compiled() else "loading the planner"
 
 
 def _seen(situation: Situation) -> str:

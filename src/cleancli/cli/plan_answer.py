@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 
 import click
 
+from cleancli.cli.kernels import has_compiled
 from cleancli.cli.plan_job import Job, why_nothing
 from cleancli.cli.plan_steps import steps_data, steps_table
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.compiler.transition import reaches_goal
 from cleancli.language.plural import plural
 from cleancli.planning.compare import Row
-from cleancli.planning.compiled import has_compiled
 from cleancli.planning.evaluate import Evaluation, Sampled
 from cleancli.planning.forecast import Forecast
 from cleancli.planning.plan import Plan
@@ -44,9 +44,10 @@ def echo_plan(
         return
     _echo_actions(job, plan, expected)
     _echo_not_planned_for(job)
+    sampled = f", {plural(plan.samples, 'sample')}" if plan.samples else ""
     coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.3g}"
     click.echo(
-        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}, {plural(plan.samples, 'sample')},"
+        f"value {plan.value:.4f} ({plan.measure}) by {plan.planner}{sampled},"
         f" horizon {plan.horizon}, {plural(len(job.problem.objects), 'object')}{coverage}"
     )
     click.echo("seconds: " + ", ".join(f"{_phase(name)} {spent:.3f}" for name, spent in seconds.items()))

@@ -11,7 +11,7 @@ _CHARACTERS = {
     "&": "literals are joined by commas",
     "|": "there is no `or`: write two rules",
     "(": "every construct starts with a word: `(and ...)` of PDDL is a list with commas here",
-    ".": "numbers are written `0.5`, not `.5`",
+    ".": "numbers are written `0.5`, not `.5`, ranges `0..10`, and names have no points",
     "[": "marks in brackets follow a declaration or a probability",
     "?": "a variable is `?` with a name directly after it",
     "%": "a share is a number between 0 and 1: `0.8`, not `80%`",

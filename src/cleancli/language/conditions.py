@@ -89,7 +89,7 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     if symbol is None:
         _unknown_symbol(node, scope)
         return None
-    if any((what, name) in scope.findings.declared_twice for what in _SYMBOLS):
+    if any((what, name) in scope.findings.unclear for what in _SYMBOLS):
         return None
     if len(terms) != len(symbol.parameters):
         wants = len(symbol.parameters)

@@ -91,7 +91,7 @@ class Once:
                 name.span,
                 help=f"it was first declared in {self._findings.line(self._first[name.text])}",
             )
-            self._findings.declared_twice.add((what, name.text))
+            self._findings.unclear.add((what, name.text))
             return False
         self._first[name.text] = name.span
         return True
@@ -163,7 +163,11 @@ def _types(node: syntax.DomainNode, findings: Findings) -> dict[str, Type]:
     broken: set[str] = set()
     for text, parent in tuple(parents.items()):
         if parent is not None and parent.text not in parents:
-            findings.unknown("E201", "type", parent.text, parent.span, parents)
+            if parent.text == "object":
+                help = "no type stands above all others: leave `- object` out"
+                findings.error("E201", "unknown type `object`", parent.span, help=help)
+            else:
+                findings.unknown("E201", "type", parent.text, parent.span, parents)
             parent = None
         if parent is not None and text in circles and circles[text] not in broken:
             broken.add(circles[text])

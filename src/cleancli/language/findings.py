@@ -25,8 +25,8 @@ class Findings:
     """The mistakes found in one text and those it includes.
 
     `broken` names the sections that the parser could not read; `used` the names that something refers to, by
-    kind ("type", "constant", "symbol", "parameter", "action"); `declared_twice` those that E202 was said of,
-    by what it calls them: what such a name means is not known, and no further mistake follows from it.
+    kind ("type", "constant", "symbol", "parameter", "action"); `unclear` those whose declaration is
+    wrong, by what messages call them: what such a name means is not known, and no mistake follows from it.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Findings:
         self.sources = [source]
         self.broken = broken
         self.used: set[tuple[str, str]] = set()
-        self.declared_twice: set[tuple[str, str]] = set()
+        self.unclear: set[tuple[str, str]] = set()
         self._found = list(found)
         self._errors = len(self._found)
         self._lines: dict[str, Lines] = {}

@@ -19,6 +19,11 @@ _WORDS = {
     "when": "a rule has one `when`, before its outcomes; its literals are joined by commas",
     "else": "write a second rule for the other case",
     "not": "facts that are not listed are false: leave it out",
+    "action": "an action is declared in `actions`, and what it does is said by a `rule NAME: push(?a)`",
+    "precondition": "a condition begins with `when`",
+    "effect": "outcomes begin with `then`: `then 0.8: wet(?a)  rest: nothing`",
+    "requirements": "leave it out: nothing has to be required",
+    "metric": "what is worth doing is said by the domain's `reward`",
     "include": "only a domain includes files, and between its sections",
     "probabilistic": "an outcome is its probability, a colon and what changes: `0.8: wet(?a)`",
     "maximize": "a reward is a sum of terms, and planners maximise it: leave the word out",
@@ -80,6 +85,23 @@ def for_token(at: Misplaced) -> str:
     return ""
 
 
+def _function_or_count(at: Misplaced) -> str:
+    """What a function lacks, and counts that other languages have."""
+    if at.accepted == {"COLON"} and at.before.endswith(")") and at.token in ("-", "}"):
+        return "a function says which values it has: `load(?a - area): 0..10`, or `: low < high`"
+    if "TO" in at.accepted and at.token == "-":
+        return "a range is written `0..10`"
+    if at.accepted == {"COUNT"}:
+        return "objects are all that can be counted: `n := count ?a - area: dirt(?a)`"
+    if at.token == "(" and re.search(r"\bdecrease\s*\(\s*\w+$", at.before):
+        return "`decrease` takes the name of a count that `derived` defines"
+    if at.accepted == {"TIMES"}:
+        return f"write `{at.before.split()[-1]} * {at.token}`"
+    if at.token == "*" and "MINUS" in at.accepted and (name := re.search(r"([A-Za-z_]\w*)$", at.before)):
+        return f"the number stands first: `{at.after.split()[0] if at.after.split() else 2} * {name[1]}`"
+    return ""
+
+
 def _name_or_number(at: Misplaced) -> str:
     last = at.before[-1:]
     if at.token == "," and last.isdigit() and at.after[:1].isdigit():
@@ -98,10 +120,17 @@ def _name_or_number(at: Misplaced) -> str:
 
 def _negation_of_group(at: Misplaced) -> str:
     """`not (...)` and other parentheses around literals as they are written here."""
+    denied = re.match(rf"\s*=\s*({_TERM})", at.after)
+    if at.kind == "VARIABLE" and at.word_before == "not" and denied:
+        return f"write `{at.token} != {denied[1]}`"
     if at.token != "(" or "LPAR" in at.accepted or "NAME" not in at.accepted:
         return ""
+    if "REST" in at.accepted and re.match(r"\s*[\d.]", at.after):
+        return "outcomes stand without parentheses: `then 0.8: wet(?a)  rest: nothing`"
     is_denied = bool(re.search(r"\bnot$", at.before))
     equality = re.match(rf"\s*(\?\w+)\s*=\s*({_TERM})\s*\)", at.after)
+    if not is_denied and re.match(rf"\s*\?\w+\s*!?=\s*{_TERM}\s*\)", at.after):
+        return "the parts of a condition are joined by commas, without parentheses around them"
     if is_denied and equality:
         return f"write `{equality[1]} != {equality[2]}`"
     literal = re.match(rf"\s*(?:not\s+)?({_APPLICATION})", at.after)
@@ -216,7 +245,7 @@ def _list_of_pddl(at: Misplaced) -> str:
         return "a rule has a name of its own: `rule NAME: push(?a) { ... }`"
     if at.token != "(" or "LPAR" in at.accepted:
         return ""
-    if at.word_before in ("exists", "forall"):
+    if at.word_before in ("exists", "forall", "count"):
         return f"variables stand without parentheses: `{at.word_before} ?m - area: wet(?m)`"
     match = re.match(r"\s*(:?[\w-]+|[<>]?=|[<>])", at.after)
     word = match[1] if match else ""
@@ -247,11 +276,16 @@ def _habit_word(at: Misplaced) -> str:
     words = _WORDS if "LPAR" in at.accepted else _TAKEN_FOR_NAMES
     if "NAME" not in at.accepted and at.word_before in words:
         return _WORDS[at.word_before]
-    return _WORDS.get(at.token, "")
+    # Behind a probability `not` denies an effect: what is missing is the colon.
+    return "" if at.token == "not" and "COLON" in at.accepted else _WORDS.get(at.token, "")
 
 
 def _setting(at: Misplaced) -> str:
     """Settings of a problem that other languages build otherwise."""
+    if at.token == ":" and at.accepted == {"LBRACE"}:
+        return f"a block is a word and braces: `{at.word_before} {{ ... }}`"
+    if at.accepted == {"EQUAL"} and at.kind in ("NAME", "NUMBER", "STRING"):
+        return "a value is given with `=`"
     if at.token == "=" and at.word_before == "goal":
         return "a goal is a block: `goal { forall ?a - area: not dirt(?a) }`"
     horizon = re.search(r"\bhorizon\s*=\s*(\w+)$", at.before)
@@ -277,7 +311,7 @@ def _sign(at: Misplaced) -> str:
         return f"a variable stands for an object: compare a function of it, `f({term[1]}) = {at.token}`"
     if at.token == "-" and at.after.startswith(">"):
         return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` only"
-    if at.token == "=" and at.accepted == {"ASSIGN"}:
+    if at.token == "=" and "ASSIGN" in at.accepted <= {"ASSIGN", "LPAR"}:
         return "a count is defined with `:=`"
     if at.token == "=" and "ASSIGN" in at.accepted:
         return "an effect sets a value with `:=`; `=` compares in a condition"
@@ -322,6 +356,13 @@ def _part_of_rule(at: Misplaced) -> str:
 
 
 def _declaration(at: Misplaced) -> str:
+    if at.token == ":" and at.word_before in ("when", "then", "with", "rest") and "COLON" not in at.accepted:
+        return f"no colon stands behind `{at.word_before}`"
+    if at.token == "," and "MINUS" in at.accepted:
+        some = "?a ?b" if "VARIABLE" in at.accepted else "a b"
+        return f"what is of one type stands without commas, and its type behind it: `{some} - type`"
+    if at.kind == "STRING" and "NAME" in at.accepted:
+        return "names and words stand without quotes"
     if "MINUS" in at.accepted and "VARIABLE" in at.accepted:
         return "each list of variables ends with its type: `?a ?b - type`"
     if at.kind == "NAME" and "VARIABLE" in at.accepted and "NAME" not in at.accepted:
@@ -351,6 +392,7 @@ def _missing(at: Misplaced) -> str:
 
 _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     _name_or_number,
+    _function_or_count,
     _habit_word,
     _setting,
     _negation_of_group,

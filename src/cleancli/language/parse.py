@@ -26,7 +26,7 @@ from cleancli.language.syntax_errors import Reader
 
 KINDS = ("domain", "problem", "scene")
 _MOST_ERRORS = 20
-_SETTING = re.compile(r"\binclude\b|\w+(?=\s*[=:])")
+_SETTING = re.compile(r"\b(?:include|domain|horizon|discount)\b|\w+(?=\s*[=:])")
 """What can stand between the sections of a file."""
 
 

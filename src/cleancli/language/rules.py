@@ -87,7 +87,7 @@ def _action(node: syntax.RuleNode, scope: Scope) -> Action | None:
     scope.findings.use("action", node.action.text)
     if action is None and "actions" not in scope.declared.unsure:
         scope.findings.unknown("E206", "action", node.action.text, node.action.span, scope.declared.actions)
-    if ("action", node.action.text) in scope.findings.declared_twice:
+    if ("action", node.action.text) in scope.findings.unclear:
         return None
     if action is not None and len(action.parameters) != len(node.terms):
         wants = len(action.parameters)

@@ -14,6 +14,8 @@ from cleancli.language.findings import Findings
 from cleancli.language.model import Action, Symbol, Value, Variable
 
 _SECONDS = {"s": 1, "min": 60}
+_INTEGERS = ("int", "integer", "number", "real", "float")
+"""What other languages call the values of a function."""
 _MOST_VALUES = 1000
 """Values of an integer function: each is a column of the planner's belief."""
 
@@ -36,7 +38,10 @@ def read_symbols(
         for function in functions.functions:
             parameters = read_variables(function.parameters, declared, findings)
             marks = read_marks(function.attributes, ("static",), findings)
+            before = findings.errors
             values = _values(function, findings)
+            if findings.errors > before:
+                findings.unclear.add(("function", function.name.text))
             if once.admits(function.name, "function"):
                 symbols[function.name.text] = Symbol(
                     function.name.text, parameters, values, static="static" in marks
@@ -83,12 +88,10 @@ def _values(function: syntax.FunctionNode, findings: Findings) -> tuple[Value, .
     admitted = Once(findings)
     values = tuple(v.text for v in function.values if admitted.admits(v, "value"))
     if len(function.values) < 2:
-        findings.error(
-            "E217",
-            f"`{function.name.text}` has one value only",
-            function.span,
-            help="a function has at least two values: `low < high`",
-        )
+        help = "a function has at least two values: `low < high`"
+        if function.values[0].text in _INTEGERS:
+            help = f"integers have a range: `{function.name.text}(...): 0..10`"
+        findings.error("E217", f"`{function.name.text}` has one value only", function.span, help=help)
     # Even one that is misnamed has values: without any it would be neither a predicate nor a function.
     return values or (function.values[0].text,)
 

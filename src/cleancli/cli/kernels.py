@@ -1,0 +1,15 @@
+"""What became of the planners' compiled code, without loading numba where nothing asks for it."""
+
+from __future__ import annotations
+
+
+def has_compiled() -> bool:
+    """Whether this process had to compile; else what it ran was loaded from disk."""
+    from cleancli.planning.compiled import has_compiled as found
+
+    return found()
+
+
+def how_loaded() -> str:
+    """What was done to have the planner ready."""
+    return "compiling the planner, once after installation" if has_compiled() else "loading the planner"
