@@ -36,7 +36,15 @@ BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
 DRAWS_NOTHING = {"language.py"}
-LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "regret.py", "strategies.py"}
+LONG = {
+    "conservation.py",
+    "differential.py",
+    "identity.py",
+    "perception.py",
+    "physics.py",
+    "regret.py",
+    "strategies.py",
+}
 """Those that take so long that they go on where they stopped."""
 
 
