@@ -5,8 +5,8 @@ the interpreter in tests/differential says, which was written from docs/language
 alone: transitions, rewards, values of sequences and of the best policy, plans, `explain`, `plan --explain`,
 drawn frequencies, closed loops and learned numbers. Domains that the checker refuses are looked at (no state
 may contradict the refusal), and do not count. The files of a domain with a difference are kept in FOLDER,
-and the exit code is 1. 5,000 domains take about 40 minutes on two cores, 30 some 20 seconds. A run that is
-started again with the same FOLDER and seed goes on where it stopped.
+and the exit code is 1. 5,000 domains take about 15 minutes on two free cores, 30 some 20 seconds. A run
+that is started again with the same FOLDER and seed goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -104,6 +104,8 @@ def run(domains: int, first: int, folder: Path, jobs: int) -> list[Comparison]:
                 told = time.monotonic()
                 accepted = sum(not each.refused for each in found)
                 print(f"{accepted} of {domains} domains, {told - started:.0f} s", file=sys.stderr)
+            if sum(not each.refused for each in found) == domains:
+                break
     return found
 
 

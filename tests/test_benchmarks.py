@@ -36,7 +36,15 @@ BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
 DRAWS_NOTHING = {"language.py"}
-LONG = {"conservation.py", "identity.py", "perception.py", "physics.py", "regret.py", "strategies.py"}
+LONG = {
+    "conservation.py",
+    "differential.py",
+    "identity.py",
+    "perception.py",
+    "physics.py",
+    "regret.py",
+    "strategies.py",
+}
 """Those that take so long that they go on where they stopped."""
 
 
@@ -65,6 +73,20 @@ def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     result = _run("roundtrip.py", "90", cwd=tmp_path)
     assert result.returncode == 0, result.stdout
     assert "30 domain, 30 problem, 30 scene" in result.stdout
+
+
+def test_two_readings_of_the_documents_agree_and_a_run_goes_on(tmp_path: Path) -> None:
+    words = ("--jobs", "1", "--seed", "3", "--keep", str(tmp_path / "kept"))
+    first = _run("differential.py", "--domains", "2", *words, cwd=tmp_path)
+    assert first.returncode == 0, first.stdout + first.stderr
+    assert "0 domains with a difference, of 2 accepted" in first.stdout
+    done = (tmp_path / "kept" / "compared.jsonl").read_text(encoding="utf-8").splitlines()
+    again = _run("differential.py", "--domains", "4", *words, cwd=tmp_path)
+    assert again.returncode == 0, again.stdout + again.stderr
+    assert "0 domains with a difference, of 4 accepted" in again.stdout
+    after = (tmp_path / "kept" / "compared.jsonl").read_text(encoding="utf-8").splitlines()
+    assert after[: len(done)] == done
+    assert len({json.loads(line)["seed"] for line in after}) == len(after) > len(done)
 
 
 def test_planners_come_near_the_optimum(tmp_path: Path) -> None:

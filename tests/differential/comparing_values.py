@@ -14,7 +14,7 @@ from interpreter import Call, State
 from product import Grounded
 from worth import STOP, Worth
 
-ASKED = 0.6
+ASKED = 0.45
 """The share of domains that the command line is asked about; what it calls is asked about all of them."""
 
 
