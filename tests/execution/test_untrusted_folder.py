@@ -45,7 +45,8 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(record.Recorder, "_checkpoint", dies)
         with pytest.raises(Killed):
-            run([*WORDS, "--runs", str(runs)])
+            code = run([*WORDS, "--runs", str(runs)])
+            pytest.fail(f"the run ended with {code}")
     return runs / "three_areas-seed5-001"
 
 
@@ -123,7 +124,7 @@ def test_a_run_that_has_lost_its_checkpoints_does_not_begin_anew(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.rmtree(folder / "state")
-    refused(resumed(folder), folder, capsys, "E706", "has no checkpoint, though 2 actions were begun")
+    refused(resumed(folder), folder, capsys, "E706", "has no checkpoint, though it had begun 2 actions")
 
 
 # ---- checkpoints
