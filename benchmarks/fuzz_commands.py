@@ -347,7 +347,7 @@ def told(kind: str, found: list[Tried]) -> int:
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="All of it computes for some two and a half hours, on two cores; --inputs 200 for five minutes.",
+        epilog="All of it computes for some two and a half hours on two cores; --inputs 200 five minutes.",
     )  # fmt: skip
     parser.add_argument("kinds", nargs="*", metavar="KIND", help="texts, folders, looks [default: all]")
     parser.add_argument("--inputs", type=int, help="so many of each kind [default: 20000, 5000, 2000]")
