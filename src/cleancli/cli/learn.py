@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -12,14 +12,15 @@ from cleancli.cli.completion import domains
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import located_in, may_include_outside, open_domain
+from cleancli.cli.progress import working
 from cleancli.execution.folder import EXPERIENCE, check_folder
 from cleancli.language.diagnostics import Source
 from cleancli.language.edit import Change, Edit, apply_edits, write_all
-from cleancli.language.load import checked_domain, read_source
+from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.plural import plural
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
-from cleancli.learning.experience import decode
+from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.learn import Learned, edits, is_written, learn
 from cleancli.learning.match import outcomes_of
 
@@ -56,21 +57,36 @@ def command(
     path, sources, model = open_domain(domain)
     if write and not Path(domain).is_file():
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
-    transitions = [t for file in experience for t in decode(read_source(_experience_file(file)), model)]
-    with located_in(*sources):
-        learned = learn(model, transitions, ESTIMATORS[estimator], m)
+    transitions = _Transitions(experience, model)
+    with located_in(*sources), working("learning"):
+        learned = learn(model, transitions.each(), ESTIMATORS[estimator], m)
     texts = _edited(sources, edits(model, sources, learned))
     checked_domain(texts[sources[0].path], may_include_outside(), lambda file: texts[str(file)]).get()
     if as_data:
         click.echo(json.dumps([_as_data(model, entry) for entry in learned], indent=2))
     else:
         _print_difference(sources, texts)
-        _print(model, learned, len(transitions))
+        _print(model, learned, transitions.number)
     if write:
         changed = [source for source in sources if texts[source.path].text != source.text]
         write_all(Change(Path(source.path), texts[source.path].text, source.text) for source in changed)
         for source in changed:
             echo(f"wrote {source.path}", err=as_data)
+
+
+class _Transitions:
+    """Those of some files, as they are read; `number` is how many there were."""
+
+    def __init__(self, files: Sequence[Path], domain: Domain) -> None:
+        self._files, self._domain = tuple(map(_experience_file, files)), domain
+        self.number = 0
+
+    def each(self) -> Iterator[Transition]:
+        """Read all, one after the other. Raises Refused."""
+        for file in self._files:
+            for transition in read_experience(file, self._domain):
+                self.number += 1
+                yield transition
 
 
 def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:

@@ -6,19 +6,23 @@ from collections.abc import Callable
 
 import click
 
-from cleancli.cli.exit_codes import MissingPart
+from cleancli.cli.exit_codes import ExitCode, MissingPart
 
 
 @click.command("lsp", short_help="Serve editors: mistakes while typing, completion, rename.")
-def command() -> None:
+def command() -> int:
     """Speak the Language Server Protocol over standard input and output.
 
     An editor starts this, not a person: docs/editors.md says how.
     """
-    _server()()
+    refused = _server()()
+    if refused:
+        click.echo(f"error: {refused}: the editor was cut off", err=True)
+        return ExitCode.FILES
+    return ExitCode.DONE
 
 
-def _server() -> Callable[[], None]:
+def _server() -> Callable[[], str]:
     """The server, imported here because pygls is an optional part; raises MissingPart."""
     try:
         from cleancli.editor.server import serve

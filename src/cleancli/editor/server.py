@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import BinaryIO, cast
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
@@ -23,6 +24,7 @@ from cleancli.editor.completion import completions
 from cleancli.editor.formatting import formatting
 from cleancli.editor.hover import hover
 from cleancli.editor.library import Document, Library, document
+from cleancli.editor.messages import Limited
 from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, renamable, rename
 from cleancli.editor.positions import UTF_16, Positions
@@ -143,11 +145,13 @@ def _path(uri: str) -> str:
 server = Server()
 
 
-def serve() -> None:
-    """Answer an editor over standard input and output until it closes them."""
+def serve() -> str:
+    """Answer an editor over standard input and output until it closes them; says why, if it was cut off."""
+    messages = Limited(sys.stdin.buffer)
     # pygls closes what it writes to; the command still flushes its own standard output when it ends.
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-        server.start_io(stdout=stream)
+        server.start_io(stdin=cast(BinaryIO, messages), stdout=stream)
+    return messages.refused
 
 
 @server.feature(lsp.INITIALIZE)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,8 +20,15 @@ LARGEST = 8 * 1024 * 1024
 def read_source(path: Path | str) -> Source:
     """The text of a file as it is, line ends included; refuses what is no UTF-8 text (E001 to E005)."""
     name = str(path)
+    with refused_as(name):
+        return Source(name, _decode(name, read_plain(path, LARGEST)))
+
+
+@contextmanager
+def refused_as(name: str) -> Iterator[None]:
+    """Refuse what cannot be opened or read (E001 to E003, E005) under the name that messages shall have."""
     try:
-        raw = read_plain(path, LARGEST)
+        yield
     except FileNotFoundError:
         raise Refused([Diagnostic("E001", f"no file `{name}`", None)]) from None
     except IsADirectoryError:
@@ -29,7 +38,6 @@ def read_source(path: Path | str) -> Source:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise Refused([Diagnostic("E003", f"cannot read `{name}`: {reason}", None)]) from None
-    return Source(name, _decode(name, raw))
 
 
 def read_stream(stream: BinaryIO, name: str) -> Source:

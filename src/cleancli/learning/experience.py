@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+import reprlib
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from cleancli.compiler.evaluate import canonical_state
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.model import Domain, Fact, Object, State
+from cleancli.language.plain import in_units, open_plain
 from cleancli.language.plural import plural
+from cleancli.language.read import refused_as
+
+LONGEST = 8 << 20
+"""Bytes of a line."""
+MOST = 1000
+"""Lines that are told of one file."""
+SHOWN = 2000
+"""Bytes of a line that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +52,82 @@ def encode(transition: Transition, extra: Mapping[str, object]) -> str:
     return json.dumps(record, ensure_ascii=False)
 
 
+def read_experience(path: Path | str, domain: Domain) -> Iterator[Transition]:
+    """The transitions of an experience file one after the other, however many there are; see `decode`.
+
+    No more of the file than a line is in memory at a time. Raises Refused, also at the end: for the first
+    `MOST` lines that are no transitions, and the number of others.
+    """
+    name = str(path)
+    wrong = _Wrong(name, domain.name)
+    with refused_as(name), open_plain(path) as file:
+        while line := file.readline(LONGEST + 1):
+            if len(line) > LONGEST:
+                where = f"line {wrong.lines + 1} of `{name}`"
+                raise Refused([Diagnostic("E005", f"{where} is longer than {in_units(LONGEST)}", None)])
+            if not line.strip() or not line.endswith(b"\n"):
+                wrong.skip()
+                continue
+            try:
+                transition = _decode_line(_text(line), domain)
+            except ValueError as error:
+                wrong.add(line, str(error))
+            else:
+                wrong.skip()
+                yield transition
+    wrong.refuse()
+
+
+def _text(line: bytes) -> str:
+    try:
+        return line.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"byte 0x{line[error.start]:02x} is no UTF-8 text") from None
+
+
+class _Wrong:
+    """Lines that are no transitions, at their places in a text that is empty everywhere else."""
+
+    def __init__(self, name: str, domain: str) -> None:
+        self.lines = 0
+        self._name, self._domain = name, domain
+        self._parts: list[str] = []
+        self._size = self._ended = self._others = 0
+        self._mistakes: list[Diagnostic] = []
+
+    def skip(self) -> None:
+        """Pass over a line that is right."""
+        self.lines += 1
+
+    def add(self, line: bytes, reason: str) -> None:
+        """Take in a line that is wrong."""
+        self.lines += 1
+        if len(self._mistakes) == MOST:
+            self._others += 1
+            return
+        between = self.lines - 1 - self._ended
+        shown = line[:SHOWN].decode("utf-8", "replace").strip().replace("\r", " ")
+        start = self._size + between
+        self._mistakes.append(_mistake(self._domain, reason, Span(self._name, start, start + len(shown))))
+        self._parts.append("\n" * between + shown + "\n")
+        self._size += len(self._parts[-1])
+        self._ended = self.lines
+
+    def refuse(self) -> None:
+        """Raise Refused if there are any."""
+        if self._others:
+            said = f"{self._others} more lines of `{self._name}` are no transitions of {self._domain}"
+            self._mistakes.append(Diagnostic("E701", said, None))
+        if self._mistakes:
+            raise Refused(self._mistakes, (Source(self._name, "".join(self._parts)),))
+
+
+def _mistake(domain: str, reason: str, span: Span) -> Diagnostic:
+    return Diagnostic("E701", f"not a transition of {domain}: {reason}", span)
+
+
 def decode(source: Source, domain: Domain) -> tuple[Transition, ...]:
-    """All transitions of an experience file.
+    """All transitions of the text of an experience file.
 
     A last line without a line end is a record that a crash cut short and is passed over. Any other line that
     is no transition of this domain is refused, all of them at once.
@@ -56,7 +141,7 @@ def decode(source: Source, domain: Domain) -> tuple[Transition, ...]:
             try:
                 transitions.append(_decode_line(line, domain))
             except ValueError as error:
-                mistakes.append(Diagnostic("E701", f"not a transition of {domain.name}: {error}", span))
+                mistakes.append(_mistake(domain.name, str(error), span))
     if mistakes:
         raise Refused(mistakes, (source,))
     return tuple(transitions)
@@ -102,7 +187,7 @@ def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str])
     facts = []
     for entry in _typed(value, list, key):
         if not (isinstance(entry, list) and len(entry) == 3 and isinstance(entry[0], str)):
-            raise ValueError(f"{key} lists {entry!r}, which is no [symbol, objects, value]")
+            raise ValueError(f"{key} lists {reprlib.repr(entry)}, which is no [symbol, objects, value]")
         name, objects, fact_value = entry[0], tuple(_names(entry[1], key)), entry[2]
         symbol = symbols.get(name)
         if symbol is None or len(symbol.parameters) != len(objects):

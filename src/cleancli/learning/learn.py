@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +17,9 @@ from cleancli.learning.estimate import DEFAULT_M, Estimator, decreasing_m_estima
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Explanation, explain, outcomes_of, prior_probabilities
 from cleancli.learning.share import learn_parameters, probabilities_of
+
+KEPT = 4096
+"""Transitions whose explanation is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class Learned:
 
 def learn(
     domain: Domain,
-    transitions: Sequence[Transition],
+    transitions: Iterable[Transition],
     estimator: Estimator = decreasing_m_estimate,
     m: float = DEFAULT_M,
 ) -> tuple[Learned, ...]:
@@ -42,7 +46,9 @@ def learn(
 
     In the domain's order, the default rule last. Raises `Refused` (E602).
     """
-    counts = Counter(explain(domain, transition) for transition in transitions)
+    # What happened often is explained once.
+    explained = functools.lru_cache(maxsize=KEPT)(functools.partial(explain, domain))
+    counts = Counter(map(explained, transitions))
     seen = {rule: _seen(counts, rule, len(outcomes_of(domain, rule))) for rule in _rules(domain)}
     shared = learn_parameters(domain, seen, estimator, m)
     changed = {p.name for p in domain.parameters if shared[p.name] != p.probability}
