@@ -286,3 +286,13 @@ def test_what_fuzzing_finds_is_told(tmp_path: Path) -> None:
         "fine": "passed",
     }, result.stderr
     assert len(list(tmp_path.glob("made-*"))) == 6
+
+
+def test_nothing_is_torn_left_over_or_overwritten_by_commands_that_write(tmp_path: Path) -> None:
+    """A few kills and races; the figures of many are in docs/commands.md."""
+    result = _run("kills.py", "--kills", "4", "--races", "2", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    for name in ("fmt", "learn", "rename", "convert", "execute"):
+        assert f"kills of {name}: 4 (1 SIGHUP, 1 SIGINT, 1 SIGKILL, 1 SIGTERM), 0 failures" in result.stdout
+    for name in ("fmt", "learn", "rename", "convert"):
+        assert re.search(rf"races with {name}: 2 .*, 0 failures", result.stdout)

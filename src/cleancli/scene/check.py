@@ -98,7 +98,7 @@ def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:
                 "E216",
                 f"a second `{name}` block",
                 entry.name.span,
-                help=f"the first stands in line {findings.line(sections[name].span)}",
+                help=f"the first stands in {findings.line(sections[name].span)}",
             )
         sections.setdefault(name, entry)
         if name != "dirt":

@@ -51,7 +51,7 @@ class Settings:
                     "E216",
                     f"a second `{entry.key.text}`",
                     entry.key.span,
-                    help=f"the first stands in line {line}",
+                    help=f"the first stands in {line}",
                 )
             else:
                 self._settings[entry.key.text] = entry
