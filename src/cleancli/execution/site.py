@@ -20,6 +20,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
 from cleancli.simulation.world import world_of
+from cleancli.world.robot import Status
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth
 
@@ -47,10 +48,13 @@ def table_site(
 ) -> Site:
     """A simulated table; the robot cleans with its dustpan if it has one, unless told otherwise.
 
-    Raises what `PybulletTable` does, and what `from_arrays` does of `world`.
+    Raises what `PybulletTable` does, what `from_arrays` does of `world`, and ValueError where that is in the
+    middle of a motion: a run is saved between motions.
     """
     job = usual_job(scene) if job is None else job
     state = None if world is None else from_arrays(world)
+    if state is not None and Status(state.status) is Status.RUNNING:
+        raise ValueError("the saved state is of a motion under way")
     table = PybulletTable(scene, derived(options.seed, Stream.WORLD), state=state)
     return Site(
         Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),

@@ -233,11 +233,9 @@ class PybulletTable:
         """Bring a table that has just been built to a state. Raises ValueError for one of another table."""
         drives = self._drive.commanded().shape
         if state.commanded.shape != drives or (len(state.ahead) and state.ahead.shape[1:] != drives):
-            raise ValueError("the saved state is of another robot")
+            raise ValueError("the saved state is of another table: its robot has other joints")
         if len(state.flaps) and state.flaps.shape != self._drive.flaps().shape:
-            raise ValueError("the saved state is of another rag")
-        if Status(state.status) is Status.RUNNING:
-            raise ValueError("the saved state is of a motion under way")
+            raise ValueError("the saved state is of another table: its rag has other flaps")
         put(self._engine, self._particles, state)
         particles.keep_in_room(self._engine, self._particles)
         self._drive.command(state.commanded)
@@ -247,7 +245,7 @@ class PybulletTable:
         self._status, self._failure = Status(state.status), state.failure
         if self._ink is not None:
             if state.ink.shape != self._ink.amount.shape:
-                raise ValueError("the saved state is of another surface")
+                raise ValueError("the saved state is of another table: its surface has another size")
             self._ink.amount = state.ink.copy()
             self._ink.flaps = state.flaps if len(state.flaps) else None
 
