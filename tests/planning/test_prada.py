@@ -476,3 +476,16 @@ def test_without_a_count_to_decrease_coverage_counts_actions() -> None:
     assert coverage(
         replace(task, actions=task.actions * 2, discounts=task.discounts * 2), 4
     ) == pytest.approx(4 / 2**3)
+
+
+@pytest.mark.parametrize(("margin", "length"), [(0.04, 1), (0.05, 0), (0.06, 0), (0.0, 1)])
+def test_a_plan_is_worth_more_than_stopping_by_more_than_the_margin(margin: float, length: int) -> None:
+    domain = """
+      domain d {
+        types { area } predicates { dirt(?a - area) } derived { n := count ?a - area: dirt(?a) }
+        actions { go(?a - area) } rule g: go(?a) { when dirt(?a) then 1: not dirt(?a) }
+        reward { 0.05 * decrease(n) }
+      }"""
+    problem = "objects { a1 - area } init { dirt(a1) } horizon = 1 discount = 1"
+    found = prada(domains.task(domain, problem), Options(samples=100, margin=margin))
+    assert len(found.actions) == length

@@ -114,5 +114,7 @@ def test_equal_durations_discount_as_steps_do() -> None:
 
 
 def test_time_needs_durations() -> None:
+    nothing = replace(domains.random_task(0), untimed=(), actions=(), rules=(), discounts=(), step=None)
+    assert by_time(nothing) == nothing, "a domain without actions has nothing to discount"
     with pytest.raises(NoDurationError, match="act0"):
         by_time(domains.random_task(0))

@@ -74,7 +74,7 @@ def rewards_of(
 
 def waiting_can_pay(domain: Domain) -> bool:
     """Whether a step that changes nothing can be worth taking before others: a state is paid for what it is,
-    or something that others want is paid for its absence, or an action earns by its cost.
+    a decrease or the goal has a negative weight, or an action earns by its cost.
 
     Otherwise what is done later is worth no more than done now, so that waiting gains nothing.
     """

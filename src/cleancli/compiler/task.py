@@ -2,8 +2,8 @@
 
 Guaranteed by `ground`: everything is sorted; a variable is a symbol's value for some objects that at least
 one outcome can change (all others were decided when grounding); rules of one action exclude each other, so at
-most one covers a state (§3.3.2), unless they were grounded as libPRADA does; an action that no rule of can
-change anything is listed only where `waiting` says so, or where it was asked for by name.
+most one covers a state (§3.3.2), unless they were grounded as libPRADA does; an action none of whose rules
+can change anything is listed only where `waiting` says so, or where it was asked for by name.
 """
 
 from __future__ import annotations
@@ -161,9 +161,12 @@ def by_time(task: Task) -> Task:
     An action's discount is γ to the power of its duration over `step`: so values keep their scale, and it
     depends on nothing that is planned or asked for. Raises `NoDurationError` where a duration is not known.
     """
-    if task.step is None or task.untimed:
+    if task.untimed:
         raise NoDurationError(task.untimed)
-    seconds = [task.step if action.duration is None else action.duration for action in task.actions]
+    if task.step is None:  # the domain has no actions
+        return task
+    seconds = [action.duration for action in task.actions if action.duration is not None]
+    assert len(seconds) == len(task.actions)
     return replace(task, discounts=tuple(task.discount ** (each / task.step) for each in seconds))
 
 

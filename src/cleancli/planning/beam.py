@@ -14,7 +14,7 @@ from cleancli.planning.reachable import EDGE_LIMIT, Enumeration, Graph, backward
 def best_sequence(
     process: Process, initial: Assignment, discount: float, *, steps: int, width: int
 ) -> tuple[int, ...]:
-    """The actions that pay most, discounted, within so many steps, up to where doing nothing is as good.
+    """The actions that pay most, discounted, within so many steps, up to where stopping is preferred.
 
     Each rule of the process has one outcome. The sequence is the best of all if no step reaches more than
     `width` new states; of more, those are followed that have been paid most on some way to them, with what

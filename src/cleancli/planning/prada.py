@@ -50,7 +50,10 @@ def best_sampled(
     best = improved(best, worth)
     value, early = (float(found[0]) for found in worth([best]))
     times.append(time.perf_counter())
-    chosen = best if preferred(value - options.margin, early, nothing, latest) else best[:0]
+    worthy = preferred(value, early, nothing, latest)
+    if options.margin > 0:
+        worthy = value > nothing + options.margin
+    chosen = best if worthy else best[:0]
     return Plan(
         planner=planner,
         actions=tuple(task.actions[action] for action in chosen),

@@ -37,7 +37,7 @@ Actions = tuple[int, ...]
 
 def prada_plus(prepared: Prepared, options: Options) -> Plan:
     """The best policy where at most `solve` states can be reached, and otherwise the best of about `samples`
-    sequences, or of as many as `time_limit` allows; empty where it is worth no more than doing nothing.
+    sequences, or of as many as `time_limit` allows; empty where stopping at once is preferred.
 
     A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
     """

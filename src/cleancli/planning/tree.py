@@ -25,8 +25,8 @@ from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 
 class Tree(NamedTuple):
-    """Room for N nodes with M choices, of which those of a node stand together; the first does nothing any
-    more.
+    """Room for N nodes with M choices, of which those of a node stand together; the first
+    stops.
 
     The choices of a node that is still to come start at its place in `choice_start`.
     """
