@@ -41,8 +41,8 @@ _LISTS = {
     ">": "write `f(?a) > value`",
     "<=": "write `f(?a) <= value`",
     ">=": "write `f(?a) >= value`",
-    "increase": "an effect gives a function one of its values: `f(?a) := value`",
-    "decrease": "an effect gives a function one of its values: `f(?a) := value`",
+    "increase": "write `f(?a) += 1`",
+    "decrease": "write `f(?a) -= 1`",
     "assign": "an effect gives a function one of its values: `f(?a) := value`",
 }
 """What the lists of PDDL are here, by their first word."""
@@ -193,7 +193,7 @@ def _step(at: Misplaced) -> str:
     if before and "RISE" in at.accepted:
         amount = re.match(r"\s*(\d+)", at.after)
         is_doubled = at.after.startswith(at.token)
-        if amount or is_doubled:
+        if at.token in "+-" and (amount or is_doubled):
             return f"write `{before[1]} {at.token}= {amount[1] if amount else 1}`"
     after = re.match(rf"[+-]\s*({_APPLICATION})", at.after)
     if after and at.after.startswith(at.token):

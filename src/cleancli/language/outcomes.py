@@ -237,7 +237,7 @@ def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, condition: Condition,
     }
     foralls = [effect for effect in outcome.effects if isinstance(effect, ForAll)]
     unsure = {e.symbol for effect in foralls for e in effect.effects}
-    unsure |= _shifted(outcome, False) & _shifted(outcome, True)
+    unsure |= _shifted(outcome, False) & _shifted(outcome, True) | _disputed(outcome)
     items = node.result.effects if isinstance(node.result, syntax.Effects) else ()
     for item, effect in zip(items, outcome.effects, strict=True):
         if isinstance(effect, ForAll) or effect.symbol in unsure:
@@ -246,6 +246,16 @@ def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, condition: Condition,
         if asked is not None and _leaves(effect, asked, symbols[effect.symbol]):
             why = f"the rule applies only where `{print_literal(asked, symbols)}`"
             scope.findings.warning("W301", "this effect changes nothing", item.span, help=why)
+
+
+def _disputed(outcome: Outcome) -> frozenset[str]:
+    """Names of the symbols that plain effects set to several values, or set and shift: where their objects
+    are one, none of these effects is idle."""
+    done: dict[str, set[object]] = {}
+    for effect in outcome.effects:
+        if not isinstance(effect, ForAll):
+            done.setdefault(effect.symbol, set()).add(effect.value if isinstance(effect, Assign) else Shift)
+    return frozenset(symbol for symbol, ways in done.items() if len(ways) > 1)
 
 
 def _shifted(outcome: Outcome, rises: bool) -> frozenset[str]:

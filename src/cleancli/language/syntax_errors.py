@@ -138,7 +138,9 @@ class Reader:
         word = re.search(r"\w+$", at.before)
         comma = re.search(r",\s*(?:then|when|rest|forall)?$", at.before)
         is_end = at.kind in ("RBRACE", "RPAR", "RSQB") or (
-            at.kind in ("NUMBER", "RATIONAL") and "NOT" in at.accepted
+            at.kind in ("NUMBER", "RATIONAL")
+            and "NOT" in at.accepted
+            and re.match(r"\s*[:\[]", at.after) is not None  # it begins an outcome
         )
         if comma and ("LPAR" in at.accepted or is_end):
             place = self._span(comma.start(), comma.start() + 1)
