@@ -9,10 +9,10 @@ from typing import TextIO
 import click
 
 from cleancli.language.diagnostics import Refused, printable
-from cleancli.language.messages import MOST, excerpt
+from cleancli.language.messages import MOST, Excerpt, excerpt
 from cleancli.language.render import render
 
-_SHOWN = f"{__name__}.shown"
+_SHOWN, _LEFT_OUT = f"{__name__}.shown", f"{__name__}.left_out"
 
 
 def echo(text: str = "", err: bool = False, nl: bool = True) -> None:
@@ -29,7 +29,8 @@ def echo_exactly(text: str) -> None:
 
 
 def echo_refused(refused: Refused, err: bool = True) -> None:
-    """Print the mistakes, to standard error or to standard output; of one run no more than `MOST`."""
+    """Print the mistakes, to standard error or to standard output; of one run no more than `MOST`, and at its
+    end how many are left out."""
     context = click.get_current_context(silent=True)
     before = 0 if context is None else context.meta.get(_SHOWN, 0)
     part = excerpt(refused.diagnostics, MOST - before)
@@ -39,6 +40,16 @@ def echo_refused(refused: Refused, err: bool = True) -> None:
     if part.shown:
         # The renderer makes control characters visible; the only ones left are its own colours.
         click.echo(render(part.shown, refused.sources, colour=wants_colour(stream)), err=err)
+    if context is None:
+        _echo_left_out(part, err)
+    elif part.left_out:
+        if _LEFT_OUT not in context.meta:
+            context.call_on_close(lambda: _echo_left_out(context.meta[_LEFT_OUT], err))
+        known = context.meta.get(_LEFT_OUT, Excerpt(()))
+        context.meta[_LEFT_OUT] = Excerpt((), known.mistakes + part.mistakes, known.warnings + part.warnings)
+
+
+def _echo_left_out(part: Excerpt, err: bool) -> None:
     if part.left_out:
         echo(f"{part.note}: `cleancli check --all` shows all of .nid files", err=err)
 

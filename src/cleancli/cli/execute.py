@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
+from math import isnan
 from pathlib import Path
 
 import click
@@ -27,13 +28,14 @@ from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended, Looked
 from cleancli.execution.folder import FILES
-from cleancli.execution.journal import Interrupted, Resumed
+from cleancli.execution.journal import MOST, Interrupted, Resumed
 from cleancli.execution.loop import clean
 from cleancli.execution.record import Recorder, free_folder
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.language.diagnostics import printable
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.plural import plural
@@ -41,6 +43,13 @@ from cleancli.planning.table import PLANNERS
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text
 from cleancli.shipped import find
+
+
+def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:
+    """A limit that something can be compared with."""
+    if isnan(value):
+        raise click.BadParameter("this is no number", context, parameter)
+    return value
 
 
 @click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
@@ -65,7 +74,7 @@ from cleancli.shipped import find
 )
 @click.option(
     "--samples",
-    type=click.IntRange(min=1),
+    type=click.IntRange(min=1, max=MOST),
     default=10_000,
     show_default=True,
     help="Action sequences to draw for each plan.",
@@ -84,7 +93,7 @@ from cleancli.shipped import find
 )
 @click.option(
     "--known",
-    type=click.IntRange(min=0),
+    type=click.IntRange(min=0, max=MOST),
     default=0,
     show_default=True,
     metavar="T",
@@ -92,14 +101,15 @@ from cleancli.shipped import find
 )
 @click.option(
     "--max-actions",
-    type=click.IntRange(min=0),
+    type=click.IntRange(min=0, max=MOST),
     default=60,
     show_default=True,
     help="Stop after so many actions.",
 )
 @click.option(
     "--max-seconds",
-    type=click.FloatRange(min=0),
+    type=click.FloatRange(min=0, max=MOST),
+    callback=_number,
     default=1800,
     show_default=True,
     help="Stop after so many seconds, of robot and of planning.",
@@ -288,7 +298,11 @@ def _copy(path: str, text: str, number: int, folder: Path) -> dict[str, str]:
     name = re.sub(r"[^\w.-]", "_", Path(path).name) or "_"
     name = f"{number}-{name}" if (folder / FILES / name).exists() else name
     (folder / FILES / name).write_bytes(text.encode())
-    return {"path": path, "sha256": hashlib.sha256(text.encode()).hexdigest(), "copy": f"{FILES}/{name}"}
+    return {
+        "path": printable(path),
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "copy": f"{FILES}/{name}",
+    }
 
 
 def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> dict[str, object]:

@@ -97,7 +97,7 @@ def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ..
     Grounding is imported here: other files are checked without it.
     """
     found = checked_problem(source, domain)
-    if found.model is None or any("the goal" in each.help for each in found.diagnostics):
+    if found.model is None:
         return found.diagnostics, found.sources
     from cleancli.cli.unreached import warnings_of
 

@@ -122,14 +122,13 @@ def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
     for entry in learned:
         if entry.rule is None and not all(map(is_written, model.default)):
             uncovered = sum(entry.seen) + entry.unexplained
-            several = "" if uncovered == 1 else "s"
-            click.echo(
-                f"{uncovered} transition{several} that no rule covers: the domain has no `default`, and so"
+            echo(
+                f"{plural(uncovered, 'transition')} that no rule covers: the domain has no `default`, and so"
                 " expects nothing to happen there"
             )
         if entry.unexplained:
             echo(
-                f"{_rule_name(model, entry)}: {entry.unexplained} results that no outcome explains,"
+                f"{_rule_name(model, entry)}: {plural(entry.unexplained, 'result')} that no outcome explains,"
                 " and no noise outcome to count them to"
             )
 

@@ -20,6 +20,7 @@ from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Stream, derived
 from cleancli.language.model import Domain, State
+from cleancli.language.plural import plural
 from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out
 from cleancli.perception.frame import Frame
@@ -128,7 +129,10 @@ def command(
         write_png(
             drawn, draw(replace(last.frames[-1], camera=last.observation.camera), last.areas, last.state)
         )
-    click.echo(json.dumps({"looks": told.said}, indent=2) if as_data else "\n".join(map(str, told.said)))
+    if as_data:
+        click.echo(json.dumps({"looks": told.said}, indent=2))
+    else:
+        echo("\n".join(map(str, told.said)))
 
 
 def _find_rerun() -> None:
@@ -233,7 +237,7 @@ def _facts(state: State) -> dict[str, list[list[str]]]:
 def _printed(seen: _Seen) -> Iterator[str]:
     areas, unseen = seen.look.areas, seen.known.unseen.share
     hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
-    yield f"{seen.source}: {len(areas)} area{'' if len(areas) == 1 else 's'}{hidden}"
+    yield f"{seen.source}: {plural(len(areas), 'area')}{hidden}"
     yield from (f"  {change}" for change in seen.known.changes)
     yield from (f"  {_line(area, seen)}" for area in areas)
     if seen.left_out:

@@ -13,6 +13,7 @@ from rich.table import Table
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import working
 from cleancli.cli.tables import plain_table, print_table
+from cleancli.language.diagnostics import printable
 from cleancli.language.edit import replace_file
 from cleancli.report.account import Row, name_of, row_of
 from cleancli.report.page import comparison_page, run_page
@@ -38,7 +39,8 @@ def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None
         html = folders[0] / PAGE
     if html is not None:
         with working(f"writing {html.name}", as_data):
-            replace_file(html, run_page(runs[0]) if len(runs) == 1 else comparison_page(rows))
+            page = run_page(runs[0]) if len(runs) == 1 else comparison_page(rows)
+            replace_file(html, printable(page, keep="\n\t"))
     if as_data:
         click.echo(json.dumps({"runs": [asdict(row) for row in rows]}, indent=2))
         return
@@ -50,7 +52,7 @@ def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None
 def write_page(folder: Path) -> Run:
     """Write the page of the run into its folder; what `execute` does at its end. Raises as `read_run`."""
     run = read_run(folder)
-    replace_file(folder / PAGE, run_page(run))
+    replace_file(folder / PAGE, printable(run_page(run), keep="\n\t"))
     return run
 
 

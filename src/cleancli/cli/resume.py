@@ -20,7 +20,7 @@ from cleancli.execution import checkpoint
 from cleancli.execution.checkpoint import Saved
 from cleancli.execution.fitting import check_fits
 from cleancli.execution.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
-from cleancli.execution.journal import Count, Seconds, Started
+from cleancli.execution.journal import MOST, Count, Seconds, Started
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.strategies import STRATEGIES
@@ -39,7 +39,7 @@ class _Options(msgspec.Struct):
 
     strategy: str
     planner: str | None
-    samples: Annotated[int, Meta(ge=1, le=10**9)]
+    samples: Annotated[int, Meta(ge=1, le=MOST)]
     objective: Literal["reward", "time"]
     job: Job
     known: Count
@@ -103,9 +103,9 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
             saved = checkpoint.read(folder, path)
             try:
                 check_fits(saved.episode, begun.inputs.domain, objects)
+                site = open_site(begun.inputs, saved.world)
             except ValueError as error:
                 raise checkpoint.refused(path, str(error)) from None
-            site = open_site(begun.inputs, saved.world)
         except Refused as refusal:
             if any(found.code != "E706" for found in refusal.diagnostics):
                 raise

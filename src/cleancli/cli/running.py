@@ -23,7 +23,7 @@ from cleancli.execution.journal import Started, read_journal
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site, symbolic_site, table_site
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics import Refused, Source
 from cleancli.language.interrupt import ENDING
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
@@ -44,6 +44,10 @@ class Inputs:
     job: Job | None
 
 
+class OtherWorld(ValueError):
+    """A checkpoint is not one of the world that the run's files describe; the message says why."""
+
+
 def versions() -> dict[str, str]:
     """What a run may depend on, with its version; a library that is not installed is not among it."""
     found = {"cleancli": __version__, "python": platform.python_version()}
@@ -56,7 +60,7 @@ def versions() -> dict[str, str]:
 def open_site(inputs: Inputs, world: World | None = None) -> Site:
     """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
 
-    Raises UsageError for what it has not, Refused (E706) where the checkpoint is another world's.
+    Raises UsageError for what it has not, OtherWorld where the checkpoint is another one's.
     """
     given, options, job = inputs.given, inputs.options, inputs.job
     with located_in(*inputs.sources), planning_refused(inputs.sources):
@@ -73,8 +77,8 @@ def open_site(inputs: Inputs, world: World | None = None) -> Site:
         except (KeyError, TypeError, ValueError) as error:
             if world is None:
                 raise
-            message = f"the last checkpoint is not one of this world: {error}"
-            raise Refused([Diagnostic("E706", message, None)]) from None
+            reason = f"it has no {error}" if isinstance(error, KeyError) else str(error)
+            raise OtherWorld(f"it is not one of this world: {reason}") from None
 
 
 @contextmanager

@@ -40,17 +40,15 @@ def _place(source: Source) -> Span:
 
 def _warning(found: Unreached, problem: Problem, place: Span) -> Diagnostic:
     named = [f"`{literal}`" for literal in found.never[:_MOST_NAMED]]
-    more = f" and {len(found.never) - _MOST_NAMED} more" if len(found.never) > _MOST_NAMED else ""
+    if len(found.never) > _MOST_NAMED:
+        named.append(f"{len(found.never) - _MOST_NAMED} more")
+    untrue = f"no action makes {' or '.join(named)} true" if named else None
     if found.count is None:
         what = f"the goal of `{problem.name}` can never be reached"
-        reason = (
-            f"no action makes {', '.join(named)}{more} true" if named else "its parts never hold together"
-        )
+        reason = untrue or "its parts never hold together"
         help = "add what is missing to `init`, write a rule that brings it about, or correct the goal"
     else:
         what = f"`{found.count}` can never fall to 0 in `{problem.name}`"
-        reason = (
-            f"no action makes {', '.join(named)}{more} true" if named else "no action changes what it counts"
-        )
+        reason = untrue or "no action changes what it counts"
         help = "write a rule that brings it about, or take out of `init` what no action can end"
     return Diagnostic("W403", f"{what}: {reason}", place, help=help, level=Level.WARNING)

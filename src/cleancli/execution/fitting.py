@@ -11,14 +11,12 @@ from dataclasses import astuple
 from itertools import chain, pairwise
 from math import dist
 
+from cleancli.execution.journal import MOST
 from cleancli.execution.state import EpisodeState, Move, Situation
 from cleancli.language.model import Domain, Object, State
 from cleancli.language.plural import plural
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
-
-MOST = 10**9
-"""Of anything that is counted, and seconds."""
 
 FARTHEST = 1e3
 """Metres, metres a second, radians."""

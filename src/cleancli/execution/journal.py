@@ -18,8 +18,11 @@ from cleancli.execution.folder import JOURNAL, read_text
 from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
 from cleancli.language.model import State, Value
 
-Count = Annotated[int, Meta(ge=0, le=10**9)]
-Seconds = Annotated[float, Meta(ge=0, le=1e9)]
+MOST = 10**9
+"""Of anything that is counted, and seconds."""
+
+Count = Annotated[int, Meta(ge=0, le=MOST)]
+Seconds = Annotated[float, Meta(ge=0, le=MOST)]
 Metres = Annotated[float, Meta(ge=-1e3, le=1e3)]
 Length = Annotated[float, Meta(ge=0, le=1e3)]
 SquareMetres = Annotated[float, Meta(ge=0, le=1e6)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.task import Assignment, Task
 from cleancli.execution.checkpoint import World
+from cleancli.execution.journal import MOST
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
@@ -23,9 +24,6 @@ from cleancli.simulation.world import world_of
 from cleancli.world.robot import Status
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth
-
-LATEST = 1e9
-"""Seconds of the clock that a saved world may have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +103,7 @@ def _assignment(saved: NDArray[Any], task: Task) -> Assignment:
 
 
 def _clock(saved: NDArray[Any]) -> float:
-    if saved.shape != () or saved.dtype.kind not in "fi" or not 0 <= saved <= LATEST:
+    if saved.shape != () or saved.dtype.kind not in "fi" or not 0 <= saved <= MOST:
         raise ValueError("its clock is none")
     return float(saved)
 

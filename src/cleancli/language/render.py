@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import unicodedata
 from collections.abc import Callable, Iterable
 from pathlib import PurePath
@@ -194,4 +195,4 @@ def _uri(name: str, folder: PurePath | None) -> str:
     path = PurePath(name)
     if folder is not None and path.is_relative_to(folder):
         path = path.relative_to(folder)
-    return path.as_uri() if path.is_absolute() else quote(path.as_posix())
+    return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))

@@ -13,6 +13,9 @@ from cleancli.language.declarations import Declarations, Once, read_variables, s
 from cleancli.language.findings import Findings
 from cleancli.language.model import Action, Symbol, Value, Variable
 
+LONGEST_DURATION = 1_000_000
+"""Seconds of an action; eleven days. Chosen."""
+
 _SECONDS = {"s": 1, "min": 60}
 _INTEGERS = ("int", "integer", "number", "real", "float")
 """What other languages call the values of a function."""
@@ -152,7 +155,11 @@ def _duration(attribute: syntax.Attribute, findings: Findings) -> float | None:
     if value.value <= 0:
         findings.error("E213", "a duration must be above 0 s", value.span)
         return None
-    return float(value.value * _SECONDS[value.unit])
+    seconds = value.value * _SECONDS[value.unit]
+    if seconds > LONGEST_DURATION:
+        findings.error("E213", f"a duration is at most {LONGEST_DURATION} s", value.span)
+        return None
+    return float(seconds)
 
 
 def _cost(attribute: syntax.Attribute, findings: Findings) -> Fraction | None:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]
-FARTHEST = 1e8
-"""Metres, radians, a second or not: what falls from the table for half an hour stays below."""
+FARTHEST = 1e3
+"""Metres, metres a second, radians: nothing leaves the room, and whatever falls lies on its floor."""
 
 MOST_STEPS = 10**11
 
