@@ -170,7 +170,10 @@ def _child(copy: Path, files: list[str], kernels: Path, limit: float, work: Path
             MUTATION_DUMPS=str(work),
             NUMBA_CACHE_DIR=str(kernels),
         )
-        sys.path[:] = [str(copy / "src"), benchmarks, *(p for p in sys.path if not p.startswith(str(ROOT)))]
+        # An environment may lie within the checkout: what is installed there stays.
+        own = tuple(str(ROOT / name) for name in ("src", "benchmarks", "tests"))
+        others = (path for path in sys.path if path != str(ROOT) and not path.startswith(own))
+        sys.path[:] = [str(copy / "src"), benchmarks, *others]
         numba = sys.modules.get("numba")
         if numba is not None:
             numba.config.CACHE_DIR = str(kernels)
