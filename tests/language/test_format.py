@@ -98,7 +98,7 @@ def _domains(draw: st.DrawFn) -> Domain:
         Rule(name, "move", (A, B), (*common, literal), draw(_outcomes()))
         for name, literal in (("one", chosen), ("two", others))
     )
-    duration = draw(st.none() | st.floats(1e-6, 1e9))
+    duration = draw(st.none() | st.floats(1e-6, 1e6))
     return Domain(
         "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
         (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
