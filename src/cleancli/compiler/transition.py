@@ -120,7 +120,7 @@ def exact_value(task: Task, actions: Sequence[int]) -> float:
         value += factor * payment(task, action) * step
         factor *= task.discounts[action]
         expected = remaining
-    return value + factor * sum(task.discount**step * paid for step in range(task.horizon - len(actions)))
+    return value + factor * paid * float(idle_worth(task.discount, task.horizon - len(actions))[-1])
 
 
 def payment(task: Task, action: int) -> float:

@@ -76,7 +76,7 @@ def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT
         step = paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - p.cost[action]
         value += factor * p.payment[action] * step
         factor *= p.discount[action]
-    rest = sum(task.discount**step for step in range(task.horizon - len(actions)))
+    rest = idle_worth(task.discount, task.horizon - len(actions))[-1]
     return float(value + factor * rest * paid[-1][1])
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.compiler.task import Assignment, GroundAction
-from cleancli.compiler.transition import standing
+from cleancli.compiler.transition import idle_worth, standing
 from cleancli.planning.plan import Options
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.world import Step, World, do, succeeded
@@ -107,7 +107,7 @@ def returns(world: World, steps: Sequence[Step], last: Assignment, length: int) 
         plain += step.reward
         factor *= step.discount
     paid, left = standing(world.task, last), max(length - len(steps), 0)
-    idle = sum(world.task.discount**k for k in range(left))
+    idle = float(idle_worth(world.task.discount, left)[-1])
     return discounted + factor * idle * paid, plain + left * paid
 
 
