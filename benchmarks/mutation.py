@@ -29,11 +29,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import mutation_runs as runs
-from mutants import Change, Site, changed, sites
+from mutants import SOURCES, Change, Site, changed, sites
 from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect, test_files
 
 ROOT = Path(__file__).resolve().parents[1]
-SOURCES = ROOT / "src" / "cleancli"
 RESULTS = "results.jsonl"
 EQUAL = Path(__file__).with_name("mutation_equal.txt")
 
