@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.tables import Indices, Tables
-from cleancli.planning.compiled import better, compiled, inlined
+from cleancli.planning.compiled import better, compiled, inlined, standing_earliness
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 
 HALF = np.uint64(32)
@@ -285,7 +285,7 @@ def search(
     horizon, payment, discount, whole = len(drawn), t.payment, t.discount, t.independent[0]
     standing_first = _settle(t, initial, belief)
     _settle(t, initial, start)
-    nothing, nothing_early = standing_first * idle[horizon], standing_first * (horizon * (horizon + 1) // 2)
+    nothing, nothing_early = standing_first * idle[horizon], standing_first * standing_earliness(horizon)
     best_value, best_early, best_length = least, latest, 0
     for sample in range(first, last):
         _copy(start.number, belief.number)
@@ -309,7 +309,7 @@ def search(
             rest = horizon - length
             early += (rest + 1) * (advanced + standing)
             stopped = value + factor * standing * idle[rest]
-            stopped_early = early + standing * (rest * (rest + 1) // 2)
+            stopped_early = early + standing * standing_earliness(rest)
             if not whole and better(stopped, stopped_early, useful_value, useful_early):
                 useful_value, useful_early, useful_length = stopped, stopped_early, length
         if whole:

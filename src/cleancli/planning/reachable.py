@@ -16,7 +16,7 @@ from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
-from cleancli.planning.compiled import better, njit
+from cleancli.planning.compiled import better, njit, standing_earliness
 from cleancli.planning.states import covering, rewarded
 from cleancli.planning.stream import mixed, split
 
@@ -192,7 +192,7 @@ def _stage(
     standing, choice_progress = g.standing, g.choice_progress
     for s in range(len(best)):
         chosen, value = -1, standing[s] * idle
-        most, earliness = value, standing[s] * (left * (left + 1) // 2)
+        most, earliness = value, standing[s] * standing_earliness(left)
         for choice in range(choice_start[s], choice_start[s + 1]):
             expected, early = 0.0, left * choice_progress[choice]
             for e in range(edge_start[choice], edge_start[choice + 1]):

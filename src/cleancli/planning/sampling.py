@@ -12,7 +12,7 @@ from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Assignment
 from cleancli.compiler.transition import idle_worth
-from cleancli.planning.compiled import better, njit
+from cleancli.planning.compiled import better, njit, standing_earliness
 from cleancli.planning.states import apply, choosable, draw, rewarded
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
@@ -35,7 +35,7 @@ def _look_ahead(
     is done any more. `counts` (rows, most outcomes of a rule) is 0 between uses."""
     decreasing, standing, ahead = rewarded(p, rows[level])
     left = len(idle) - 1 - level
-    value, earliness, chosen = float(standing * idle[left]), float(standing * (left * (left + 1) // 2)), -1
+    value, earliness, chosen = float(standing * idle[left]), float(standing * standing_earliness(left)), -1
     for action in range(len(p.cost) if level < len(rows) - 1 else 0):
         rule = choosable(p, rows[level], action)
         if rule < 0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.process import Process
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning.compiled import better, compiled, inlined, inner
+from cleancli.planning.compiled import better, compiled, inlined, inner, standing_earliness
 from cleancli.planning.preference import AS_GOOD
 from cleancli.planning.stream import GOLDEN, mixed, uniform
 
@@ -243,7 +243,7 @@ def _worth(runs: Runs, length: int, row: int, idle: Floats) -> float:
 def _earliness(runs: Runs, length: int, row: int) -> float:
     """The mean earliness of the runs of a sequence whose last states stand in a row."""
     rest = runs.word.shape[1] - 1 - length
-    earliness: float = runs.early[row, length] + runs.standing[row, length] * (rest * (rest + 1) // 2)
+    earliness: float = runs.early[row, length] + runs.standing[row, length] * standing_earliness(rest)
     return earliness
 
 
