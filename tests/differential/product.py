@@ -25,7 +25,7 @@ from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Assignment, Task, by_time
 from cleancli.compiler.transition import covering_rule, exact_value, reaches_goal, reward, standing
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode
@@ -183,7 +183,7 @@ def grounded(loaded: Loaded) -> Grounded | tuple[str, ...]:
 
 def learned(loaded: Loaded, experience: str) -> dict[tuple[str, int], int]:
     """How often each outcome of each rule was seen; those of the default rule are left out."""
-    transitions = decode(Source("experience.jsonl", experience), loaded.domain)
+    transitions = decode(io.BytesIO(experience.encode()), "experience.jsonl", loaded.domain)
     return {
         (loaded.domain.rules[each.rule].name, index): seen
         for each in learn(loaded.domain, transitions)
