@@ -40,7 +40,8 @@ def unreadable(folder: Path) -> str:
         experience = folder / EXPERIENCE
         for line in experience.read_text(encoding="utf-8").split("\n")[:-1] if experience.exists() else ():
             json.loads(line)
-        checkpoint.last(folder)
+        for path in checkpoint.checkpoints(folder)[-1:]:
+            checkpoint.read(folder, path)
     except Exception as error:
         return repr(error)
     return ""

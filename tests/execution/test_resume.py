@@ -282,8 +282,8 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
     for name in checkpoint.APPENDED:
         (tmp_path / name).write_text("one\n")
     checkpoint.save(tmp_path, state, {"places": np.eye(3), "clock": np.array(1.5)})
-    saved = checkpoint.last(tmp_path)
-    assert saved is not None
+    (path,) = checkpoint.checkpoints(tmp_path)
+    saved = checkpoint.read(tmp_path, path)
     assert saved.episode == state
     assert saved.sizes == {"journal.jsonl": 4, "experience.jsonl": 4}
     np.testing.assert_array_equal(saved.world["places"], np.eye(3))
@@ -294,8 +294,9 @@ def test_what_has_no_form_in_a_checkpoint_is_refused(tmp_path: Path) -> None:
         (tmp_path / name).write_text("")
     with pytest.raises(NotImplementedError, match="object has no form"):
         checkpoint.save(tmp_path, EpisodeState(examples=object()), {})  # type: ignore[arg-type]
-    assert checkpoint.last(tmp_path) is None
+    assert not checkpoint.checkpoints(tmp_path)
     (tmp_path / "state").mkdir(exist_ok=True)
-    (tmp_path / "state" / "001.npz").write_bytes(b"")
+    damaged = tmp_path / "state" / "001.npz"
+    damaged.write_bytes(b"")
     with pytest.raises(Refused, match="E706"):
-        checkpoint.last(tmp_path)
+        checkpoint.read(tmp_path, damaged)

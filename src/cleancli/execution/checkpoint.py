@@ -83,12 +83,6 @@ def save(folder: Path, episode: EpisodeState, world: World) -> None:
         old.unlink(missing_ok=True)
 
 
-def last(folder: Path) -> Saved | None:
-    """The last checkpoint of a run; None where it was cut short before the first. Raises as `read`."""
-    paths = checkpoints(folder)
-    return read(folder, paths[-1]) if paths else None
-
-
 def read(folder: Path, path: Path) -> Saved:
     """One of the `checkpoints` of a run's folder. Raises Refused (E706) for a file that is none, or to which
     the files that only grow do not fit any more; OSError."""
