@@ -330,10 +330,9 @@ def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: boo
     kinds = {kind: s for kind, s in ended.spent.by_kind().items() if s >= _SHORT or not told}
     spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
     is_so = "" if ended.clean else "not "
-    lines = [
-        f"{is_so}{'done' if told else 'clean'}: {ended.reason}, after {plural(ended.actions, 'action')}",
-        f"seconds: {ended.spent.total:.1f}" + (f" ({spent})" if spent else ""),
-    ]
+    lines = [f"{is_so}{'done' if told else 'clean'}: {ended.reason}, after {plural(ended.actions, 'action')}"]
+    if kinds:
+        lines.append(f"seconds: {ended.spent.total:.1f} ({spent})")
     if told:
         lines.insert(1, f"in the end: {told}")
     if "particles" in truth:
