@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -177,3 +178,12 @@ def test_programs_are_not_talked_to(option: str, tmp_path: Path, capsys: pytest.
     assert err == ""
     assert (json.loads(out)["seed"] == 1) if option == "--json" else (out == "")
     assert (next(tmp_path.iterdir()) / "run.json").exists()
+
+
+def test_the_time_of_a_domain_is_shown_where_there_is_some() -> None:
+    size = (80, 24)
+    said = "burning 1; the goal does not hold"
+    before, after = (drawn(replace(Shown(), told=said, clock=clock), size) for clock in (0.0, 2.0))
+    assert not any("time of the domain" in line for line in before)
+    assert any("time of the domain 2.0 s" in line for line in after)
+    assert any("robot time 0.0 s" in line for line in drawn(Shown(), size))

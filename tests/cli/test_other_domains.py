@@ -101,3 +101,23 @@ def test_one_thing_is_not_several(folder: Path, capsys: pytest.CaptureFixture[st
         run(words)
         text = "".join(capsys.readouterr())
         assert not re.findall(r"(?<![\d.])1 (?!means|less|plus|s\b|is\b|was\b)[a-z]+s\b", text), (words, text)
+
+
+GIVES_UP = DOMAIN.replace("1: not lit(?l)", "0.001: not lit(?l)  rest: broken(?l)").replace(
+    "lit(?l - lamp) }\n  derived", "lit(?l - lamp)  broken(?l - lamp) }\n  derived"
+)
+
+
+@pytest.mark.parametrize("is_timed", [True, False])
+def test_time_is_spoken_of_where_the_domain_has_it_and_all_is_said_once(
+    folder: Path, capsys: pytest.CaptureFixture[str], is_timed: bool
+) -> None:
+    domain = GIVES_UP.replace("lit(?l) then", "lit(?l), not broken(?l) then")
+    domain = domain if is_timed else domain.replace(" [duration = 2 s]", "")
+    (folder / "lamps.nid").write_text(domain, encoding="utf-8")
+    text = said(capsys, "execute", "lamps.nid", "hall.nid", "--strategy", "plan-1", code=3)
+    assert text.count("after 1 action") == 1  # it breaks, and then nothing is worth doing
+    assert text.count("decided: nothing") == 1
+    assert (" of the domain's time" in text) is is_timed
+    assert ("actions 2.0" in text) is is_timed
+    assert not re.search(r"(?<![\d.])0\.0 s\b|: 0\.0$", text, re.M), text

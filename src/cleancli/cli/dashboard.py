@@ -158,7 +158,9 @@ def _side(shown: Shown, limit: int, ascii_only: bool) -> list[Text]:
     situation = shown.situation
     now = 0 if situation is None else len(situation.areas)
     clock = "time of the domain" if shown.told else "robot time"
-    lines = [_line(f"{clock} {shown.clock:.1f} s"), _line(f"actions {shown.actions} of at most {limit}")]
+    lines = [_line(f"actions {shown.actions} of at most {limit}")]
+    if shown.clock or not shown.told:  # a domain may have no durations
+        lines.insert(0, _line(f"{clock} {shown.clock:.1f} s"))
     if shown.told:
         lines += [_line(part) for part in shown.told.split("; ")]
     if shown.most:

@@ -24,6 +24,7 @@ from cleancli.cli.report import write_page
 from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
 from cleancli.cli.symbolic import told_of
+from cleancli.compiler.task import NoDurationError
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended, Looked
@@ -159,6 +160,8 @@ def command(
     _, domain_sources, model = open_domain(domain)
     given = open_problem(problem, model)
     sources = (*domain_sources, read_source(find(problem, "problems")))
+    with planning_refused(sources):
+        is_by_time = _by_time(objective, model)
     options = EpisodeOptions(
         strategy,
         planner,
@@ -166,7 +169,7 @@ def command(
         max_actions,
         max_seconds,
         next(n for n in (seed, given.seed, 1) if n is not None),
-        _by_time(objective, model),
+        is_by_time,
         known,
     )
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
@@ -271,10 +274,10 @@ def _carry_out(
 
 
 def _by_time(objective: str | None, domain: Domain) -> bool:
-    """Whether plans discount by time. Raises UsageError where they are to and a duration is not known."""
+    """Whether plans discount by time. Raises NoDurationError where they are to and one is not known."""
     unknown = [action.name for action in domain.actions if action.duration is None]
     if objective == "time" and unknown:
-        raise click.UsageError(f"--objective time needs a duration of {', '.join(unknown)}: [duration = 9 s]")
+        raise NoDurationError(unknown)
     return objective == "time" or (objective is None and not unknown)
 
 
@@ -330,10 +333,9 @@ def _summary(ended: Ended, truth: Mapping[str, object], folder: Path, video: boo
     kinds = {kind: s for kind, s in ended.spent.by_kind().items() if s >= _SHORT or not told}
     spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
     is_so = "" if ended.clean else "not "
-    lines = [
-        f"{is_so}{'done' if told else 'clean'}: {ended.reason}, after {plural(ended.actions, 'action')}",
-        f"seconds: {ended.spent.total:.1f}" + (f" ({spent})" if spent else ""),
-    ]
+    lines = [f"{is_so}{'done' if told else 'clean'}: {ended.reason}, after {plural(ended.actions, 'action')}"]
+    if kinds:
+        lines.append(f"seconds: {ended.spent.total:.1f} ({spent})")
     if told:
         lines.insert(1, f"in the end: {told}")
     if "particles" in truth:

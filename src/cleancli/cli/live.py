@@ -95,6 +95,7 @@ class _Lines:
         self._console, self._told, self._last = console, told, ""
         self._before: frozenset[str] = frozenset()
         self._seen: frozenset[str] = frozenset()
+        self._gave_up = False
 
     def write(self, event: Event) -> None:
         """Show one event."""
@@ -105,27 +106,36 @@ class _Lines:
                 else:
                     self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
                 self._seen = names_of(situation)
-            case Decided(_, moves, plan, seconds):
-                chosen = ", ".join(str(move) for move in moves) or "nothing"
-                value = (
-                    "" if plan is None else f"; value {plan.value:.2f}, {plural(len(plan.actions), 'action')}"
-                )
-                self._line(f"decided: {chosen}{value} ({seconds:.2f} s)")
-                if plan is not None and (loading := plan.seconds.get("compile", 0.0)) > SLOW:
-                    self._line(f"(and {loading:.0f} s for {how_loaded()})")
+            case Decided():
+                self._decided(event)
             case Started():
                 self._before = self._seen
+                self._gave_up = False
             case Failed(number, move, reason):
                 self._line(f"  {number}. {move} failed: {reason}")
-            case StrokeEnded(number, clock):
-                time = "the domain's" if self._told is not None else "robot"
-                self._line(f"  {number}. carried out at {clock:.1f} s of {time} time")
+            case StrokeEnded(number, clock) if self._told is None:
+                self._line(f"  {number}. carried out at {clock:.1f} s of robot time")
+            case StrokeEnded(number, clock) if clock:  # the domain has durations
+                self._line(f"  {number}. carried out at {clock:.1f} s of the domain's time")
             case Acted():
                 self._line(f"  {came_of(self._before, event)}")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:
                 pass
+
+    def _decided(self, event: Decided) -> None:
+        """What is to be done now. A second look shows nothing new in the symbolic world, so that a second
+        decision for nothing is no news there."""
+        if self._told is not None and self._gave_up:
+            return
+        plan = event.plan
+        self._gave_up = not event.moves
+        chosen = ", ".join(map(str, event.moves)) or "nothing"
+        value = "" if plan is None else f"; value {plan.value:.2f}, {plural(len(plan.actions), 'action')}"
+        self._line(f"decided: {chosen}{value} ({event.seconds:.2f} s)")
+        if plan is not None and (loading := plan.seconds.get("compile", 0.0)) > SLOW:
+            self._line(f"(and {loading:.0f} s for {how_loaded()})")
 
     def _tell(self, text: str) -> None:
         """What the symbolic world is like now, where that is news."""

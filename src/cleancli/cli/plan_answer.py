@@ -120,15 +120,13 @@ def echo_evaluation(
     elif found.sampled is not None:
         table.add_row("exact", "-", "too many states may occur")
     if found.sampled is not None:
-        error = f"± {found.sampled.error:.4f} (standard error), {found.sampled.runs} runs"
+        error = f"± {found.sampled.error:.4f} (standard error), {plural(found.sampled.runs, 'run')}"
         table.add_row("sampled", f"{found.sampled.value:.4f}", error)
     print_table(table)
     click.echo(f"{plural(len(actions), 'action')}, horizon {job.task.horizon}")
     if beyond:
-        lie = "action lies" if len(beyond) == 1 else "actions lie"
-        click.echo(
-            f"{len(beyond)} {lie} beyond the horizon and {'is' if len(beyond) == 1 else 'are'} not counted:"
-        )
+        one = "action lies beyond the horizon and is not counted"
+        click.echo(f"{plural(len(beyond), one, 'actions lie beyond the horizon and are not counted')}:")
         click.echo(f"  {' '.join(beyond)}")
 
 

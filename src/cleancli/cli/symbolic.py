@@ -22,10 +22,7 @@ def told_of(domain: Domain, problem: Problem) -> Told:
             f"{count.name} {sum(1 for _ in view.extensions(count.variables, count.condition, {}))}"
             for count in domain.counts
         ]
-        text = (
-            ", ".join(counts)
-            or f"{plural(len(situation.state), 'fact')} hold{'s' * (len(situation.state) == 1)}"
-        )
+        text = ", ".join(counts) or plural(len(situation.state), "fact holds", "facts hold")
         if not problem.goal:
             return text
         return f"{text}; the goal {'holds' if view.holds(problem.goal, {}) else 'does not hold'}"

@@ -22,6 +22,7 @@ from cleancli.language.diagnostics import Diagnostic, Refused
 from cleancli.language.findings import meant
 from cleancli.language.format import print_fraction
 from cleancli.language.model import OutcomeKind
+from cleancli.language.plural import plural
 
 ROUNDING = Fraction(1, 1000)
 """How far the probabilities of a rule may be from 1 to count as rounded. Chosen."""
@@ -108,7 +109,8 @@ def _atom(atom: Atom, declared: Mapping[str, Declaration], wanted: Kind) -> Iter
         what = "an action" if symbol.kind is Kind.ACTION else "no action"
         yield Diagnostic("E912", f"`{atom.symbol}` is declared as {what}", atom.span)
     elif len(atom.terms) != symbol.arity:
-        message = f"`{atom.symbol}` is declared with {symbol.arity} arguments, and has {len(atom.terms)}"
+        wants = plural(symbol.arity, "argument")
+        message = f"`{atom.symbol}` is declared with {wants}, and has {len(atom.terms)}"
         yield Diagnostic("E912", message, atom.span)
     elif symbol.kind is not wanted:
         message = f"`{atom.symbol}` follows from other symbols in a way that is not converted"

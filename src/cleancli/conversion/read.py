@@ -104,7 +104,7 @@ def _header(tokens: list[Token], rules: int, source: Source) -> None:
         scanner.take("=")
         number = scanner.take("number", "the number of rules")
         if number.text != str(rules):
-            message = f"the file announces {number.text} rules, and has {rules}"
+            message = f"the file says that its rules number {number.text}, and has {rules}"
             raise Unreadable(Diagnostic("E911", message, number.span))
     if scanner.next is not None or not rules:
         raise scanner.misplaced("`ACTION:`")

@@ -18,6 +18,7 @@ from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
 from cleancli.language.model import Domain, Problem
+from cleancli.language.plural import plural
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
 from cleancli.simulation.world import world_of
@@ -95,7 +96,7 @@ def _assignment(saved: NDArray[Any], task: Task) -> Assignment:
     sizes = [len(variable.values) for variable in task.variables]
     # An array of no numbers has the type of others.
     if saved.shape != (len(sizes),) or (sizes and saved.dtype.kind != "i"):
-        raise ValueError(f"it is not of {len(sizes)} facts that can change")
+        raise ValueError(f"it is not of {plural(len(sizes), 'fact')} that can change")
     values = tuple(map(int, saved.tolist()))
     if any(not 0 <= value < size for value, size in zip(values, sizes, strict=True)):
         raise ValueError("a fact has a value that it cannot have")

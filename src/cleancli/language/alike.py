@@ -1,4 +1,5 @@
-"""What an outcome does, in a form that is equal for outcomes that do the same wherever their rule applies.
+"""What an outcome does, in a form that is equal for outcomes that do the same wherever their rule applies,
+and which of its effects change nothing there.
 
 Guaranteed before: effects are well typed. Equal forms mean the same; the reverse is not promised, because
 what conditions imply is not worked out. Names of bound variables, the order of parts and of symmetric terms,
@@ -42,6 +43,10 @@ _Place = tuple[str, _Terms]
 _Guard = tuple[tuple[str, ...], tuple[_Part, ...]]
 """The types of a `forall`'s variables in an order, and its condition; both empty for a plain effect."""
 
+_PLAIN: _Guard = ((), ())
+_Assigned = tuple[_Guard, _Place, Value]
+_Shifted = tuple[_Guard, _Place, int]
+
 
 @dataclass(frozen=True, slots=True)
 class Asked:
@@ -66,11 +71,54 @@ def asked_by(condition: Condition, declared: Declarations) -> Asked:
     return Asked(same, values)
 
 
+@dataclass(frozen=True, slots=True)
+class _Done:
+    """What the effects of an outcome come to: values that are set, and sums of shifts."""
+
+    assigned: frozenset[_Assigned]
+    shifted: frozenset[_Shifted]
+
+    def sets(self, symbol: str) -> bool:
+        return any(place[0] == symbol for _, place, _ in self.assigned)
+
+
 def doing(outcome: Outcome, asked: Asked, declared: Declarations) -> object:
     """What the outcome does. Equal for two outcomes only if no observation could tell them apart."""
     if outcome.kind is OutcomeKind.NOISE:
         return OutcomeKind.NOISE
-    assigned: set[tuple[_Guard, _Place, Value]] = set()
+    done = _done(outcome, asked, declared)
+    if not asked.idle:
+        return done.assigned, done.shifted
+    return (
+        frozenset(each for each in done.assigned if not _is_idle(each, done, asked)),
+        frozenset(each for each in done.shifted if not _stays(each, done, asked, declared)),
+    )
+
+
+def idle_because(outcome: Outcome, asked: Asked, declared: Declarations) -> tuple[Literal | None, ...]:
+    """For each effect what the rule's condition says, if that is why the effect changes nothing; else None.
+
+    Effects of a `forall` are not looked at.
+    """
+    done = _done(outcome, asked, declared)
+    return tuple(
+        None if isinstance(effect, ForAll) else _because(effect, done, asked, declared)
+        for effect in outcome.effects
+    )
+
+
+def _because(effect: Assign | Shift, done: _Done, asked: Asked, declared: Declarations) -> Literal | None:
+    guard, place = _PLAIN, _place(effect.symbol, effect.terms, {}, asked.same, declared.symbols)
+    if isinstance(effect, Assign):
+        idle = _is_idle((guard, place, effect.value), done, asked)
+    else:
+        sums = [each for each in done.shifted if each[:2] == (guard, place)]
+        idle = any(_stays(each, done, asked, declared) for each in sums)
+    return Literal(effect.symbol, effect.terms, asked.values[place]) if idle else None
+
+
+def _done(outcome: Outcome, asked: Asked, declared: Declarations) -> _Done:
+    assigned: set[_Assigned] = set()
     amounts: dict[tuple[_Guard, _Place], int] = {}
     for effect, forall in _each(outcome):
         found = _normal(effect, forall, asked, declared)
@@ -80,11 +128,9 @@ def doing(outcome: Outcome, asked: Asked, declared: Declarations) -> object:
             amounts[found] = amounts.get(found, 0) + effect.amount
         else:
             assigned.add((*found, effect.value))
-    shifted = {(*key, amount) for key, amount in amounts.items() if amount or _sets(key[1][0], assigned)}
-    if asked.idle:
-        assigned = {e for e in assigned if not _is_idle(*e, asked) or _is_disputed(*e, assigned, amounts)}
-        shifted = {e for e in shifted if not _stays(*e, asked, shifted, assigned, declared)}
-    return frozenset(assigned), frozenset(shifted)
+    set_too = {place[0] for _, place, _ in assigned}
+    shifted = {(*key, amount) for key, amount in amounts.items() if amount or key[1][0] in set_too}
+    return _Done(frozenset(assigned), frozenset(shifted))
 
 
 def _each(outcome: Outcome) -> Iterator[tuple[Assign | Shift, ForAll | None]]:
@@ -98,45 +144,27 @@ def _each(outcome: Outcome) -> Iterator[tuple[Assign | Shift, ForAll | None]]:
 # ---- effects that change nothing
 
 
-def _is_idle(guard: _Guard, place: _Place, value: Value, asked: Asked) -> bool:
-    """Whether what is set is there already: the rule's condition or the `forall`'s says so."""
+def _is_idle(each: _Assigned, done: _Done, asked: Asked) -> bool:
+    """Whether what is set is there already, as the rule's condition or the `forall`'s says, and no other
+    effect may be on the same thing: leaving this one out would end a conflict with that."""
+    guard, place, value = each
     known = asked.values.get(place)
     if known is not None and not _is_bound(place):
-        return known == frozenset({value})
-    return (*place, _shown(frozenset({value}))) in guard[1]
+        there = known == frozenset({value})
+    else:
+        there = (*place, _shown(frozenset({value}))) in guard[1]
+    others = any(other[0] == place[0] and set_to != value for _, other, set_to in done.assigned)
+    return there and not others and not any(other[0] == place[0] for _, other, _ in done.shifted)
 
 
-def _is_disputed(
-    guard: _Guard,
-    place: _Place,
-    value: Value,
-    assigned: set[tuple[_Guard, _Place, Value]],
-    amounts: Mapping[tuple[_Guard, _Place], int],
-) -> bool:
-    """Whether another effect may be on the same thing, so that leaving this one out may end a conflict."""
-    others = any(other[0] == place[0] and set_to != value for _, other, set_to in assigned)
-    return others or any(other[0] == place[0] for _, other in amounts)
-
-
-def _stays(
-    guard: _Guard,
-    place: _Place,
-    amount: int,
-    asked: Asked,
-    shifted: set[tuple[_Guard, _Place, int]],
-    assigned: set[tuple[_Guard, _Place, Value]],
-    declared: Declarations,
-) -> bool:
+def _stays(each: _Shifted, done: _Done, asked: Asked, declared: Declarations) -> bool:
     """Whether a shift leads beyond the bound at which the rule's condition finds the number."""
+    _, place, amount = each
     values = declared.symbols[place[0]].values
     bound = values[-1] if amount > 0 else values[0]
-    opposed = any(other[0] == place[0] and (by > 0) != (amount > 0) for _, other, by in shifted)
+    opposed = any(other[0] == place[0] and (by > 0) != (amount > 0) for _, other, by in done.shifted)
     at_bound = not _is_bound(place) and asked.values.get(place) == frozenset({bound})
-    return at_bound and not opposed and not _sets(place[0], assigned)
-
-
-def _sets(symbol: str, assigned: set[tuple[_Guard, _Place, Value]]) -> bool:
-    return any(place[0] == symbol for _, place, _ in assigned)
+    return at_bound and not opposed and not done.sets(place[0])
 
 
 def _is_bound(place: _Place) -> bool:
@@ -151,7 +179,7 @@ def _normal(
 ) -> tuple[_Guard, _Place] | None:
     """Under which guard the effect is on what; None where the guard can't hold."""
     if forall is None:
-        return ((), ()), _place(effect.symbol, effect.terms, {}, asked.same, declared.symbols)
+        return _PLAIN, _place(effect.symbol, effect.terms, {}, asked.same, declared.symbols)
     same = {term: leader for term, leader in asked.same.items() if term not in forall.variables}
     forms = []
     for order in _orders(forall.variables):

@@ -25,6 +25,9 @@ from cleancli.language.overlap import canonical, leaders
 _Place = tuple[str, tuple[Term, ...]]
 _Done = dict[_Place, Assign | Shift]
 
+_ONE_VALUE = "an outcome gives each fact one value"
+_WHERE_IT_FITS = "where an object fits, both would: write one rule with `exists` and one with `not exists`"
+
 
 def check_effects(
     node: syntax.Effects, scope: Scope, condition: Condition = ()
@@ -65,7 +68,7 @@ def _refuse_inner(
         beside = outer.get(_place(each, same, scope))
         bound = any(term in effect.variables for term in each.terms)
         if beside is not None and not bound and beside != each and not _both_shift(beside, each):
-            _refuse(each, "in two ways", item.span, scope)
+            _refuse(each, "in two ways", item.span, scope, _WHERE_IT_FITS)
         else:
             _refuse_second(each, own, same, item.span, scope)
 
@@ -80,9 +83,9 @@ def _refuse_second(
         _refuse(effect, "a second time" if equal else "in two ways", span, scope)
 
 
-def _refuse(effect: Assign | Shift, how: str, span: Span, scope: Scope) -> None:
+def _refuse(effect: Assign | Shift, how: str, span: Span, scope: Scope, help: str = _ONE_VALUE) -> None:
     message = f"this outcome changes `{effect.symbol}` {how}"
-    scope.findings.error("E308", message, span, help="an outcome gives each fact one value")
+    scope.findings.error("E308", message, span, help=help)
 
 
 def _place(effect: Assign | Shift, same: Mapping[Term, Term], scope: Scope) -> _Place:

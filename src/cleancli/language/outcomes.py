@@ -8,7 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from cleancli.language import syntax
-from cleancli.language.alike import Asked, asked_by, doing
+from cleancli.language.alike import Asked, asked_by, doing, idle_because
 from cleancli.language.conditions import Scope
 from cleancli.language.declarations import Once, sections_of, without_point
 from cleancli.language.diagnostics import Span
@@ -18,14 +18,11 @@ from cleancli.language.model import (
     Assign,
     Condition,
     ForAll,
-    Literal,
     Outcome,
     OutcomeKind,
     Parameter,
     Shift,
-    Symbol,
 )
-from cleancli.language.overlap import canonical
 
 _Effect = Assign | Shift | ForAll
 
@@ -214,7 +211,7 @@ def _refuse_same(
         if isinstance(node.result, syntax.Effects) and len(outcome.effects) < len(node.result.effects):
             continue
         if not scope.compat:
-            _warn_idle(node, outcome, condition, scope)
+            _warn_idle(node, outcome, asked, scope)
         shown = print_result(outcome, scope.declared.symbols)
         real = doing(outcome, asked, scope.declared)
         if shown in written:
@@ -229,44 +226,10 @@ def _refuse_same(
         done.setdefault(real, node)
 
 
-def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, condition: Condition, scope: Scope) -> None:
+def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, asked: Asked, scope: Scope) -> None:
     """W301 for plain effects that set what the rule's condition says already."""
-    symbols = scope.declared.symbols
-    known = {
-        (p.symbol, canonical(symbols[p.symbol], p.terms)): p for p in condition if isinstance(p, Literal)
-    }
-    foralls = [effect for effect in outcome.effects if isinstance(effect, ForAll)]
-    unsure = {e.symbol for effect in foralls for e in effect.effects}
-    unsure |= _shifted(outcome, False) & _shifted(outcome, True) | _disputed(outcome)
     items = node.result.effects if isinstance(node.result, syntax.Effects) else ()
-    for item, effect in zip(items, outcome.effects, strict=True):
-        if isinstance(effect, ForAll) or effect.symbol in unsure:
-            continue
-        asked = known.get((effect.symbol, canonical(symbols[effect.symbol], effect.terms)))
-        if asked is not None and _leaves(effect, asked, symbols[effect.symbol]):
-            why = f"the rule applies only where `{print_literal(asked, symbols)}`"
+    for item, known in zip(items, idle_because(outcome, asked, scope.declared), strict=True):
+        if known is not None:
+            why = f"the rule applies only where `{print_literal(known, scope.declared.symbols)}`"
             scope.findings.warning("W301", "this effect changes nothing", item.span, help=why)
-
-
-def _disputed(outcome: Outcome) -> frozenset[str]:
-    """Names of the symbols that plain effects set to several values, or set and shift: where their objects
-    are one, none of these effects is idle."""
-    done: dict[str, set[object]] = {}
-    for effect in outcome.effects:
-        if not isinstance(effect, ForAll):
-            done.setdefault(effect.symbol, set()).add(effect.value if isinstance(effect, Assign) else Shift)
-    return frozenset(symbol for symbol, ways in done.items() if len(ways) > 1)
-
-
-def _shifted(outcome: Outcome, rises: bool) -> frozenset[str]:
-    """Names of the functions that plain effects of the outcome raise, or lower."""
-    shifts = [effect for effect in outcome.effects if isinstance(effect, Shift)]
-    return frozenset(effect.symbol for effect in shifts if (effect.amount > 0) is rises)
-
-
-def _leaves(effect: Assign | Shift, asked: Literal, symbol: Symbol) -> bool:
-    """Whether the effect keeps every value that the condition lets its fact have."""
-    if isinstance(effect, Assign):
-        return asked.values == frozenset({effect.value})
-    bound = symbol.values[-1] if effect.amount > 0 else symbol.values[0]
-    return asked.values == frozenset({bound})

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 
-def plural(number: int, noun: str) -> str:
-    """`1 action`, `2 actions`."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+def plural(number: int, one: str, several: str = "") -> str:
+    """`1 action`, `2 actions`. What several are called may be told: `1 fact holds`, `2 facts hold`."""
+    return f"{number} {one if number == 1 else several or f'{one}s'}"

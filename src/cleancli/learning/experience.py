@@ -151,7 +151,7 @@ def _decode_line(line: str, domain: Domain) -> Transition:
     if action not in arity:
         raise ValueError(f"the domain has no action {action!r}")
     if len(arguments) != arity[action]:
-        raise ValueError(f"{action} takes {arity[action]} arguments, not {len(arguments)}")
+        raise ValueError(f"{action} takes {plural(arity[action], 'argument')}, not {len(arguments)}")
     types = {t.name for t in domain.types}
     objects = []
     for name, type_name in _typed(record.get("objects"), dict, "objects").items():
