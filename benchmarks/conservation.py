@@ -27,7 +27,7 @@ from kept import Kept
 from numpy.typing import NDArray
 
 from cleancli.execution.seeds import Stream, derived
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, can_execute, tool_path
 from cleancli.motion.pace import FAST_SPEED
 from cleancli.perception.area import Ellipse

@@ -23,11 +23,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.grammar import grammar
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.render import as_sarif, render
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain
-from cleancli.language.render import as_sarif, render
+from cleancli.language.parsing.grammar import grammar
 from cleancli.learning.experience import read_experience
 from cleancli.scene.check import load_scene
 

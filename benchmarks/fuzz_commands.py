@@ -38,7 +38,7 @@ import fuzz_inputs as inputs
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import SUMMARIES, run
 from cleancli.execution import record
-from cleancli.language.diagnostics import Level, Refused
+from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 
 COUNTS = {"texts": 20_000, "folders": 5_000, "looks": 2_000}

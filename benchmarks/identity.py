@@ -35,7 +35,7 @@ import numpy as np
 from kept import Kept
 from numpy.typing import NDArray
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import SKILLS, tool_path
 from cleancli.perception.area import Area
 from cleancli.perception.ellipses import boundary, contains

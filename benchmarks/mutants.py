@@ -2,7 +2,7 @@
 
 A block is a run of statements that are carried out one after the other: the start of a function, of a branch,
 of a loop, and what follows one. Its name, `planning/exact.py:solve:3`, counts within its function, so that a
-change elsewhere in the file leaves it as it is.
+function, so that a change elsewhere in the file leaves it as it is.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from scipy.stats import binomtest, chi2_contingency, wilcoxon
 from cleancli.cli.act import COUNTED, in_order
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import Outcome, attempt
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.joint_path import nearest_pose, stroke

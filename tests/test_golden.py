@@ -13,12 +13,12 @@ import pytest
 
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import apply_edits
-from cleancli.language.format import print_domain
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.render import render
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.render import render
+from cleancli.language.printing.printer import print_domain
 from cleancli.learning.experience import read_experience
 from cleancli.learning.learn import edits, learn
 from cleancli.planning.plan import Options

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
-from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 
 _PACKAGE = Path(__file__).resolve().parent
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from cleancli.cli.inputs import open_domain
 from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.render import render
 from cleancli.language.load import (
     checked_domain,
     checked_problem,
@@ -19,7 +20,6 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain
-from cleancli.language.render import render
 from cleancli.learning.experience import read_experience
 from cleancli.perception.symbols import symbolize
 from cleancli.scene.check import load_scene

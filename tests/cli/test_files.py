@@ -13,7 +13,7 @@ import pytest
 
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.main import run
-from cleancli.language.layout import layout
+from cleancli.language.printing.formatter import layout
 from cleancli.shipped import find
 
 DOMAIN = find("cleaning", "domains").read_text(encoding="utf-8")

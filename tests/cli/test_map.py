@@ -6,7 +6,7 @@ import pytest
 
 from cleancli.cli.table_map import rows_for, table_map
 from cleancli.execution.state import Situation
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Area, Ellipse
 from cleancli.scene.check import load_scene

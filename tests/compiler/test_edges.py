@@ -9,7 +9,7 @@ from cleancli.compiler import rewards, transition
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.compiler.transition import SupportTooLargeError, exact_value, forward
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 
 MOP = """domain d {
   types { area }

@@ -16,7 +16,7 @@ from cleancli.compiler.evaluate import Key, StateView
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Assignment, Task
 from cleancli.compiler.transition import covering_rule, reaches_goal, reward, sample, successors
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
 
 STATES = 40

@@ -12,7 +12,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.task import held
 from cleancli.compiler.transition import reaches_goal, successors
 from cleancli.compiler.unreached import Unreached, unreached
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, load_problem
 
 ROOMS = """domain rooms {

@@ -6,7 +6,7 @@ import pytest
 
 from cleancli.environment.observation import observation_space, observed
 from cleancli.environment.slots import choices
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact
 from cleancli.perception.area import Area, Ellipse

@@ -19,7 +19,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.site import table_site
 from cleancli.execution.table_cell import look_once
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.experience import decode

@@ -32,7 +32,7 @@ from cleancli.execution.journal import (
     encode,
     read_journal,
 )
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 
 # What docs/runs.md says that numbers may be.
 numbers = some.floats(allow_nan=False, allow_infinity=False)

@@ -24,7 +24,7 @@ from cleancli.compiler.task import GroundAction
 from cleancli.execution import checkpoint, record
 from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
 from cleancli.execution.state import Account, EpisodeState, Move, Situation, Vain
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Area, Ellipse

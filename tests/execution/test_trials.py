@@ -10,7 +10,7 @@ from scipy.stats import binomtest
 
 from cleancli.execution.overlay import BORDER, SCALE, overlay
 from cleancli.execution.trials import Outcome, Trial, attempt, extent, judge, linked, wilson
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 

@@ -19,7 +19,7 @@ from cleancli.cli.main import run
 from cleancli.cli.resume import unfinished
 from cleancli.execution import record
 from cleancli.execution.arrays import BadArrays, packed, unpacked
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.learning.experience import Transition, encode
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds, as_text
 

@@ -13,7 +13,7 @@ from random import Random
 import pytest
 
 from cleancli.compiler.evaluate import ConflictError, Key, StateView
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State, Value
 

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.parse import parse
-from cleancli.language.tokens import tokens_of
+from cleancli.language.parsing.parse import parse
+from cleancli.language.parsing.trivia import tokens_of
+from cleancli.language.printing.formatter import layout
 from cleancli.shipped import shipped
 
 HERE = Path(__file__).parent

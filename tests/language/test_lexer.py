@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from lark import Lark, Token, UnexpectedInput, UnexpectedToken
 
-from cleancli.language.grammar import grammar
+from cleancli.language.parsing.grammar import grammar
 from cleancli.shipped import shipped
 
 FILES = [*shipped("domains").glob("*.nid"), *Path(__file__).parents[1].rglob("*.nid")]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import domain_named, load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
 from cleancli.scene.check import load_scene

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from cleancli.compiler.evaluate import StateView
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from lark import Tree
 
-from cleancli.language.build import Builder
-from cleancli.language.diagnostics import Refused, Source, Span
-from cleancli.language.grammar import grammar
-from cleancli.language.parse import kind_of, parse
+from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
+from cleancli.language.parsing.ast_builder import Builder
+from cleancli.language.parsing.grammar import grammar
+from cleancli.language.parsing.parse import kind_of, parse
 from cleancli.shipped import shipped
 
 HERE = Path(__file__).parent

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain
 from cleancli.learning.experience import Transition, decode
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.experience import Transition, decode, encode

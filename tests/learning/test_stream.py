@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.render import render
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.render import render
 from cleancli.learning import experience
 from cleancli.learning.experience import read_experience
 

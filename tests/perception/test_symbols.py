@@ -8,7 +8,7 @@ from math import pi
 import pytest
 import synthetic
 
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize

@@ -183,7 +183,7 @@ def test_a_dustpan_holds_what_is_between_its_walls() -> None:
 
 
 _TWICE = """
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene

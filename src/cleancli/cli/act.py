@@ -22,8 +22,8 @@ from cleancli.cli.progress import counting
 from cleancli.execution.overlay import overlay
 from cleancli.execution.pictures import write_png
 from cleancli.execution.trials import Outcome, Trial, attempt, wilson
-from cleancli.language.findings import meant
-from cleancli.language.plural import plural
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, can_execute
 from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named

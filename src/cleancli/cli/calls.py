@@ -6,11 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn
 
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
-from cleancli.language.findings import meant
-from cleancli.language.format import print_signature
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Action, Domain, Object, Problem
-from cleancli.language.plural import plural
+from cleancli.language.printing.printer import print_signature
 
 Call = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""

@@ -12,10 +12,10 @@ from cleancli.cli.echo import echo, wants_colour
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
-from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
-from cleancli.language.messages import MOST, distinct, excerpt
-from cleancli.language.plural import plural
-from cleancli.language.render import as_json, as_sarif, render
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.messages import MOST, distinct, excerpt
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.render import as_json, as_sarif, render
 
 
 @click.command("check", short_help="Report every mistake in domain, problem and scene files.")

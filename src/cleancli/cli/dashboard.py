@@ -27,8 +27,8 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.execution.state import Account, Move, Situation
-from cleancli.language.diagnostics import printable
-from cleancli.language.plural import plural
+from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.language.diagnostics.plural import plural
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
 

@@ -36,10 +36,10 @@ from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
-from cleancli.language.diagnostics import printable
+from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.plural import plural
 from cleancli.planning.table import PLANNERS
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text

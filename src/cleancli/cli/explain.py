@@ -21,7 +21,6 @@ from cleancli.compiler.explain import (
     UnclearReference,
     explain,
 )
-from cleancli.language.format import print_condition, print_fraction, symbols_of
 from cleancli.language.model import (
     Domain,
     Equality,
@@ -32,6 +31,7 @@ from cleancli.language.model import (
     Symbol,
     Value,
 )
+from cleancli.language.printing.printer import print_condition, print_fraction, symbols_of
 
 
 @click.command("explain", short_help="Which rule covers an action, and if none does, why.")

@@ -10,9 +10,9 @@ from cleancli.cli.completion import nid_files
 from cleancli.cli.echo import echo, echo_exactly, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import STDIN, echo_difference, expanded, read
-from cleancli.language.diagnostics import Refused
-from cleancli.language.edit import write_atomically
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.text_edit import write_atomically
+from cleancli.language.printing.formatter import layout
 
 
 @click.command("fmt", short_help="Lay files out in the one canonical way, comments kept.")

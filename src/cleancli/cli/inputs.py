@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cleancli.cli.files import STDIN, read
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 from cleancli.language.load import (
     checked_domain,
     checked_problem,

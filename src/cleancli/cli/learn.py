@@ -14,11 +14,11 @@ from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.cli.progress import working
 from cleancli.execution.folder import EXPERIENCE, check_folder
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import Change, Edit, apply_edits, write_all
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.text_edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
-from cleancli.language.plural import plural
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.learn import Learned, edits, is_written, learn

@@ -28,8 +28,8 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.execution.state import Situation
-from cleancli.language.diagnostics import printable
-from cleancli.language.plural import plural
+from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.language.diagnostics.plural import plural
 from cleancli.scene.model import Scene
 
 

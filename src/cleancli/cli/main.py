@@ -18,8 +18,8 @@ from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.streams import NoReader, finish, prepare
-from cleancli.language.diagnostics import Refused, printable
-from cleancli.language.interrupt import ENDING
+from cleancli.files.interrupt import ENDING
+from cleancli.language.diagnostics.diagnostic import Refused, printable
 from cleancli.world.missing import MissingPhysics
 
 SUMMARIES = {

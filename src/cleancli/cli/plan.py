@@ -23,7 +23,7 @@ from cleancli.cli.seen import Seen, look
 from cleancli.cli.unreached import tell_unreached
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain
 from cleancli.planning.compare import compared

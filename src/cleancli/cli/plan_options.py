@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import click
 
-from cleancli.language.findings import meant
+from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Problem
 from cleancli.planning.plan import Options
 from cleancli.planning.table import DEFAULT, PLANNERS

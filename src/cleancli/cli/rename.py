@@ -11,13 +11,13 @@ from cleancli.cli.completion import domains, problems, renamable
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import Change, Edit, apply_edits, write_all
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.text_edit import Change, Edit, apply_edits, write_all
 from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source
 from cleancli.language.model import Domain
-from cleancli.language.names import Kind
-from cleancli.language.plural import plural
-from cleancli.language.rename import RENAMABLE, rename
+from cleancli.language.refactoring.name_index import Kind
+from cleancli.language.refactoring.rename import RENAMABLE, rename
 from cleancli.scene.check import load_scene
 from cleancli.shipped import find
 

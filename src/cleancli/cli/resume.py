@@ -24,11 +24,11 @@ from cleancli.execution.journal import MOST, Count, Seconds, Started
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.files.untrusted import decoded
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
-from cleancli.language.plural import plural
-from cleancli.language.untrusted import decoded
 from cleancli.planning.table import PLANNERS
 from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene

@@ -23,8 +23,8 @@ from cleancli.execution.journal import Started, read_journal
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site, symbolic_site, table_site
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.interrupt import ENDING
+from cleancli.files.interrupt import ENDING
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene

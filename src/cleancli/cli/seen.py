@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.progress import working
 from cleancli.execution.seeds import Stream, derived
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
 

@@ -21,7 +21,9 @@ from cleancli.cli.inputs import located_in, open_domain
 from cleancli.cli.seen import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
-from cleancli.language.format import (
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
+from cleancli.language.printing.printer import (
     print_condition,
     print_fraction,
     print_reference,
@@ -29,8 +31,6 @@ from cleancli.language.format import (
     print_signature,
     symbols_of,
 )
-from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
-from cleancli.language.plural import plural
 from cleancli.planning.coverage import coverage
 
 _NO_EDGE = 10_000

@@ -16,7 +16,7 @@ from cleancli.cli.refusal import planning_refused
 from cleancli.cli.seen import open_both
 from cleancli.cli.simulated import as_data, print_summaries
 from cleancli.cli.unreached import tell_unreached
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.planning.table import PLANNERS
 from cleancli.shipped import find

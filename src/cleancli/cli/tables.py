@@ -10,7 +10,7 @@ from rich.style import StyleType
 from rich.table import Table
 
 from cleancli.cli.echo import wants_colour
-from cleancli.language.diagnostics import printable
+from cleancli.language.diagnostics.diagnostic import printable
 
 _NO_EDGE = 10_000
 

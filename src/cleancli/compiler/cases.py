@@ -26,7 +26,7 @@ from cleancli.compiler.formula import (
     restricted,
 )
 from cleancli.compiler.instance import Changes, Instance, StateEffect
-from cleancli.language.diagnostics import Diagnostic
+from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.model import Assign, Domain, Rule, Value
 
 CASE_LIMIT = 1_000

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from cleancli.compiler.evaluate import Binding, Key, names_of
 from cleancli.compiler.formula import Formula, conjunction, disjunction, negation
 from cleancli.compiler.join import Part, Universe, step
-from cleancli.language.format import print_term
 from cleancli.language.model import (
     Condition,
     DerivedPredicate,
@@ -20,6 +19,7 @@ from cleancli.language.model import (
     Value,
     Variable,
 )
+from cleancli.language.printing.printer import print_term
 
 STEP_LIMIT = 10_000
 """Steps of the search for the paths of one closure over what changes. Chosen: such a formula has thousands of

@@ -15,9 +15,9 @@ from math import prod
 from cleancli.compiler.cases import Case
 from cleancli.compiler.condition import part_text
 from cleancli.compiler.join import Part, Universe, free_variables
-from cleancli.language.diagnostics import Diagnostic, Span
-from cleancli.language.format import print_term
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
 from cleancli.language.model import Condition, Domain, ForAll, Literal, Problem, Quantified, Rule, Variable
+from cleancli.language.printing.printer import print_term
 
 RULE_LIMIT = 100_000
 """Most instances, and most ground rules, of a task. Grounding takes 9 KiB for each of those of

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from cleancli.compiler.condition import ClosureTooLargeError, Conditions
 from cleancli.compiler.evaluate import Binding, Key
 from cleancli.compiler.formula import ALWAYS, Formula, conjunction, negation
-from cleancli.language.diagnostics import Diagnostic, Refused, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Span
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
 
 Changes = Mapping[Key, frozenset[Value]]

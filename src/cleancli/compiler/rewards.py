@@ -17,7 +17,7 @@ from cleancli.compiler.formula import Formula, Known, disjoint
 from cleancli.compiler.instance import closure_refused
 from cleancli.compiler.numbering import Numbering
 from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
-from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, wanted_decreased
 
 

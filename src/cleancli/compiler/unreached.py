@@ -16,8 +16,7 @@ from cleancli.compiler.formula import Formula, Known, restricted
 from cleancli.compiler.instance import instances
 from cleancli.compiler.join import Universe
 from cleancli.compiler.reach import Reach
-from cleancli.language.diagnostics import Refused
-from cleancli.language.format import print_condition, print_literal, symbols_of
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import (
     Count,
     Domain,
@@ -28,6 +27,7 @@ from cleancli.language.model import (
     Value,
     wanted_decreased,
 )
+from cleancli.language.printing.printer import print_condition, print_literal, symbols_of
 
 _MOST_GROUNDINGS = 5_000
 """Of larger problems nothing is said, so that checking them takes no longer. Chosen: a second."""

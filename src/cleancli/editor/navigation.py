@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from cleancli.editor.library import Document, Library
-from cleancli.language.diagnostics import Span
-from cleancli.language.edit import Edit
-from cleancli.language.names import Kind, Meaning, Occurrence
-from cleancli.language.rename import RENAMABLE, edits_of, refusal_of
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.text_edit import Edit
+from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence
+from cleancli.language.refactoring.rename import RENAMABLE, edits_of, refusal_of
 from cleancli.shipped import shipped
 
 RENAMED = frozenset({*RENAMABLE, Kind.VARIABLE})

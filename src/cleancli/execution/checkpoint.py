@@ -31,10 +31,10 @@ from cleancli.execution.folder import (
     size_of,
 )
 from cleancli.execution.state import EpisodeState
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.edit import replace_file
-from cleancli.language.plural import plural
-from cleancli.language.swap import remove_leftovers
+from cleancli.files.exchange import remove_leftovers
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.text_edit import replace_file
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""

@@ -13,8 +13,8 @@ from math import dist
 
 from cleancli.execution.journal import MOST
 from cleancli.execution.state import EpisodeState, Move, Situation
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Object, State
-from cleancli.language.plural import plural
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 

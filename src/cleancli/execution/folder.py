@@ -12,8 +12,8 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.plain import read_plain
+from cleancli.files.plain import read_plain
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 
 RUN = "run.json"
 JOURNAL = "journal.jsonl"

@@ -15,7 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from cleancli.execution.folder import JOURNAL, read_text
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
 from cleancli.language.model import State, Value
 
 MOST = 10**9

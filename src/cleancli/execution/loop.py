@@ -27,8 +27,8 @@ from cleancli.execution.setup import Circumstances, Setup
 from cleancli.execution.state import PATIENCE, Account, EpisodeState, Move, Situation, Vain, about, unchanged
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
-from cleancli.language.plural import plural
 from cleancli.learning.experience import Transition
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered

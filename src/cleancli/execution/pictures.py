@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from cleancli.execution.events import Started
 from cleancli.execution.state import Situation
-from cleancli.language.edit import replace_file
-from cleancli.language.plural import plural
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.perception.frame import Frame
 from cleancli.perception.pictures import draw, project
 

@@ -38,7 +38,7 @@ from cleancli.execution.events import (
 from cleancli.execution.folder import EXPERIENCE, JOURNAL, RUN
 from cleancli.execution.pictures import Video, step_picture, write_png
 from cleancli.execution.state import EpisodeState
-from cleancli.language.edit import replace_file
+from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.learning.experience import encode
 
 Picture = NDArray[np.uint8]

@@ -17,8 +17,8 @@ from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
-from cleancli.language.plural import plural
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
 from cleancli.simulation.world import world_of

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from cleancli.compiler.evaluate import canonical_state
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.files.plain import in_units, open_plain
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Fact, Object, State
-from cleancli.language.plain import in_units, open_plain
-from cleancli.language.plural import plural
-from cleancli.language.read import refused_as
+from cleancli.language.parsing.read import refused_as
 
 LONGEST = 8 << 20
 """Bytes of a line."""

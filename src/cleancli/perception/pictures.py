@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import State
-from cleancli.language.plural import plural
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.frame import Camera, Frame
 from cleancli.perception.geometry import project

@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.language.edit import replace_file
-from cleancli.language.plain import read_plain
-from cleancli.language.untrusted import png_size
+from cleancli.files.plain import read_plain
+from cleancli.files.untrusted import png_size
+from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.perception.frame import Camera, Frame
 
 CAMERA = "camera.json"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
-from cleancli.language.findings import meant
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Condition, Domain, Literal, Problem, Quantified, Symbol, Variable
-from cleancli.language.names import Kind, names_in
+from cleancli.language.refactoring.name_index import Kind, names_in
 
 Names = Mapping[str, str]
 """What each name stands for, as a text: equal where both domains mean the same by it."""
