@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import exact_value
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.planning.plan import Options

@@ -27,7 +27,7 @@ from pathlib import Path
 import numpy as np
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, Problem

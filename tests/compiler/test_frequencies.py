@@ -13,10 +13,10 @@ from numba import njit
 from scipy import stats
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.process import Process, lower_process
+from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.ragged import Ints
+from cleancli.compiler.semantics import covering_rule, sample
 from cleancli.compiler.task import Assignment, GroundRule, Task
-from cleancli.compiler.transition import covering_rule, sample
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
 from cleancli.planning import states

@@ -23,8 +23,8 @@ from writing import Writer, call
 from cleancli.cli.main import run
 from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import covering_rule, exact_value, reaches_goal, reward, standing
 from cleancli.compiler.task import Assignment, Task, by_time
-from cleancli.compiler.transition import covering_rule, exact_value, reaches_goal, reward, standing
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem

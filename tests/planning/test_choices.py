@@ -9,8 +9,8 @@ from fractions import Fraction
 import domains
 import pytest
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, Task
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.forecast import Step, forecast
 from cleancli.planning.plan import Options, Plan

@@ -10,9 +10,9 @@ from fractions import Fraction
 import domains
 import pytest
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import exact_value
 from cleancli.planning import beam
 from cleancli.planning.beam import best_sequence
 from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes

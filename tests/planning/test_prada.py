@@ -18,7 +18,8 @@ from numba import njit
 from scipy import stats
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.lowering.belief_tables import Tables, lower
+from cleancli.compiler.semantics import exact_value, forward
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -27,7 +28,6 @@ from cleancli.compiler.task import (
     StateVariable,
     Task,
 )
-from cleancli.compiler.transition import exact_value, forward
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning import inference, kernel

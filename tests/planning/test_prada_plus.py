@@ -13,8 +13,8 @@ import pytest
 from optimal import optimum
 from scipy import stats
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundOutcome, Task
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import OutcomeKind
 from cleancli.planning import annealing
 from cleancli.planning.plan import Options, Plan

@@ -8,8 +8,8 @@ from fractions import Fraction
 import domains
 import pytest
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import exact_value
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import prepare
 from cleancli.planning.table import PLANNERS

@@ -1,4 +1,4 @@
-"""The compiled process against compiler/transition.py, which says the same slowly."""
+"""The compiled process against compiler/semantics.py, which says the same slowly."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import pytest
 import reference
 from scipy import stats
 
-from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
-from cleancli.compiler.transition import (
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import (
     covering_rule,
     exact_value,
     reward,
     standing,
     successors,
 )
+from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
 from cleancli.planning import states
 from cleancli.planning.prada import plan_value
 

@@ -13,9 +13,9 @@ import numpy as np
 import optimal
 import pytest
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import covering_rule, exact_value, standing, successors
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import covering_rule, exact_value, standing, successors
 from cleancli.planning import annealing
 from cleancli.planning.beam import best_sequence
 from cleancli.planning.evaluate import earliness

@@ -10,10 +10,10 @@ import pytest
 import rooms
 from scipy import stats
 
-from cleancli.compiler.evaluate import StateView
 from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import NoDurationError, by_time
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import Fact
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.prepared import Prepared

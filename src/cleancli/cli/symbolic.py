@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cleancli.compiler.evaluate import StateView
+from cleancli.compiler.lifted_state import StateView
 from cleancli.execution.state import Situation
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem

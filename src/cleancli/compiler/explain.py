@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.evaluate import Binding, Key, StateView, bind, names_of
+from cleancli.compiler.lifted_state import Binding, Key, StateView, bind, names_of
 from cleancli.language.model import (
     Condition,
     Domain,

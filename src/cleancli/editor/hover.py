@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.count import Groundings, count_groundings
+from cleancli.compiler.grounding_size import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
 from cleancli.editor.scene_words import KEYS, PLANNER, TOP

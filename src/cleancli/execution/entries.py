@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.evaluate import Key, StateView, values_of
+from cleancli.compiler.lifted_state import Key, StateView, values_of
 from cleancli.execution import events, journal
 from cleancli.execution.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
 from cleancli.execution.state import Account, Situation

@@ -10,7 +10,7 @@ import time
 from collections.abc import Generator
 from dataclasses import replace
 
-from cleancli.compiler.evaluate import StateView
+from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
 from cleancli.execution.events import (
     Acted,

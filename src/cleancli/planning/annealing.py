@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cleancli.compiler.ragged import Ints
-from cleancli.compiler.transition import idle_worth
+from cleancli.compiler.semantics import idle_worth
 from cleancli.planning import sequences
 from cleancli.planning.prepared import Prepared
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import idle_worth
 from cleancli.planning.reachable import EDGE_LIMIT, Enumeration, Graph, backward
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from cleancli.compiler.transition import SupportTooLargeError
+from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.planning.evaluate import Sampled, exact, sampled
 from cleancli.planning.plan import Options, Plan, PlanningRefused
 from cleancli.planning.prepared import Prepared

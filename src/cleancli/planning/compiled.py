@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import numba
 
-from cleancli.compiler.transition import idle_earliness
+from cleancli.compiler.semantics import idle_earliness
 from cleancli.planning.preference import preferred
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -94,4 +94,4 @@ better = inlined(preferred)
 """planning/preference.py for compiled code."""
 
 standing_earliness = inlined(idle_earliness)
-"""compiler/transition.py's `idle_earliness` for compiled code."""
+"""compiler/semantics.py's `idle_earliness` for compiled code."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 
+from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
 from cleancli.compiler.task import Assignment, Task
-from cleancli.compiler.transition import exact_value, idle_earliness, standing, successors
 from cleancli.planning.plan import Plan
 from cleancli.planning.preference import preferred
 

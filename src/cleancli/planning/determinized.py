@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from types import ModuleType
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.task import Task
 from cleancli.planning.course import beats_nothing, course_plan
 from cleancli.planning.evaluate import earliness, sampled

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.transition import (
+from cleancli.compiler.semantics import (
     SUPPORT_LIMIT,
     SupportTooLargeError,
     idle_earliness,
@@ -64,7 +64,7 @@ def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, ru
 
 
 def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT) -> float | None:
-    """What `exact_value` of compiler/transition.py says, by whole arrays; None beyond `limit` states."""
+    """What `exact_value` of compiler/semantics.py says, by whole arrays; None beyond `limit` states."""
     task, p = prepared.task, prepared.process
     actions = actions[: max(task.horizon, 0)]
     try:

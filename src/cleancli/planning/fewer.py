@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cleancli.compiler.evaluate import StateView
+from cleancli.compiler.lifted_state import StateView
 from cleancli.language.model import (
     Condition,
     Count,

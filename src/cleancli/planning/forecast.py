@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats
+from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import SupportTooLargeError
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.spread import Spread, branched, certain, covering, drawn, marginals, paying

@@ -10,10 +10,10 @@ from functools import partial
 
 import numpy as np
 
+from cleancli.compiler.lowering.belief_tables import Indices, Tables
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Indices, Tables
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import idle_worth
 from cleancli.planning import kernel
 from cleancli.planning.preference import preferred
 
@@ -97,7 +97,7 @@ def step_rewards(
     tables: Tables, state: Assignment, sequences: Sequence[Ints], steps: int, *, threshold: float
 ) -> tuple[Floats, Floats]:
     """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state,
-    and its progress (compiler/transition.py) (sequences, steps).
+    and its progress (compiler/semantics.py) (sequences, steps).
 
     Nothing is done in the steps after a sequence's last action.
     """

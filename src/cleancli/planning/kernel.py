@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.compiler.lowering.belief_tables import Indices, Tables
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Indices, Tables
 from cleancli.planning.compiled import better, compiled, inlined, standing_earliness
 from cleancli.planning.stream import GOLDEN, mixed, split, uniform
 

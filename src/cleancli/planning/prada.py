@@ -9,8 +9,8 @@ from types import ModuleType
 
 import numpy as np
 
+from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.compiler.tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.planning.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
@@ -72,7 +72,7 @@ def plan_value(
     """Expected discounted reward of a sequence of action indices, by PRADA's factored belief.
 
     After its end nothing is done up to the horizon, and what lies beyond it does not count, as in
-    `exact_value` of compiler/transition.py; but that does not treat variables as independent, as the belief
+    `exact_value` of compiler/semantics.py; but that does not treat variables as independent, as the belief
     does."""
     actions = actions[: max(task.horizon, 0)]
     tables = lower(task, independent=compat)

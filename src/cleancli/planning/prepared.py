@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from cleancli.compiler.process import Process, lower_process
-from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.lowering.belief_tables import Tables, lower
+from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.task import Assignment, Task, in_state
 from cleancli.planning.forget import Forget, forgetting
 

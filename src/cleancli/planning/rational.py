@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from cleancli.compiler.semantics import covering_rule, idle_earliness, reaches_goal
 from cleancli.compiler.task import Assignment, Task, holds
-from cleancli.compiler.transition import covering_rule, idle_earliness, reaches_goal
 from cleancli.planning.course import Choose
 from cleancli.planning.plan import TooManyStatesError
 

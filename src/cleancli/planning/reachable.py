@@ -1,6 +1,6 @@
 """The states that can be reached from one, their transitions, and the best policy over them, compiled.
 
-The meaning is that of compiler/transition.py. States are numbered as they are found, breadth first and by
+The meaning is that of compiler/semantics.py. States are numbered as they are found, breadth first and by
 actions in their order, so equal tasks give equal graphs. Guaranteed by `lower_process`: at most one rule of
 an action covers a state.
 """
@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import idle_worth
 from cleancli.planning.compiled import better, njit, standing_earliness
 from cleancli.planning.states import covering, rewarded
 from cleancli.planning.stream import mixed, split
@@ -40,7 +40,7 @@ class Graph(NamedTuple):
     choice_start: Ints  # (N + 1,) choices in each state
     choice_action: Ints  # (M,) ascending within a state
     choice_reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
-    choice_progress: Floats  # (M,) expected progress of the step (compiler/transition.py)
+    choice_progress: Floats  # (M,) expected progress of the step (compiler/semantics.py)
     edge_start: Ints  # (M + 1,) transitions of each choice
     edge_successor: Ints  # (E,)
     edge_probability: Floats  # (E,)
@@ -330,7 +330,7 @@ def backward(graph: Graph, process: Process, discount: float, horizon: int) -> t
     Row t holds what follows from step t on, for the states that can be reached by then, which come first (0
     and -1 for the others). The graph must reach `horizon` steps, or as far as states go. An action of -1
     stops for good, which is always allowed. Rewards and discounts are those of `exact_value`
-    (compiler/transition.py).
+    (compiler/semantics.py).
     """
     number = len(graph.states)
     values, idle = np.zeros((horizon + 1, number)), idle_worth(discount, horizon)

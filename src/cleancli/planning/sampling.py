@@ -1,6 +1,6 @@
 """Sparse sampling, compiled: the value of a state from a few drawn results of each action, and so on.
 
-The meaning is that of compiler/transition.py. Guaranteed by `lower_process`: at most one rule of an action
+The meaning is that of compiler/semantics.py. Guaranteed by `lower_process`: at most one rule of an action
 covers a state.
 """
 
@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import idle_worth
 from cleancli.planning.compiled import better, njit, standing_earliness
 from cleancli.planning.states import apply, choosable, draw, rewarded
 from cleancli.planning.stream import GOLDEN, mixed, uniform

@@ -1,6 +1,6 @@
 """Distributions over exact states as arrays, followed through actions whole or by drawn runs.
 
-The meaning is that of compiler/transition.py. Guaranteed by `lower_process`: indices are in range, and at
+The meaning is that of compiler/semantics.py. Guaranteed by `lower_process`: indices are in range, and at
 most one rule of an action covers a state. No code is compiled here, so a few steps cost milliseconds.
 """
 
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
+from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import SupportTooLargeError
 
 
 class Spread(NamedTuple):
@@ -97,7 +97,7 @@ def paying(p: Process, spread: Spread) -> tuple[float, float]:
 
 
 def ahead(p: Process, spread: Spread) -> float:
-    """Expected: what is to be decreased for progress (compiler/transition.py)."""
+    """Expected: what is to be decreased for progress (compiler/semantics.py)."""
     rules = len(p.outcome_start) - 1
     return float(
         sum(

@@ -1,6 +1,6 @@
 """A task's process, compiled: covering rules, drawn and listed transitions, and rewards of exact states.
 
-The meaning is that of compiler/transition.py, of which this is the fast form. A state is (V,) value indices.
+The meaning is that of compiler/semantics.py, of which this is the fast form. A state is (V,) value indices.
 Guaranteed by `lower_process`: indices are in range, and at most one rule of an action covers a state.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
 from cleancli.planning.compiled import compiled, inlined, njit
 from cleancli.planning.stream import GOLDEN, split, uniform

@@ -1,7 +1,7 @@
 """UCT's episodes, compiled: which action each node tries next, and what an episode teaches its nodes.
 
 A node is a state with the number of the step that it is seen at; one that several ways lead to is one node.
-The meaning of actions and rewards is that of compiler/transition.py. Guaranteed by `lower_process`: at most
+The meaning of actions and rewards is that of compiler/semantics.py. Guaranteed by `lower_process`: at most
 one rule of an action covers a state.
 """
 
@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.compiler.process import Process
+from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import idle_worth
 from cleancli.planning.compiled import njit
 from cleancli.planning.prepared import Prepared
 from cleancli.planning.reachable import change, digit, enter, find

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cleancli.compiler.evaluate import Key, values_of
 from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import Key, values_of
 from cleancli.compiler.rewards import costs_of
+from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
 from cleancli.compiler.task import Assignment, GroundAction, Task, by_time, held
-from cleancli.compiler.transition import payment, reaches_goal, reward, sample
 from cleancli.language.model import Domain, Fact, Problem, State
 
 

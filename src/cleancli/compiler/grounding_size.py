@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 
-from cleancli.compiler.cases import Case
-from cleancli.compiler.condition import part_text
-from cleancli.compiler.join import Part, Universe, free_variables
+from cleancli.compiler.disjoint_cases import Case
+from cleancli.compiler.partial_evaluation import part_text
+from cleancli.compiler.static_join import Part, Universe, free_variables
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
 from cleancli.language.model import Condition, Domain, ForAll, Literal, Problem, Quantified, Rule, Variable
 from cleancli.language.printing.printer import print_term

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cleancli.compiler.evaluate import Key, shifted
-from cleancli.compiler.formula import can_hold
-from cleancli.compiler.instance import Instance, StateEffect
-from cleancli.compiler.join import Universe
+from cleancli.compiler.ground_formula import can_hold
+from cleancli.compiler.instances import Instance, StateEffect
+from cleancli.compiler.lifted_state import Key, shifted
+from cleancli.compiler.static_join import Universe
 from cleancli.language.model import Assign, Shift, Value
 
 _MOST_AMOUNTS = 200

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.compiler.evaluate import Key
-from cleancli.compiler.formula import Requirement
-from cleancli.compiler.instance import Changes
-from cleancli.compiler.join import Universe
+from cleancli.compiler.ground_formula import Requirement
+from cleancli.compiler.instances import Changes
+from cleancli.compiler.lifted_state import Key
+from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import GroundCondition, StateVariable
 from cleancli.language.model import Value
 

@@ -13,9 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from cleancli.compiler.condition import Conditions, part_text
-from cleancli.compiler.evaluate import Key, bind, shifted
-from cleancli.compiler.formula import (
+from cleancli.compiler.ground_formula import (
     ALWAYS,
     Formula,
     Known,
@@ -25,7 +23,9 @@ from cleancli.compiler.formula import (
     negation,
     restricted,
 )
-from cleancli.compiler.instance import Changes, Instance, StateEffect
+from cleancli.compiler.instances import Changes, Instance, StateEffect
+from cleancli.compiler.lifted_state import Key, bind, shifted
+from cleancli.compiler.partial_evaluation import Conditions, part_text
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.model import Assign, Domain, Rule, Value
 

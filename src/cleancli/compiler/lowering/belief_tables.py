@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.compiler.ragged import Bools, Floats, floats, inverse, ragged, union
+from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import GroundCondition, GroundRule, Task, advances, asked
-from cleancli.compiler.transition import payment
 
 Indices = NDArray[np.uint32]
 """Not signed, so that compiled code need not ask whether one counts from an array's end: a quarter of its

@@ -9,7 +9,7 @@ import itertools
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from cleancli.compiler.evaluate import (
+from cleancli.compiler.lifted_state import (
     Binding,
     Key,
     ObjectsByType,

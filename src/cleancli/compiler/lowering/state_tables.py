@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
+from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import Task, advances, asked
-from cleancli.compiler.transition import payment
 
 
 class Process(NamedTuple):
