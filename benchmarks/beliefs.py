@@ -17,10 +17,10 @@ from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prada import plan_value
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.planners.prada import plan_value
+from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "domains"
 

@@ -1,7 +1,7 @@
 """Small changes to a module's text, each of which a test should notice, and the blocks that tests run.
 
 A block is a run of statements that are carried out one after the other: the start of a function, of a branch,
-of a loop, and what follows one. Its name, `planning/exact.py:solve:3`, counts within its function, so that a
+of a loop, and what follows one. Its name, `planning/planners/exact.py:solve:3`, counts within its
 function, so that a change elsewhere in the file leaves it as it is.
 """
 

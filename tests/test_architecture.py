@@ -103,7 +103,7 @@ def test_no_import_cycle_between_modules() -> None:
         ("import cleancli.cli.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
         ("import cleancli.cli.lsp", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
-        ("import cleancli.planning.table", {"numba", "cv2", "pybullet"}),
+        ("import cleancli.planning.registry", {"numba", "cv2", "pybullet"}),
         ("import cleancli.world.robot", {"pybullet", "cv2", "numba"}),
         ("import cleancli.world.table", {"pybullet", "ompl", "toppra", "scipy", "matplotlib"}),
     ],

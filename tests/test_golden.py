@@ -21,9 +21,9 @@ from cleancli.language.model import Domain, Problem
 from cleancli.language.printing.printer import print_domain
 from cleancli.learning.experience import read_experience
 from cleancli.learning.learn import edits, learn
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "golden"
 

@@ -207,7 +207,7 @@ def test_changed_modules_come_first_then_those_tried_longest_ago(load: Any) -> N
 
 def test_what_is_drawn_of_a_module_depends_on_no_other(load: Any) -> None:
     mutation = load("mutation")
-    names = ["planning/plan.py", "planning/exact.py", "language/record.py"]
+    names = ["planning/plan.py", "planning/planners/exact.py", "language/record.py"]
     together = mutation.draw(iter(names * 9), 12, 5)
     alone = mutation.draw(iter(names[1:2] * 9), 4, 5)
     assert len(together) == 12

@@ -10,7 +10,7 @@ from cleancli.cli.main import run
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.planning.coverage import coverage
+from cleancli.planning.evaluation.coverage import coverage
 from cleancli.shipped import find
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))

@@ -30,9 +30,9 @@ from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode
 from cleancli.learning.learn import learn
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.world import Step, World, do, world_of
 
 DOMAIN, PROBLEM = "drawn.nid", "drawn_problem.nid"

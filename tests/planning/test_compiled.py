@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.planning import compiled
+from cleancli.planning.kernels import jit
 
 PACKAGE = Path(__file__).parents[2] / "src" / "cleancli"
 SMALL = """
 import numpy as np
-from cleancli.planning.reachable import enter
+from cleancli.planning.kernels.state_graph import enter
 
 table = np.full(4, -1)
 enter(table, np.array([3, 7], np.uint64), 2)
@@ -99,7 +99,7 @@ def test_a_user_without_a_home_gets_no_folder_of_that_name(monkeypatch: pytest.M
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(os, "access", lambda *_: False)
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
-    kept = compiled.njit(nogil=True)(_nothing)
+    kept = jit.njit(nogil=True)(_nothing)
     assert type(kept._cache).__name__ == "NullCache"  # type: ignore[attr-defined]
 
 

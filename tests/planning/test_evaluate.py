@@ -22,11 +22,11 @@ from cleancli.compiler.semantics import (
 )
 from cleancli.compiler.task import Assignment, Task, held
 from cleancli.planning.compare import compared
-from cleancli.planning.evaluate import evaluate, exact
-from cleancli.planning.forecast import Forecast, exact_course, forecast
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.forecast import Forecast, exact_course, forecast
+from cleancli.planning.evaluation.value import evaluate, exact
 from cleancli.planning.plan import Options, TooManyStatesError
-from cleancli.planning.prada import plan_beliefs
-from cleancli.planning.prepared import prepare
+from cleancli.planning.planners.prada import plan_beliefs
 
 SEEDS = range(6)
 

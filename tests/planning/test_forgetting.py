@@ -10,7 +10,7 @@ import pytest
 
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundCondition, Task
-from cleancli.planning.prepared import prepare
+from cleancli.planning.compiled_task import prepare
 
 GUARD, GUARDED, LENGTH = 0, 4, 4
 

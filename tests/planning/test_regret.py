@@ -20,9 +20,9 @@ from scipy import stats
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import payment, reward, standing, successors
 from cleancli.compiler.task import Assignment
+from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 STEPS = 3
 SEEDS = range(6)

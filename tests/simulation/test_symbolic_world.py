@@ -15,8 +15,8 @@ from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import NoDurationError, by_time
 from cleancli.language.model import Fact
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
 from cleancli.simulation import agent as agents
 from cleancli.simulation import runs
 from cleancli.simulation.agent import Agent

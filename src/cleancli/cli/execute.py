@@ -40,7 +40,7 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text
 from cleancli.shipped import find

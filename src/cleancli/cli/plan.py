@@ -27,12 +27,12 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain
 from cleancli.planning.compare import compared
-from cleancli.planning.evaluate import evaluate
-from cleancli.planning.fewer import Fewer, fewer
-from cleancli.planning.forecast import Forecast, forecast
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.forecast import Forecast, forecast
+from cleancli.planning.evaluation.value import evaluate
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.reductions.subproblem import Fewer, fewer
+from cleancli.planning.registry import PLANNERS
 from cleancli.scene.model import Scene
 from cleancli.shipped import find
 

@@ -14,8 +14,8 @@ from cleancli.cli.tables import plain_table, print_table
 from cleancli.compiler.semantics import reaches_goal
 from cleancli.language.diagnostics.plural import plural
 from cleancli.planning.compare import Row
-from cleancli.planning.evaluate import Evaluation, Sampled
-from cleancli.planning.forecast import Forecast
+from cleancli.planning.evaluation.forecast import Forecast
+from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.plan import Plan
 
 _NOTHING = {

@@ -9,8 +9,8 @@ from cleancli.cli.calls import Call
 from cleancli.compiler.semantics import covering_rule, reaches_goal
 from cleancli.compiler.task import Task
 from cleancli.language.model import Domain, Problem
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import Prepared
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from cleancli.cli.plan_job import Job
 from cleancli.cli.tables import plain_table
 from cleancli.compiler.task import literal_text
 from cleancli.language.model import OutcomeKind
-from cleancli.planning.forecast import Forecast, Result, Step
+from cleancli.planning.evaluation.forecast import Forecast, Result, Step
 
 SHOWN = 3
 """Results of a step that the table shows; the others are in the data."""

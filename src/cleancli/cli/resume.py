@@ -29,7 +29,7 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene
 

@@ -31,7 +31,7 @@ from cleancli.language.printing.printer import (
     print_signature,
     symbols_of,
 )
-from cleancli.planning.coverage import coverage
+from cleancli.planning.evaluation.coverage import coverage
 
 _NO_EDGE = 10_000
 

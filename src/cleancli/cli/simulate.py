@@ -18,7 +18,7 @@ from cleancli.cli.simulated import as_data, print_summaries
 from cleancli.cli.unreached import tell_unreached
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from cleancli.shipped import find
 from cleancli.simulation.episode import Episode, Limits
 from cleancli.simulation.likeness import refuse_unlike

@@ -14,10 +14,10 @@ from cleancli.compiler.task import by_time, without
 from cleancli.execution.rivals import gather_all, nearest_first, wipe_all
 from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions
 from cleancli.execution.state import Move
-from cleancli.planning.fewer import fewer
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import DEFAULT, PLANNERS
+from cleancli.planning.reductions.subproblem import fewer
+from cleancli.planning.registry import DEFAULT, PLANNERS
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, Limits, episode
 from cleancli.simulation.world import world_of

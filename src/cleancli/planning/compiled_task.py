@@ -8,7 +8,7 @@ from functools import cached_property
 from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.task import Assignment, Task, in_state
-from cleancli.planning.forget import Forget, forgetting
+from cleancli.planning.reductions.state_abstraction import Forget, forgetting
 
 
 class _Arrays:

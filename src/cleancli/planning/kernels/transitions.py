@@ -10,8 +10,8 @@ import numpy as np
 
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
-from cleancli.planning.compiled import compiled, inlined, njit
-from cleancli.planning.stream import GOLDEN, split, uniform
+from cleancli.planning.kernels.jit import compiled, inlined, njit
+from cleancli.planning.kernels.rng import GOLDEN, split, uniform
 
 
 @inlined

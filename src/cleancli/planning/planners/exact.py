@@ -8,10 +8,10 @@ from types import ModuleType
 import numpy as np
 
 from cleancli.compiler.task import Assignment
-from cleancli.planning import rational
-from cleancli.planning.course import Choose, course_plan, likeliest_course
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.planners import rational
+from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
 
 
 def exact(prepared: Prepared, options: Options) -> Plan:
@@ -70,6 +70,6 @@ def load(prepared: Prepared) -> None:
 
 def _reachable() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning import reachable
+    from cleancli.planning.kernels import state_graph
 
-    return reachable
+    return state_graph

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from types import ModuleType
 
-from cleancli.planning.course import beats_nothing, course_plan, likeliest_course
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
 
 ROUND = 100
 """Episodes between two looks at the clock. Chosen."""
@@ -36,6 +36,6 @@ def uct(prepared: Prepared, options: Options) -> Plan:
 
 def _tree() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning import tree
+    from cleancli.planning.kernels import uct_tree
 
-    return tree
+    return uct_tree

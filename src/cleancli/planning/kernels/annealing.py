@@ -8,8 +8,8 @@ import numpy as np
 
 from cleancli.compiler.ragged import Ints
 from cleancli.compiler.semantics import idle_worth
-from cleancli.planning import sequences
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.kernels import bit_parallel
 
 HEAT = 0.1
 """A chain's first heat, as a share of what an action of its best sequence adds. Chosen."""
@@ -25,11 +25,11 @@ def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed
     current, trial, best = np.zeros((3, horizon + 1), dtype=np.int32)
     length = min(len(start), horizon)
     current[:length] = start[:length]
-    length = sequences.anneal(
+    length = bit_parallel.anneal(
         prepared.process,
         runs,
         luck,
-        sequences.Scratch(current, trial),
+        bit_parallel.Scratch(current, trial),
         length,
         best,
         idle_worth(prepared.task.discount, prepared.task.horizon),
@@ -48,7 +48,7 @@ def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
 def worth(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> tuple[float, float]:
     """The same, and the sequence's earliness (planning/preference.py)."""
     runs, luck = _begun(prepared, words)
-    found: tuple[float, float] = sequences.worth(
+    found: tuple[float, float] = bit_parallel.worth(
         prepared.process,
         runs,
         luck,
@@ -59,10 +59,10 @@ def worth(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
     return found
 
 
-def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Luck]:
+def _begun(prepared: Prepared, words: int) -> tuple[bit_parallel.Runs, bit_parallel.Luck]:
     process, horizon = prepared.process, max(prepared.task.horizon, 0)
     outcomes = max((len(rule.outcomes) for rule in prepared.task.rules), default=1)
-    runs = sequences.Runs(
+    runs = bit_parallel.Runs(
         np.zeros((2, horizon + 1, int(process.slot_start[-1]), words), dtype=np.uint64),
         np.zeros((2, horizon + 1)),
         np.zeros((2, horizon + 1)),
@@ -70,7 +70,9 @@ def _begun(prepared: Prepared, words: int) -> tuple[sequences.Runs, sequences.Lu
         np.ones((2, horizon + 1)),
         np.zeros(horizon + 1, dtype=np.int32),
     )
-    luck = sequences.Luck(np.zeros(KEPT, dtype=np.int64), np.zeros((KEPT, outcomes, words), dtype=np.uint64))
+    luck = bit_parallel.Luck(
+        np.zeros(KEPT, dtype=np.int64), np.zeros((KEPT, outcomes, words), dtype=np.uint64)
+    )
     state: Ints = np.asarray(prepared.task.initial, dtype=np.int32)
-    sequences.begin(process, runs, luck, state)
+    bit_parallel.begin(process, runs, luck, state)
     return runs, luck

@@ -15,11 +15,11 @@ from cleancli.compiler.semantics import (
     idle_earliness,
     idle_worth,
 )
-from cleancli.planning.forecast import FEW_STATES, drawn_course, exact_course
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.forecast import FEW_STATES, drawn_course, exact_course
+from cleancli.planning.evaluation.state_distribution import ahead, paying
 from cleancli.planning.plan import Options
-from cleancli.planning.prada import plan_value
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.spread import ahead, paying
+from cleancli.planning.planners.prada import plan_value
 
 RUNS = 100_000
 """Runs that value a sequence; at a spread of one dirty area the error is 0.003. Chosen."""
@@ -113,6 +113,6 @@ def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = R
 
 def _states() -> ModuleType:
     """The one place that loads numba for drawn runs."""
-    from cleancli.planning import states
+    from cleancli.planning.kernels import transitions
 
-    return states
+    return transitions

@@ -17,11 +17,11 @@ from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.planning.compiled import njit
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.reachable import change, digit, enter, find
-from cleancli.planning.states import choosable, draw, rewarded, step
-from cleancli.planning.stream import GOLDEN, mixed, split, uniform
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.kernels.jit import njit
+from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
+from cleancli.planning.kernels.state_graph import change, digit, enter, find
+from cleancli.planning.kernels.transitions import choosable, draw, rewarded, step
 
 
 class Tree(NamedTuple):

@@ -8,7 +8,7 @@ from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.planning.reachable import EDGE_LIMIT, Enumeration, Graph, backward
+from cleancli.planning.kernels.state_graph import EDGE_LIMIT, Enumeration, Graph, backward
 
 
 def best_sequence(

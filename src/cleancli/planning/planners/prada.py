@@ -12,10 +12,10 @@ import numpy as np
 from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Task
-from cleancli.planning.coverage import coverage, enough_samples
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.preference import preferred
-from cleancli.planning.prepared import Prepared
 
 Worth = Callable[[Sequence[Ints]], tuple[Floats, Floats]]
 """The values of sequences of action indices, and their earliness (planning/preference.py)."""
@@ -90,9 +90,9 @@ def plan_beliefs(prepared: Prepared, actions: Sequence[int], rule_threshold: flo
 
 def _inference() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning import inference
+    from cleancli.planning.kernels import belief_search
 
-    return inference
+    return belief_search
 
 
 def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]) -> tuple[Floats, Floats]:

@@ -6,9 +6,9 @@ import time
 from types import ModuleType
 
 from cleancli.compiler.task import Assignment
-from cleancli.planning.course import course_plan, likeliest_course
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.trajectory import course_plan, likeliest_course
 
 
 def sst(prepared: Prepared, options: Options) -> Plan:
@@ -20,10 +20,10 @@ def sst(prepared: Prepared, options: Options) -> Plan:
     times = [time.perf_counter()]
     task, process = prepared.task, prepared.process
     times.append(time.perf_counter())
-    sampling = _sampling()
+    sparse_sampling = _sampling()
 
     def look(step: int, state: Assignment, depth: int) -> tuple[float, int]:
-        value, action = sampling.look_ahead(
+        value, action = sparse_sampling.look_ahead(
             process,
             state,
             task.discount,
@@ -48,6 +48,6 @@ def sst(prepared: Prepared, options: Options) -> Plan:
 
 def _sampling() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning import sampling
+    from cleancli.planning.kernels import sparse_sampling
 
-    return sampling
+    return sparse_sampling

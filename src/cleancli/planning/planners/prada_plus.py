@@ -13,12 +13,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import ModuleType
 
-from cleancli.planning import exact
-from cleancli.planning.course import beats_nothing, course_plan, likeliest_course
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
-from cleancli.planning.prada import prada
+from cleancli.planning.planners import exact
+from cleancli.planning.planners.prada import prada
 from cleancli.planning.preference import preferred
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
 
 CHAINS = 4
 """Annealings, each over runs of its own: what one overrates, the others do not. Chosen."""
@@ -132,6 +132,6 @@ def _load(prepared: Prepared) -> None:
 
 def _annealing() -> ModuleType:
     """The one place that loads numba for the annealing."""
-    from cleancli.planning import annealing
+    from cleancli.planning.kernels import annealing
 
     return annealing

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.lowering.belief_tables import Indices, Tables
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning.compiled import better, compiled, inlined, standing_earliness
-from cleancli.planning.stream import GOLDEN, mixed, split, uniform
+from cleancli.planning.kernels.jit import better, compiled, inlined, standing_earliness
+from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 
 HALF = np.uint64(32)
 LOWER_HALF = np.uint64(2**32 - 1)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from cleancli.planning.aprada import aprada
-from cleancli.planning.determinized import likeliest, optimistic
-from cleancli.planning.exact import exact
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import prada
-from cleancli.planning.prada_plus import prada_plus
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.sst import sst
-from cleancli.planning.uct import uct
+from cleancli.planning.planners.aprada import aprada
+from cleancli.planning.planners.determinized import likeliest, optimistic
+from cleancli.planning.planners.exact import exact
+from cleancli.planning.planners.prada import prada
+from cleancli.planning.planners.prada_plus import prada_plus
+from cleancli.planning.planners.sst import sst
+from cleancli.planning.planners.uct import uct
 
 Planner = Callable[[Prepared, Options], Plan]
 

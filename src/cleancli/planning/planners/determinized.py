@@ -8,11 +8,11 @@ from types import ModuleType
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.task import Task
-from cleancli.planning.course import beats_nothing, course_plan
-from cleancli.planning.evaluate import earliness, sampled
-from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.value import earliness, sampled
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
+from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
+from cleancli.planning.trajectory import beats_nothing, course_plan
 
 RUNS = 10_000
 """Runs of the plan in the true process, for its value. Chosen."""
@@ -58,6 +58,6 @@ def _determinized(
 
 def _beam() -> ModuleType:
     """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning import beam
+    from cleancli.planning.planners import beam
 
     return beam

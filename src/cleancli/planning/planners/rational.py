@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from cleancli.compiler.semantics import covering_rule, idle_earliness, reaches_goal
 from cleancli.compiler.task import Assignment, Task, holds
-from cleancli.planning.course import Choose
 from cleancli.planning.plan import TooManyStatesError
+from cleancli.planning.trajectory import Choose
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class _State:
 
 
 def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
-    """The optimal value of the initial state, and the policy, as planning/reachable.py has them in floats.
+    """The optimal value of the initial state, and the policy, as planning/kernels/state_graph.py has them in floats.
 
     A discount, which is a float, is taken for the decimal number that it is printed as. Raises
     `TooManyStatesError` where more than `limit` states can be reached within the horizon.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from cleancli.compiler.ragged import Ints
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import Worth, best_sampled
+from cleancli.planning.planners.prada import Worth, best_sampled
 from cleancli.planning.preference import preferred
-from cleancli.planning.prepared import Prepared
 
 
 def aprada(prepared: Prepared, options: Options) -> Plan:

@@ -14,7 +14,7 @@ from cleancli.compiler.lowering.belief_tables import Indices, Tables
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.planning import kernel
+from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.preference import preferred
 
 PORTION = 1000

@@ -16,9 +16,9 @@ from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.planning.compiled import better, njit, standing_earliness
-from cleancli.planning.states import covering, rewarded
-from cleancli.planning.stream import mixed, split
+from cleancli.planning.kernels.jit import better, njit, standing_earliness
+from cleancli.planning.kernels.rng import mixed, split
+from cleancli.planning.kernels.transitions import covering, rewarded
 
 EDGE_LIMIT = 20_000_000
 """Most transitions that are kept (240 MB). Chosen."""

@@ -16,8 +16,16 @@ from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import Task
 from cleancli.language.model import OutcomeKind
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.spread import Spread, branched, certain, covering, drawn, marginals, paying
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.state_distribution import (
+    Spread,
+    branched,
+    certain,
+    covering,
+    drawn,
+    marginals,
+    paying,
+)
 
 FEW_STATES = 10_000
 """An exact distribution has at most so many states: a step then takes some ten milliseconds. Chosen."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.planning.compiled import compiled
+from cleancli.planning.kernels.jit import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """What a stream advances by (Steele, Lea and Flood, OOPSLA 2014)."""

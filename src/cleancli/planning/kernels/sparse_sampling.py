@@ -12,9 +12,9 @@ from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import Assignment
-from cleancli.planning.compiled import better, njit, standing_earliness
-from cleancli.planning.states import apply, choosable, draw, rewarded
-from cleancli.planning.stream import GOLDEN, mixed, uniform
+from cleancli.planning.kernels.jit import better, njit, standing_earliness
+from cleancli.planning.kernels.rng import GOLDEN, mixed, uniform
+from cleancli.planning.kernels.transitions import apply, choosable, draw, rewarded
 
 
 @njit(cache=True, nogil=True)

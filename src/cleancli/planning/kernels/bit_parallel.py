@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
-from cleancli.planning.compiled import better, compiled, inlined, inner, standing_earliness
+from cleancli.planning.kernels.jit import better, compiled, inlined, inner, standing_earliness
+from cleancli.planning.kernels.rng import GOLDEN, mixed, uniform
 from cleancli.planning.preference import AS_GOOD
-from cleancli.planning.stream import GOLDEN, mixed, uniform
 
 Words = NDArray[np.uint64]
 
