@@ -8,11 +8,11 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.motion.joint_path import nearest_pose
 from cleancli.motion.path import Unreachable
 from cleancli.perception import geometry
 from cleancli.perception.calibrate import NotClean, calibrate
-from cleancli.perception.frame import Frame
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,

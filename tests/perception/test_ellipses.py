@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cleancli.geometry.ellipse import extent, gap
 from cleancli.perception.area import Ellipse
 from cleancli.perception.areas import enclosing_ellipses
-from cleancli.perception.ellipses import extent, gap
 
 ELLIPSES = st.builds(
     lambda x, y, long, share, angle: Ellipse((x, y), (long, long * share), angle),

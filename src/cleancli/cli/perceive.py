@@ -19,11 +19,11 @@ from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import located_in, open_domain, open_scene
 from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Stream, derived
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out
-from cleancli.perception.frame import Frame
 from cleancli.perception.occlusion import Known, remember
 from cleancli.perception.perceive import BadFrame, perceive
 from cleancli.perception.pictures import contact_sheet, draw

@@ -8,9 +8,9 @@ from typing import Protocol
 
 from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.state import Move, Situation
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Problem
 from cleancli.motion.path import ToolPath
-from cleancli.perception.frame import Frame
 from cleancli.perception.tracking import Stroke
 
 Motion = Generator[Moved | StrokeEnded, None, "Motions"]

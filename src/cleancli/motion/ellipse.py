@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import boundary, contains
 from cleancli.perception.area import Ellipse
-from cleancli.perception.ellipses import boundary, contains
 
 Point = tuple[float, float]
 _Points = NDArray[np.float64]

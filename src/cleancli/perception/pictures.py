@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import State
 from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.frame import Camera, Frame
 from cleancli.perception.geometry import project
 from cleancli.perception.perceive import Observation
 from cleancli.perception.surface import Mask

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from cleancli.files.plain import read_plain
 from cleancli.files.untrusted import png_size
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.language.diagnostics.text_edit import replace_file
-from cleancli.perception.frame import Camera, Frame
 
 CAMERA = "camera.json"
 MILLIMETRES = 1000

@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath, Unreachable
-from cleancli.perception.frame import Frame
 from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera, furniture, particles, robots
 from cleancli.world import parameters as par
