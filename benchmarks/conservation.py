@@ -34,7 +34,7 @@ from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import Scene
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 

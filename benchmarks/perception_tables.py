@@ -28,10 +28,10 @@ from cleancli.scene.model import (
     SymbolThresholds,
 )
 from cleancli.world import camera as world_camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Status
+from cleancli.world.robots.wam import arm_for
 from cleancli.world.table import PybulletTable
-from cleancli.world.wam import arm_for
 
 SURFACES = {
     "beige": (205, 198, 184),

@@ -24,7 +24,7 @@ from cleancli.perception.symbols import are_near, is_scattered, lies_between, si
 from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Scene
 from cleancli.world import camera as world_camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
 
 Points = NDArray[np.float64]

@@ -39,8 +39,8 @@ from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Container, Group, Ink, Rag, Scene
-from cleancli.world import wam
 from cleancli.world.robot import Status
+from cleancli.world.robots import wam
 from cleancli.world.table import PybulletTable
 
 LAYOUTS: Mapping[str, float] = {"compact": 0.025, "scattered": 0.055}

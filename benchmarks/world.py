@@ -27,8 +27,8 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
-from cleancli.world.drives import ROBOTS
 from cleancli.world.robot import Status
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
 SCENE = Scene(

@@ -13,7 +13,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 EXTRAS = PROJECT["optional-dependencies"]
 MESSAGES = {
     "lsp": "src/cleancli/cli/lsp.py",
-    "physics": "src/cleancli/world/missing.py",
+    "physics": "src/cleancli/world/errors.py",
     "plot": "src/cleancli/cli/plan_picture.py",
     "rerun": "src/cleancli/perception/rerun_file.py",
 }

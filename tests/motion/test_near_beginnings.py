@@ -17,7 +17,7 @@ from cleancli.motion.legs import legs
 from cleancli.motion.path import Interpolation, ToolPath
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
-from cleancli.world.wam import BUILD, arm_for
+from cleancli.world.robots.wam import BUILD, arm_for
 
 _Array = NDArray[np.float64]
 REST = np.array(BUILD.rest)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene, Surface
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Robot, Status
 from cleancli.world.table import PybulletTable
 

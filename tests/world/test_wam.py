@@ -15,9 +15,9 @@ from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
 from cleancli.world import camera
-from cleancli.world.arm_drive import TOOL, ArmDrive
-from cleancli.world.drives import ROBOTS
 from cleancli.world.robot import Robot, Status
+from cleancli.world.robots.arm_drive import TOOL, ArmDrive
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]

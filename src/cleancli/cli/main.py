@@ -20,7 +20,7 @@ from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.streams import NoReader, finish, prepare
 from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, printable
-from cleancli.world.missing import MissingPhysics
+from cleancli.world.errors import MissingPhysics
 
 SUMMARIES = {
     "init": "Write a small domain and a problem to start from.",

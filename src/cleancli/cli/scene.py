@@ -21,7 +21,7 @@ from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Stream, derived
 from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
-from cleancli.world.reach import missed, reach
+from cleancli.world.reach_map import missed, reach
 from cleancli.world.table import PybulletTable
 
 _FILE = click.Path(path_type=Path, dir_okay=False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.scene.model import Light, Scene, Surface
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer
 
 _Array = NDArray[np.float64]

@@ -17,11 +17,11 @@ from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import Dustpan, Unreachable
 from cleancli.motion.pick_up import CARRY_HEIGHT, PAN_LENGTH, PAN_SLOPE
 from cleancli.motion.timing import Course, timed
-from cleancli.world import parameters as par
-from cleancli.world import robots
-from cleancli.world.arm_drive import TOOL, ArmDrive, Held
-from cleancli.world.links import Link
+from cleancli.world import constants as par
+from cleancli.world.multibody import Link
 from cleancli.world.physics import Engine
+from cleancli.world.robots import constants
+from cleancli.world.robots.arm_drive import TOOL, ArmDrive, Held
 
 _Array = NDArray[np.float64]
 _Triple = tuple[float, float, float]
@@ -38,11 +38,11 @@ class PanDrive(ArmDrive):
     def put_down(self, pan: Dustpan, here: _Array) -> tuple[_Array, _Array, _Array]:
         """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface; of raising its lip
         there; of lifting it."""
-        low, high = replace(pan.place, z=robots.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
+        low, high = replace(pan.place, z=constants.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
         (leg,) = legs((low, high), np.zeros(4))
         still = np.tile(leg.points[:1], (_TURNING, 1))
-        tilts = np.linspace(0, robots.PAN_HELD, _TURNING)
-        more = np.linspace(robots.PAN_HELD, robots.PAN_LEAN, len(leg.points))
+        tilts = np.linspace(0, constants.PAN_HELD, _TURNING)
+        more = np.linspace(constants.PAN_HELD, constants.PAN_LEAN, len(leg.points))
         frames = poses(np.concatenate((still, leg.points)), np.concatenate((tilts, more)))
         for down in self._steadily(frames[::-1], here):
             lip, up = np.split(down[::-1], (_TURNING,))
@@ -50,23 +50,23 @@ class PanDrive(ArmDrive):
                 there = self.through_air(here, down[0], TRANSIT_SPEED)
             except Unreachable:
                 continue
-            turning, lifting = self._turned(lip, robots.PAN_HELD, low.speed), self.timed(up, leg)
-            down_again = self.timed(up[::-1], leg), self._turned(lip[::-1], robots.PAN_HELD, low.speed)
+            turning, lifting = self._turned(lip, constants.PAN_HELD, low.speed), self.timed(up, leg)
+            down_again = self.timed(up[::-1], leg), self._turned(lip[::-1], constants.PAN_HELD, low.speed)
             return np.concatenate((there, *down_again)), turning, lifting
         raise Unreachable(low.x, low.y, "the dustpan can't be put down there and lifted again")
 
     def emptied(self, pan: Dustpan, here: _Array) -> _Array:
         """(k, 7) joints from where the dustpan was lifted to, `here` (7,), to over the container, level all
         the way; tipped there; and to rest."""
-        goal, tilts = pan.empty, np.linspace(robots.PAN_LEAN, pan.tip, _TURNING)
+        goal, tilts = pan.empty, np.linspace(constants.PAN_LEAN, pan.tip, _TURNING)
         frames = poses(np.tile((goal.x, goal.y, goal.z, goal.yaw), (len(tilts), 1)), tilts)
         for tipped in self._steadily(frames, here):
             try:
-                carried = self.through_air(here, tipped[0], TRANSIT_SPEED, Lean(*robots.PAN_LEANS))
+                carried = self.through_air(here, tipped[0], TRANSIT_SPEED, Lean(*constants.PAN_LEANS))
             except Unreachable:
                 continue
             over = self._turned(tipped, pan.tip, TRANSIT_SPEED)
-            still = np.repeat(over[-1:], round(robots.PAN_HOLD / par.STEP), axis=0)
+            still = np.repeat(over[-1:], round(constants.PAN_HOLD / par.STEP), axis=0)
             rest = self.through_air(tipped[0], np.array(self._build.rest), TRANSIT_SPEED)
             return np.concatenate((carried, over, still, over[::-1], rest))
         raise Unreachable(pan.empty.x, pan.empty.y, "the dustpan can't be carried there level and tipped")
@@ -96,18 +96,18 @@ def plate() -> _Array:
     around; metres in the dustpan's frame. Its underside is flat behind the lip, then it slopes as well."""
     margin, level = par.PARTICLE_MARGIN, float(np.hypot(1, PAN_SLOPE))  # a plane's height, its thickness 1
     front, back = margin - PAN_LENGTH, -margin
-    top = robots.PAN_LIP - margin * level + PAN_SLOPE * (np.array((front, back)) + PAN_LENGTH)
-    under = top - (robots.PAN_WALL - 2 * margin) * level
+    top = constants.PAN_LIP - margin * level + PAN_SLOPE * (np.array((front, back)) + PAN_LENGTH)
+    under = top - (constants.PAN_WALL - 2 * margin) * level
     bend = front + (margin - under[0]) / PAN_SLOPE
     side = [(front, margin), (front, top[0]), (back, top[1]), (back, under[1]), (bend, margin)]
-    half = robots.PAN_WIDTH / 2 - margin
+    half = constants.PAN_WIDTH / 2 - margin
     return np.array([(x, y, z) for y in (-half, half) for x, z in side])
 
 
 def walls() -> tuple[tuple[_Triple, _Triple], ...]:
     """Half the size, and the middle, of the three walls; metres in the dustpan's frame. The rear one, which
     is behind the edge about which the lip is raised, ends above it."""
-    half, wall, high = robots.PAN_WIDTH / 2, robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    half, wall, high = constants.PAN_WIDTH / 2, constants.PAN_WALL, constants.PAN_WALL_HEIGHT
     side = (PAN_LENGTH / 2, wall / 2, high / 2)
     rear = (wall / 2, half + wall, (_BACK + high - wall) / 2)
     return (
@@ -119,7 +119,7 @@ def walls() -> tuple[tuple[_Triple, _Triple], ...]:
 
 def dustpan_for(engine: Engine) -> Held:
     """The dustpan in the hand of an arm."""
-    colour = [*(c / 255 for c in robots.PAN_COLOUR), 1]
+    colour = [*(c / 255 for c in constants.PAN_COLOUR), 1]
     middle = plate().mean(axis=0)
     parts = [(tuple(middle.tolist()), *_hull(engine, plate() - middle, colour))]
     for half, place in walls():
@@ -127,19 +127,19 @@ def dustpan_for(engine: Engine) -> Held:
         look = engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=colour)
         parts.append((place, box, look))
     links = tuple(
-        Link(TOOL, engine.JOINT_FIXED, (0, 0, 1), robots.PAN_MASS, place, touched=box, seen=look)
+        Link(TOOL, engine.JOINT_FIXED, (0, 0, 1), constants.PAN_MASS, place, touched=box, seen=look)
         for place, box, look in parts
     )
 
     def tune(body: int) -> None:
         for link in range(TOOL + 1, TOOL + 1 + len(links)):
             engine.changeDynamics(
-                body, link, lateralFriction=robots.PAN_FRICTION, rollingFriction=0, spinningFriction=0
+                body, link, lateralFriction=constants.PAN_FRICTION, rollingFriction=0, spinningFriction=0
             )
             for other in range(body):  # the furniture: where the dustpan goes is planned, not felt
                 engine.setCollisionFilterPair(body, other, link, -1, 0)
 
-    return Held(links, -1, robots.PAN_WIDTH / 2, tune)
+    return Held(links, -1, constants.PAN_WIDTH / 2, tune)
 
 
 def _hull(engine: Engine, corners: _Array, colour: list[float]) -> tuple[int, int]:
@@ -180,13 +180,13 @@ def _faces(count: int) -> list[int]:
 def outline(frames: _Array) -> _Array:
     """(n, 4, 2, 3) both ends of the upper edges of the three walls, and of the plate's middle line, of
     dustpans with `frames` (n, 4, 4), metres."""
-    y, side = robots.PAN_WIDTH / 2 + robots.PAN_WALL, robots.PAN_WALL_HEIGHT
+    y, side = constants.PAN_WIDTH / 2 + constants.PAN_WALL, constants.PAN_WALL_HEIGHT
     ends = np.array(
         [
             [(-PAN_LENGTH, -y, side), (0, -y, side)],
             [(-PAN_LENGTH, y, side), (0, y, side)],
             [(0, -y, _BACK + side), (0, y, _BACK + side)],
-            [(-PAN_LENGTH, 0, robots.PAN_LIP), (0, 0, _BACK)],
+            [(-PAN_LENGTH, 0, constants.PAN_LIP), (0, 0, _BACK)],
         ]
     )
     turned: _Array = np.einsum("nij,skj->nski", frames[:, :3, :3], ends)
@@ -196,7 +196,7 @@ def outline(frames: _Array) -> _Array:
 def within(frame: _Array, points: _Array) -> NDArray[np.bool_]:
     """(n,) whether each of `points` (n, 3) lies in a dustpan whose frame is `frame` (4, 4)."""
     local = (points - frame[:3, 3]) @ frame[:3, :3]
-    half = robots.PAN_WIDTH / 2
-    low, high = np.array((-PAN_LENGTH, -half, 0)), np.array((0, half, _BACK + robots.PAN_WALL_HEIGHT))
+    half = constants.PAN_WIDTH / 2
+    low, high = np.array((-PAN_LENGTH, -half, 0)), np.array((0, half, _BACK + constants.PAN_WALL_HEIGHT))
     inside: NDArray[np.bool_] = np.asarray(((local >= low) & (local <= high)).all(axis=1))
     return inside

@@ -26,11 +26,11 @@ from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Waypoint
 from cleancli.motion.timing import Limits, timed
 from cleancli.scene.model import Rag
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world import rag as cloths
-from cleancli.world import robots
-from cleancli.world.links import NOTHING, Link, assemble
+from cleancli.world.multibody import NOTHING, Link, assemble
 from cleancli.world.physics import Engine
+from cleancli.world.robots import constants
 
 _Array = NDArray[np.float64]
 
@@ -187,11 +187,11 @@ def body(engine: Engine, arm: Arm, build: Build, held: int, more: tuple[Link, ..
         )
     flange = (0.0, 0.0, arm.lengths[6] + arm.tool)
     upright = engine.getQuaternionFromEuler([np.pi, 0, 0])
-    tool = Link(6, engine.JOINT_FIXED, (0, 0, 1), robots.HELD_MASS, flange, upright, seen=held)
+    tool = Link(6, engine.JOINT_FIXED, (0, 0, 1), constants.HELD_MASS, flange, upright, seen=held)
     number = assemble(engine, (*links, tool, *more), seen=base)
     for link in (*JOINTS, TOOL):
         engine.changeDynamics(
-            number, link, localInertiaDiagonal=[robots.LINK_INERTIA] * 3, linearDamping=0, angularDamping=0
+            number, link, localInertiaDiagonal=[constants.LINK_INERTIA] * 3, linearDamping=0, angularDamping=0
         )
     return number
 

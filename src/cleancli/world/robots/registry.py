@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from cleancli.motion.joint_path import reached
 from cleancli.scene.model import Scene
-from cleancli.world import wam
-from cleancli.world.arm_drive import ArmDrive, rag_for
-from cleancli.world.drive import Drive
-from cleancli.world.gantry import Gantry, within_reach
 from cleancli.world.physics import Engine
-from cleancli.world.reem import Reem
-from cleancli.world.reem import arm_for as reem_arm
+from cleancli.world.robots import wam
+from cleancli.world.robots.arm_drive import ArmDrive, rag_for
+from cleancli.world.robots.drive import Drive
+from cleancli.world.robots.gantry import Gantry, within_reach
+from cleancli.world.robots.reem import Reem
+from cleancli.world.robots.reem import arm_for as reem_arm
 
 _Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.scene.model import Scene
-from cleancli.world.drives import ROBOTS
+from cleancli.world.robots.registry import ROBOTS
 
 STEP = 0.02
 """Metres between places that are tried."""

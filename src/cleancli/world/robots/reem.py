@@ -10,11 +10,11 @@ from cleancli.motion.clearance import SELF_GAP, hull_ends, segment_gaps
 from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable
 from cleancli.scene.model import Scene
-from cleancli.world import parameters as par
-from cleancli.world import robots
-from cleancli.world.arm_drive import ArmDrive, Build, rag_for
-from cleancli.world.dustpan import PanDrive, dustpan_for, outline
+from cleancli.world import constants as par
 from cleancli.world.physics import Engine
+from cleancli.world.robots import constants
+from cleancli.world.robots.arm_drive import ArmDrive, Build, rag_for
+from cleancli.world.robots.dustpan import PanDrive, dustpan_for, outline
 
 _Array = NDArray[np.float64]
 
@@ -119,28 +119,28 @@ def arm_for(scene: Scene, side: int) -> Arm:
     half = abs(out @ (scene.surface.width, scene.surface.depth)) / 2
     base = np.eye(4)
     base[:2, 0], base[:2, 1] = -out, -right
-    base[:2, 3] = half * out + side * robots.REEM_SHOULDERS * right
+    base[:2, 3] = half * out + side * constants.REEM_SHOULDERS * right
     base[:2, 3] += scene.container.offset * np.abs(right)
-    base[2, 3] = robots.REEM_ABOVE
+    base[2, 3] = constants.REEM_ABOVE
     return Arm(
-        offsets=robots.REEM_OFFSETS,
-        lengths=robots.REEM_LENGTHS,
-        low=robots.REEM_LOW,
-        high=robots.REEM_HIGH,
-        speed=robots.REEM_SPEED,
-        acceleration=robots.REEM_ACCELERATION,
-        posture=robots.REEM_POSTURE,
+        offsets=constants.REEM_OFFSETS,
+        lengths=constants.REEM_LENGTHS,
+        low=constants.REEM_LOW,
+        high=constants.REEM_HIGH,
+        speed=constants.REEM_SPEED,
+        acceleration=constants.REEM_ACCELERATION,
+        posture=constants.REEM_POSTURE,
         base=tuple(tuple(row) for row in base.tolist()),
-        tool=robots.REEM_TOOL,
-        hulls=tuple(Capsule(*hull) for hull in robots.REEM_HULLS),
-        apart=robots.REEM_APART,
+        tool=constants.REEM_TOOL,
+        hulls=tuple(Capsule(*hull) for hull in constants.REEM_HULLS),
+        apart=constants.REEM_APART,
     )
 
 
 def build_for(side: int) -> Build:
     """What an arm is made of; the left one rests as the right one's mirror image."""
-    rest = robots.REEM_REST if side > 0 else robots.REEM_LEFT_REST
-    return Build(robots.REEM_MASSES, robots.REEM_TORQUE, rest, robots.REEM_COLOUR)
+    rest = constants.REEM_REST if side > 0 else constants.REEM_LEFT_REST
+    return Build(constants.REEM_MASSES, constants.REEM_TORQUE, rest, constants.REEM_COLOUR)
 
 
 def _refuse_near(first: _Array, second: _Array, least: float, reason: str) -> None:

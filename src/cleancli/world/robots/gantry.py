@@ -10,14 +10,14 @@ from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable, Waypoint
 from cleancli.motion.timing import Course, Limits, timed
 from cleancli.scene.model import Rag, Scene
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world import rag as cloths
-from cleancli.world import robots
-from cleancli.world.links import NOTHING, Link, assemble
+from cleancli.world.multibody import NOTHING, Link, assemble
 from cleancli.world.physics import Engine
+from cleancli.world.robots import constants
 
 _DRIVES = (0, 1, 2, 3)  # joint numbers of x, y, z, yaw
-_LIMITS = Limits(robots.JOINT_SPEED, robots.JOINT_ACCELERATION)
+_LIMITS = Limits(constants.JOINT_SPEED, constants.JOINT_ACCELERATION)
 _STILL = np.zeros(4)
 _Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Gantry:
         self._body = assemble(engine, (*_carriages(engine, scene.rag), *cloth.links))
         for joint in _DRIVES:
             engine.changeDynamics(
-                self._body, joint, localInertiaDiagonal=[robots.CARRIAGE_INERTIA] * 3, linearDamping=0
+                self._body, joint, localInertiaDiagonal=[constants.CARRIAGE_INERTIA] * 3, linearDamping=0
             )
         cloths.spring(engine, self._body, len(_DRIVES), cloth)
         self._target = resting_pose(scene)
@@ -76,7 +76,7 @@ class Gantry:
             _DRIVES,
             self._engine.POSITION_CONTROL,
             targetPositions=joints.tolist(),
-            forces=robots.JOINT_FORCE,
+            forces=constants.JOINT_FORCE,
             positionGains=(1.0, 1.0, 1.0, 1.0),
             velocityGains=(1.0, 1.0, 1.0, 1.0),
         )
@@ -116,8 +116,8 @@ class Gantry:
 
 def within_reach(points: _Array, scene: Scene) -> NDArray[np.bool_]:
     """(n,) whether the gantry can bring its tool to each of `points` (n, 4)."""
-    half = np.array((scene.surface.width, scene.surface.depth)) / 2 + robots.REACH_MARGIN
-    low, high = robots.REACH_HEIGHT
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2 + constants.REACH_MARGIN
+    low, high = constants.REACH_HEIGHT
     corner = np.array((*half, high))
     inside = (points[:, :3] <= corner) & (points[:, :3] >= np.array((*-half, low)))
     within: NDArray[np.bool_] = np.asarray(inside.all(axis=1))
@@ -127,7 +127,7 @@ def within_reach(points: _Array, scene: Scene) -> NDArray[np.bool_]:
 def resting_pose(scene: Scene) -> _Array:
     """Pose (4,) beside the table, outside the camera's view, on the nearest side without the container."""
     setup = scene.camera
-    tool = scene.rag.width / 2 + robots.REST_CLEARANCE
+    tool = scene.rag.width / 2 + constants.REST_CLEARANCE
     views = setup.height / (2 * setup.focal) * np.array((setup.image_width, setup.image_height))
     x, y = np.maximum(views, (scene.surface.width / 2, scene.surface.depth / 2)) + tool
     places = {"north": (0.0, y), "south": (0.0, -y), "west": (-x, 0.0), "east": (x, 0.0)}
@@ -161,6 +161,6 @@ def _carriages(engine: Engine, rag: Rag) -> tuple[Link, ...]:
     return tuple(
         Link(parent, joint, axis, mass, seen=seen)
         for parent, joint, axis, mass, seen in zip(
-            (-1, 0, 1, 2), (slide, slide, slide, turn), axes, robots.CARRIAGE_MASS, looks, strict=True
+            (-1, 0, 1, 2), (slide, slide, slide, turn), axes, constants.CARRIAGE_MASS, looks, strict=True
         )
     )
