@@ -19,9 +19,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from cleancli.execution import checkpoint
-from cleancli.execution.folder import EXPERIENCE
-from cleancli.execution.journal import JOURNAL, Ended, read_journal
+from cleancli.recording import checkpoint
+from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.journal import JOURNAL, Ended, read_journal
 
 POLL = 2e-3  # seconds between looks at the journal
 PROBLEMS = {"symbolic": "three_areas", "tables": "two_groups"}

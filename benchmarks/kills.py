@@ -32,7 +32,7 @@ from pathlib import Path
 
 from cleancli.cli import convert as convert_command
 from cleancli.cli.main import main as cleancli
-from cleancli.execution.journal import JOURNAL, Acted, Ended, read_journal
+from cleancli.recording.journal import JOURNAL, Acted, Ended, read_journal
 
 ROOT = Path(__file__).resolve().parents[1]
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)

@@ -125,7 +125,7 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         "cli/execute.py",
         "cli/scene.py",
         "environment/clean_table.py",
-        "execution/site.py",
+        "execution/session.py",
         "execution/trials.py",
         "report/account.py",  # of run.json, after the run
     }

@@ -14,6 +14,7 @@ from cleancli.cli.dashboard import Shown, came_of, dashboard, updated
 from cleancli.cli.live import show
 from cleancli.cli.main import run
 from cleancli.cli.table_map import rows_for, table_map
+from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -27,7 +28,6 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.state import Account, EpisodeState, Move, Situation
 from cleancli.language.load import read_source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area, Ellipse

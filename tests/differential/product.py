@@ -33,7 +33,7 @@ from cleancli.learning.learn import learn
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.world import Step, World, do, world_of
+from cleancli.simulation.symbolic_world import Step, World, do, world_of
 
 DOMAIN, PROBLEM = "drawn.nid", "drawn_problem.nid"
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 from scripted import STROKE, WITHDRAWAL, Points, Scripted
 
+from cleancli.execution.episode_state import PATIENCE
 from cleancli.execution.events import Acted, Decided, Ended, Event, Failed, Looked, Purpose, Started
 from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
-from cleancli.execution.state import PATIENCE
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.load import load_domain, read_source

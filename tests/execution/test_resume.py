@@ -21,13 +21,13 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.cli.running import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
-from cleancli.execution import checkpoint, record
-from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
-from cleancli.execution.state import Account, EpisodeState, Move, Situation, Vain
+from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation, Vain
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Area, Ellipse
+from cleancli.recording import checkpoint, run_folder
+from cleancli.recording.journal import Acted, Ended, Resumed, read_journal
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
 
@@ -38,16 +38,16 @@ class Killed(BaseException):
 
 def dying_after(events: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the recorder's process die after so many events, in the middle of writing a line."""
-    write, count = record.Recorder.write, itertools.count()
+    write, count = run_folder.Recorder.write, itertools.count()
 
-    def dies(self: record.Recorder, event: object) -> None:
+    def dies(self: run_folder.Recorder, event: object) -> None:
         if next(count) == events:
             self._journal.write('{"event":"look')
             self._journal.flush()
             raise Killed
         write(self, event)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(record.Recorder, "write", dies)
+    monkeypatch.setattr(run_folder.Recorder, "write", dies)
 
 
 def dying_at_sync(number: int, monkeypatch: pytest.MonkeyPatch) -> None:

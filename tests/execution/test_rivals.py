@@ -9,10 +9,10 @@ from math import dist
 import numpy as np
 import pytest
 
-from cleancli.execution.rivals import gather_all, nearest_first, wipe_all
+from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
+from cleancli.execution.episode_state import Situation
 from cleancli.execution.setup import Circumstances, EpisodeOptions, Job
-from cleancli.execution.state import Situation
-from cleancli.execution.tour import shortest_path
+from cleancli.execution.tsp import shortest_path
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Problem
 from cleancli.perception.area import Area, Ellipse

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from numpy import pi
 
-from cleancli.execution.state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
+from cleancli.execution.episode_state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
 from cleancli.language.model import Fact, Object
 from cleancli.perception.area import Area, Ellipse
 

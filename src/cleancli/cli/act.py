@@ -19,12 +19,12 @@ from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import counting
-from cleancli.execution.overlay import overlay
-from cleancli.execution.pictures import write_png
 from cleancli.execution.trials import Outcome, Trial, attempt, wilson
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, can_execute
+from cleancli.recording.overlay import overlay
+from cleancli.recording.pictures import write_png
 from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene

@@ -14,6 +14,7 @@ from rich.text import Text
 
 from cleancli.cli.symbolic import Told
 from cleancli.cli.table_map import rows_for, table_map
+from cleancli.execution.episode_state import Account, Move, Situation
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -26,7 +27,6 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.state import Account, Move, Situation
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.motion.path import ToolPath

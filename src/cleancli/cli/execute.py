@@ -25,22 +25,22 @@ from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
 from cleancli.cli.symbolic import told_of
 from cleancli.compiler.task import NoDurationError
-from cleancli.execution.checkpoint import cut_back
-from cleancli.execution.entries import Entries
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Ended, Looked
-from cleancli.execution.folder import FILES
-from cleancli.execution.journal import MOST, Interrupted, Resumed
 from cleancli.execution.loop import clean
-from cleancli.execution.record import Recorder, free_folder
+from cleancli.execution.session import Site
 from cleancli.execution.setup import EpisodeOptions, Job
-from cleancli.execution.site import Site
-from cleancli.execution.state import EpisodeState
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.registry import PLANNERS
+from cleancli.recording.checkpoint import cut_back
+from cleancli.recording.folder import FILES
+from cleancli.recording.journal import MOST, Interrupted, Resumed
+from cleancli.recording.journal_writer import Entries
+from cleancli.recording.run_folder import Recorder, free_folder
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text
 from cleancli.shipped import find

@@ -13,7 +13,6 @@ from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.cli.progress import working
-from cleancli.execution.folder import EXPERIENCE, check_folder
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Change, Edit, apply_edits, write_all
@@ -23,6 +22,7 @@ from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.learn import Learned, edits, is_written, learn
 from cleancli.learning.match import outcomes_of
+from cleancli.recording.folder import EXPERIENCE, check_folder
 
 
 @click.command("learn", short_help="Improve a domain's probabilities from recorded experience.")

@@ -15,6 +15,7 @@ from cleancli.cli.kernels import how_loaded
 from cleancli.cli.progress import SLOW
 from cleancli.cli.symbolic import Told
 from cleancli.cli.table_map import Place
+from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import (
     Acted,
     Decided,
@@ -27,7 +28,6 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.state import Situation
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.scene.model import Scene

@@ -17,7 +17,6 @@ from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import located_in, open_domain, open_scene
-from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
@@ -31,6 +30,7 @@ from cleancli.perception.recorded import CAMERA, BadRecording, load_frames, save
 from cleancli.perception.rerun_file import Look, MissingRerun, find_rerun, write_recording
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import symbolize
+from cleancli.recording.pictures import write_png
 from cleancli.scene.model import Scene
 
 FRAMES = 3

@@ -18,15 +18,15 @@ import click
 from cleancli import __version__
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
-from cleancli.execution.checkpoint import World
-from cleancli.execution.journal import Started, read_journal
+from cleancli.execution.session import Site, symbolic_site, table_site
 from cleancli.execution.setup import EpisodeOptions, Job
-from cleancli.execution.site import Site, symbolic_site, table_site
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.recording.checkpoint import World
+from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")

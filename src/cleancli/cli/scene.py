@@ -16,9 +16,9 @@ from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
-from cleancli.execution.overlay import reach_map
-from cleancli.execution.pictures import write_png
 from cleancli.execution.seeds import Stream, derived
+from cleancli.recording.overlay import reach_map
+from cleancli.recording.pictures import write_png
 from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
 from cleancli.world.reach_map import missed, reach

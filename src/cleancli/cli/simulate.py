@@ -20,9 +20,9 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.planning.registry import PLANNERS
 from cleancli.shipped import find
+from cleancli.simulation.batch import Setup, spread
+from cleancli.simulation.compatibility import refuse_unlike
 from cleancli.simulation.episode import Episode, Limits
-from cleancli.simulation.likeness import refuse_unlike
-from cleancli.simulation.runs import Setup, spread
 from cleancli.simulation.summary import summarized
 
 

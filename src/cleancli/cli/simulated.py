@@ -10,8 +10,8 @@ from rich.table import Table
 
 from cleancli.cli.tables import plain_table, print_table
 from cleancli.language.diagnostics.plural import plural
+from cleancli.simulation.batch import Setup
 from cleancli.simulation.episode import Episode
-from cleancli.simulation.runs import Setup
 from cleancli.simulation.summary import Estimate, Summary
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cleancli.compiler.lifted_state import StateView
-from cleancli.execution.state import Situation
+from cleancli.execution.episode_state import Situation
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
 

@@ -9,7 +9,7 @@ from math import cos, hypot, sin
 
 from rich.text import Text
 
-from cleancli.execution.state import Situation
+from cleancli.execution.episode_state import Situation
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene

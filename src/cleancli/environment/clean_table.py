@@ -17,9 +17,9 @@ from cleancli.compiler.task import holds
 from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
+from cleancli.execution.episode_state import Move, Situation
+from cleancli.execution.session import Site, table_site, usual_job
 from cleancli.execution.setup import EpisodeOptions, within_reach
-from cleancli.execution.site import Site, table_site, usual_job
-from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain

@@ -12,6 +12,16 @@ from dataclasses import replace
 
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
+from cleancli.execution.episode_state import (
+    PATIENCE,
+    Account,
+    EpisodeState,
+    Move,
+    Situation,
+    Vain,
+    about,
+    unchanged,
+)
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -24,7 +34,6 @@ from cleancli.execution.events import (
     Started,
 )
 from cleancli.execution.setup import Circumstances, Setup
-from cleancli.execution.state import PATIENCE, Account, EpisodeState, Move, Situation, Vain, about, unchanged
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.state import Key, Move, Situation
+from cleancli.execution.episode_state import Key, Move, Situation
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.plan import Plan

@@ -12,7 +12,7 @@ from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.registry import Planner
-from cleancli.simulation.world import assignment_of, unchanging_facts
+from cleancli.simulation.symbolic_world import assignment_of, unchanging_facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from cleancli.compiler.semantics import idle_worth, standing
 from cleancli.compiler.task import Assignment, GroundAction
 from cleancli.planning.plan import Options
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.world import Step, World, do, succeeded
+from cleancli.simulation.symbolic_world import Step, World, do, succeeded
 
 
 class Reason(enum.Enum):

@@ -20,9 +20,7 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution import checkpoint, journal
-from cleancli.execution.checkpoint import World
-from cleancli.execution.entries import Entries
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -35,11 +33,13 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.folder import EXPERIENCE, JOURNAL, RUN
-from cleancli.execution.pictures import Video, step_picture, write_png
-from cleancli.execution.state import EpisodeState
 from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.learning.experience import encode
+from cleancli.recording import checkpoint, journal
+from cleancli.recording.checkpoint import World
+from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN
+from cleancli.recording.journal_writer import Entries
+from cleancli.recording.pictures import Video, step_picture, write_png
 
 Picture = NDArray[np.uint8]
 

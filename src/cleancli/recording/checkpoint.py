@@ -19,8 +19,13 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from cleancli.execution.arrays import BadArrays, packed, unpacked
-from cleancli.execution.folder import (
+from cleancli.execution.episode_state import EpisodeState
+from cleancli.files.exchange import remove_leftovers
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.text_edit import replace_file
+from cleancli.recording.arrays import BadArrays, packed, unpacked
+from cleancli.recording.folder import (
     APPENDED,
     JOURNAL,
     LARGEST,
@@ -30,11 +35,6 @@ from cleancli.execution.folder import (
     read_inside,
     size_of,
 )
-from cleancli.execution.state import EpisodeState
-from cleancli.files.exchange import remove_leftovers
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
-from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.text_edit import replace_file
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""

@@ -11,9 +11,9 @@ from math import ceil, dist
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions, Job
-from cleancli.execution.state import Move
-from cleancli.execution.tour import shortest_path
+from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import boundary
 from cleancli.motion.actions import gathering, into_container, path_along
 from cleancli.motion.path import ToolPath

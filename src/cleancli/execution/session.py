@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.compiler.task import Assignment, Task
-from cleancli.execution.checkpoint import World
-from cleancli.execution.journal import MOST
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
@@ -20,8 +18,10 @@ from cleancli.execution.workcell import Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.recording.checkpoint import World
+from cleancli.recording.journal import MOST
 from cleancli.scene.model import Scene
-from cleancli.simulation.world import world_of
+from cleancli.simulation.symbolic_world import world_of
 from cleancli.world.robot import Status
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth

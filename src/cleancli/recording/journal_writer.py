@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.lifted_state import Key, StateView, values_of
-from cleancli.execution import events, journal
-from cleancli.execution.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
-from cleancli.execution.state import Account, Situation
+from cleancli.execution import events
+from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import explain, outcomes_of
+from cleancli.recording import journal
+from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
 
 
 class Entries:

@@ -14,7 +14,7 @@ from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, Limits, episode
-from cleancli.simulation.world import world_of
+from cleancli.simulation.symbolic_world import world_of
 
 CHUNKS = 8
 """Pieces that each process gets, so that none waits long for the last. Chosen."""

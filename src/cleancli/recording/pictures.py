@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import Started
-from cleancli.execution.state import Situation
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import replace_file
