@@ -12,7 +12,7 @@ import numpy as np
 
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem, Rule
-from cleancli.shipped import find
+from cleancli.resources import find
 from planning import DOMAIN as CLEANING
 from planning import layout
 

@@ -30,7 +30,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cleancli.cli import convert as convert_command
+from cleancli.cli.commands import convert as convert_command
 from cleancli.cli.main import main as cleancli
 from cleancli.recording.journal import JOURNAL, Acted, Ended, read_journal
 

@@ -25,7 +25,7 @@ from lark import Lark
 
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 ACTIONS, RULES_EACH = 500, 8
 COLD = {

@@ -25,7 +25,7 @@ import numpy as np
 from kept import Kept
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
-from cleancli.cli.act import COUNTED, in_order
+from cleancli.cli.commands.act import COUNTED, in_order
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import Outcome, attempt
 from cleancli.language.diagnostics.diagnostic import Source

@@ -27,10 +27,10 @@ from cleancli.language.load import domain_named, kind_of, load_domain, load_prob
 from cleancli.language.model import Domain, Problem
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.printer import print_domain, print_problem
+from cleancli.resources import find, shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find, shipped
 
 Model = Domain | Problem | Scene
 

@@ -98,10 +98,10 @@ def test_no_import_cycle_between_modules() -> None:
     ("code", "absent"),
     [
         ("import cleancli.cli.main", HEAVY - {"click"} | {"numpy"}),
-        ("import cleancli.cli.check", HEAVY - {"click", "lark"} | {"numpy"}),
-        ("import cleancli.cli.learn", {"numba", "cv2", "pybullet", "numpy"}),
-        ("import cleancli.cli.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
-        ("import cleancli.cli.lsp", HEAVY - {"click"} | {"numpy"}),
+        ("import cleancli.cli.commands.check", HEAVY - {"click", "lark"} | {"numpy"}),
+        ("import cleancli.cli.commands.learn", {"numba", "cv2", "pybullet", "numpy"}),
+        ("import cleancli.cli.commands.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
+        ("import cleancli.cli.commands.lsp", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
         ("import cleancli.planning.registry", {"numba", "cv2", "pybullet"}),
         ("import cleancli.world.robot", {"pybullet", "cv2", "numba"}),
@@ -122,8 +122,8 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         if isinstance(node, ast.Attribute) and node.attr == "truth"
     }
     assert askers == {
-        "cli/execute.py",
-        "cli/scene.py",
+        "cli/commands/execute.py",
+        "cli/commands/scene.py",
         "environment/clean_table.py",
         "execution/session.py",
         "execution/trials.py",

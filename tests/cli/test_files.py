@@ -14,7 +14,7 @@ import pytest
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.main import run
 from cleancli.language.printing.formatter import layout
-from cleancli.shipped import find
+from cleancli.resources import find
 
 DOMAIN = find("cleaning", "domains").read_text(encoding="utf-8")
 PROBLEM = find("three_areas", "problems").read_text(encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.cli.table_map import rows_for, table_map
+from cleancli.cli.views.table_map import rows_for, table_map
 from cleancli.execution.episode_state import Situation
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint

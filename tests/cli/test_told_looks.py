@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cleancli.cli.perceive import TOLD, _described, _printed
+from cleancli.cli.commands.perceive import TOLD, _described, _printed
 from cleancli.language.model import Fact
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.occlusion import Known, Unseen

@@ -21,7 +21,7 @@ from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
 from cleancli.planning.kernels import transitions
 from cleancli.planning.kernels.rng import split, uniform
-from cleancli.shipped import find, shipped_names
+from cleancli.resources import find, shipped_names
 
 DRAWS, SLOW_DRAWS, SEED = 100_000, 2_000, 5
 LEVEL = 1e-4

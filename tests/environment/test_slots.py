@@ -11,8 +11,8 @@ from cleancli.environment.slots import choices, filled
 from cleancli.language.load import load_domain, read_source
 from cleancli.perception.area import Area, Ellipse
 from cleancli.perception.symbols import symbolize
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 
 SCENE = load_scene(read_source(find("two_groups", "problems")))
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))

@@ -12,8 +12,8 @@ from cleancli.execution.table_cell import TableCell
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.recording import journal
 from cleancli.recording.journal_writer import Entries, expected, likely_course
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 from cleancli.world.robot import Status
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))

@@ -23,9 +23,9 @@ from cleancli.language.model import Domain
 from cleancli.learning.experience import decode
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, free_folder
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 from cleancli.world.table import PybulletTable
 
 

@@ -16,9 +16,9 @@ from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 from cleancli.world.robot import Status
 
 SPOTS = ((-0.2, 0.1), (0.1, -0.15))

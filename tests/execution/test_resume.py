@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.cli.running import alone_in, interruptions
+from cleancli.cli.run_session import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation, Vain
 from cleancli.language.diagnostics.diagnostic import Refused

@@ -16,9 +16,9 @@ from cleancli.execution.tsp import shortest_path
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Problem
 from cleancli.perception.area import Area, Ellipse
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 
 OPTIONS = EpisodeOptions()
 

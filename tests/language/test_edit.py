@@ -23,7 +23,7 @@ from cleancli.language.diagnostics.text_edit import (
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Outcome
 from cleancli.language.parsing.trivia import tokens_of
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 DOMAINS = [read_source(path).text for path in [*sorted(shipped("domains").glob("*.nid")), HERE / "small.nid"]]

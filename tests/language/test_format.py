@@ -34,9 +34,9 @@ from cleancli.language.model import (
     Variable,
 )
 from cleancli.language.printing.printer import print_domain, print_float, print_fraction, print_problem
+from cleancli.resources import find, shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
-from cleancli.shipped import find, shipped
 
 HERE = Path(__file__).parent
 TYPES = (Type("thing"), Type("dish", "thing"), Type("cup", "dish"))

@@ -10,7 +10,7 @@ import pytest
 from lark import UnexpectedToken
 
 from cleancli.language.parsing.grammar import grammar, read_cached, write_cached
-from cleancli.shipped import find
+from cleancli.resources import find
 
 TEXT = find("cleaning", "domains").read_text(encoding="utf-8")
 

@@ -15,7 +15,7 @@ from cleancli.language.load import load_domain, read_source
 from cleancli.language.parsing.parse import parse
 from cleancli.language.parsing.trivia import tokens_of
 from cleancli.language.printing.formatter import layout
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]

@@ -16,7 +16,7 @@ from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.refactoring import name_index
 from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
 from cleancli.language.refactoring.rename import rename
-from cleancli.shipped import find, shipped
+from cleancli.resources import find, shipped
 
 HERE = Path(__file__).parent
 DOMAIN = read_source(find("cleaning", "domains"))

@@ -15,7 +15,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from cleancli.language.diagnostics.diagnostic import Refused
-from cleancli.shipped import find, shipped_names
+from cleancli.resources import find, shipped_names
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 

@@ -20,7 +20,7 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain, Problem
-from cleancli.shipped import find
+from cleancli.resources import find
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene

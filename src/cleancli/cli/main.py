@@ -57,7 +57,7 @@ class _Commands(click.Group):
         light = light_command(cmd_name)
         if light is not None:
             return light
-        command = importlib.import_module(f"cleancli.cli.{cmd_name}").command
+        command = importlib.import_module(f"cleancli.cli.commands.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.cli.calls import Call
+from cleancli.cli.action_syntax import Call
 from cleancli.compiler.semantics import covering_rule, reaches_goal
 from cleancli.compiler.task import Task
 from cleancli.language.model import Domain, Problem

@@ -15,7 +15,7 @@ from msgspec import Meta
 
 from cleancli import __version__
 from cleancli.cli.echo import echo
-from cleancli.cli.running import LIBRARIES, Inputs, open_site, versions
+from cleancli.cli.run_session import LIBRARIES, Inputs, open_site, versions
 from cleancli.execution.session import Site
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES

@@ -17,7 +17,7 @@ from cleancli.language.parsing.parse import Parsed, parse
 from cleancli.language.parsing.recovery import blank, outline
 from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.syntax import DomainNode, Include, Root
-from cleancli.shipped import shipped, shipped_names
+from cleancli.resources import shipped, shipped_names
 
 _NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
 

@@ -9,7 +9,7 @@ from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence
 from cleancli.language.refactoring.rename import RENAMABLE, edits_of, refusal_of
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 RENAMED = frozenset({*RENAMABLE, Kind.VARIABLE})
 """What can be renamed. A domain's name is also that of its file, and the rest are words of the language."""

@@ -26,9 +26,9 @@ from cleancli.language.model import Domain
 from cleancli.motion.actions import path_along
 from cleancli.perception.symbols import symbolize
 from cleancli.perception.tracking import Stroke
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 
 Info = dict[str, Any]
 IMPOSSIBLE = "no area stands in that slot, or no rule covers the action"

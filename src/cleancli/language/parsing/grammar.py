@@ -22,7 +22,7 @@ from lark import Lark
 
 from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.language.parsing.lexer import ContextLexer
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 _DIGEST = hashlib.sha256
 

@@ -13,17 +13,24 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
+from cleancli.cli.commands.report import write_page
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.live import show
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
-from cleancli.cli.report import write_page
 from cleancli.cli.resume import reopened, unfinished
-from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
+from cleancli.cli.run_session import (
+    Inputs,
+    alone_in,
+    interruptions,
+    none_left_where_refused,
+    open_site,
+    versions,
+)
 from cleancli.cli.symbolic import told_of
+from cleancli.cli.views.live import show
 from cleancli.compiler.task import NoDurationError
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Ended, Looked
@@ -42,8 +49,8 @@ from cleancli.recording.journal import MOST, Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, free_folder
 from cleancli.report.run import FORMAT
+from cleancli.resources import find
 from cleancli.scene.calibration import as_text
-from cleancli.shipped import find
 
 
 def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:

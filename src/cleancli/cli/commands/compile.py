@@ -8,7 +8,7 @@ import click
 
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in
-from cleancli.cli.seen import open_both
+from cleancli.cli.observe import open_both
 from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
 

@@ -8,7 +8,7 @@ from dataclasses import asdict
 import click
 from rich.table import Table
 
-from cleancli.cli.tables import plain_table, print_table
+from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.language.diagnostics.plural import plural
 from cleancli.simulation.batch import Setup
 from cleancli.simulation.episode import Episode

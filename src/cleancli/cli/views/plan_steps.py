@@ -7,7 +7,7 @@ import itertools
 from rich.table import Table
 
 from cleancli.cli.plan_job import Job
-from cleancli.cli.tables import plain_table
+from cleancli.cli.views.tables import plain_table
 from cleancli.compiler.task import literal_text
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.evaluation.forecast import Forecast, Result, Step

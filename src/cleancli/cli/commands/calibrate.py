@@ -24,10 +24,10 @@ from cleancli.perception.calibrate import NotClean, calibrate
 from cleancli.perception.perceive import BadFrame
 from cleancli.perception.recorded import BadRecording, load_frames
 from cleancli.perception.surface import NoSurface
+from cleancli.resources import find
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 
 _FILE = click.Path(path_type=Path, dir_okay=False)
 _FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)

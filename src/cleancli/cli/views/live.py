@@ -10,11 +10,11 @@ from typing import Protocol
 from rich.console import Console, RenderableType
 from rich.live import Live
 
-from cleancli.cli.dashboard import Shown, came_of, dashboard, names_of, updated
 from cleancli.cli.kernels import how_loaded
 from cleancli.cli.progress import SLOW
 from cleancli.cli.symbolic import Told
-from cleancli.cli.table_map import Place
+from cleancli.cli.views.dashboard import Shown, came_of, dashboard, names_of, updated
+from cleancli.cli.views.table_map import Place
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import (
     Acted,

@@ -18,8 +18,8 @@ from cleancli.language.load import Checked, checked_domain, kind_of, load_proble
 from cleancli.language.model import Domain
 from cleancli.language.refactoring.name_index import Kind
 from cleancli.language.refactoring.rename import RENAMABLE, rename
+from cleancli.resources import find
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 
 
 @click.command("rename", short_help="Rename a declared thing in a domain and its problems.")

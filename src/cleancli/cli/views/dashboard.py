@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cleancli.cli.symbolic import Told
-from cleancli.cli.table_map import rows_for, table_map
+from cleancli.cli.views.table_map import rows_for, table_map
 from cleancli.execution.episode_state import Account, Move, Situation
 from cleancli.execution.events import (
     Acted,

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import click
 
-from cleancli.cli.calls import read_action
+from cleancli.cli.action_syntax import read_action
 from cleancli.cli.completion import actions, domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import located_in
-from cleancli.cli.seen import open_both
+from cleancli.cli.observe import open_both
 from cleancli.compiler.explain import (
     Attempt,
     Bound,

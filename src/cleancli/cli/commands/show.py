@@ -18,7 +18,7 @@ from rich.tree import Tree
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.inputs import located_in, open_domain
-from cleancli.cli.seen import open_both
+from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.plural import plural

@@ -9,8 +9,8 @@ import click
 
 from cleancli.cli.kernels import has_compiled
 from cleancli.cli.plan_job import Job, why_nothing
-from cleancli.cli.plan_steps import steps_data, steps_table
-from cleancli.cli.tables import plain_table, print_table
+from cleancli.cli.views.plan_steps import steps_data, steps_table
+from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.compiler.semantics import reaches_goal
 from cleancli.language.diagnostics.plural import plural
 from cleancli.planning.compare import Row
