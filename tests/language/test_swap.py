@@ -25,8 +25,8 @@ import pytest
 
 from cleancli.files import exchange as swap
 from cleancli.files import lease
+from cleancli.files.replace import Change, replace_file, write_all, write_atomically
 from cleancli.language.diagnostics.diagnostic import Refused
-from cleancli.language.diagnostics.text_edit import Change, replace_file, write_all, write_atomically
 
 TRACED = {lease.__file__, swap.__file__}
 OLD, NEW, THEIRS = "old text", "new text that is longer", "theirs"

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.files.plain import read_plain
+from cleancli.files.replace import replace_file
 from cleancli.files.untrusted import png_size
 from cleancli.geometry.rgbd import Camera, Frame
-from cleancli.language.diagnostics.text_edit import replace_file
 
 CAMERA = "camera.json"
 MILLIMETRES = 1000

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.files.exchange import remove_leftovers
+from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.recording.arrays import BadArrays, packed, unpacked
 from cleancli.recording.folder import (
     APPENDED,

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import Started
+from cleancli.files.replace import replace_file
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.perception.pictures import draw, project
 
 Picture = NDArray[np.uint8]

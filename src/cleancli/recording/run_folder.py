@@ -33,7 +33,7 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.language.diagnostics.text_edit import replace_file
+from cleancli.files.replace import replace_file
 from cleancli.learning.experience import encode
 from cleancli.recording import checkpoint, journal
 from cleancli.recording.checkpoint import World

@@ -14,10 +14,10 @@ from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
+from cleancli.files.replace import write_atomically
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.text_edit import write_atomically
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate

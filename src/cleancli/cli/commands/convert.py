@@ -12,9 +12,9 @@ import click
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.conversion.convert import Converted, Wishes, convert
+from cleancli.files.replace import Change, write_all
 from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.diagnostics.sink import RESERVED
-from cleancli.language.diagnostics.text_edit import Change, write_all
 from cleancli.language.load import read_source
 
 FILES = ("rules.dat", "state.dat", "symbols.dat")

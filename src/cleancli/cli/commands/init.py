@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from cleancli.cli.echo import echo
-from cleancli.language.diagnostics.text_edit import Change, write_all
+from cleancli.files.replace import Change, write_all
 from cleancli.language.load import read_source
 
 STARTER = Path(__file__).parent / "starter"

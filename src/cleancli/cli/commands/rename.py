@@ -11,9 +11,10 @@ from cleancli.cli.completion import domains, problems, renamable
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
+from cleancli.files.replace import Change, write_all
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.text_edit import Change, Edit, apply_edits, write_all
+from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source
 from cleancli.language.model import Domain
 from cleancli.language.refactoring.name_index import Kind

@@ -13,8 +13,8 @@ from rich.table import Table
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import working
 from cleancli.cli.views.tables import plain_table, print_table
+from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
-from cleancli.language.diagnostics.text_edit import replace_file
 from cleancli.report.account import Row, name_of, row_of
 from cleancli.report.page import comparison_page, run_page
 from cleancli.report.run import Run, read_run

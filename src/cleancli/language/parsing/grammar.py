@@ -20,7 +20,7 @@ from pathlib import Path
 import lark
 from lark import Lark
 
-from cleancli.language.diagnostics.text_edit import replace_file
+from cleancli.files.replace import replace_file
 from cleancli.language.parsing.lexer import ContextLexer
 from cleancli.resources import shipped
 
