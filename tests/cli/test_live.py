@@ -28,10 +28,10 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
+from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area, Ellipse
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 
 SCENE = load_scene(read_source(find("two_groups", "problems")))

@@ -17,11 +17,12 @@ from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.ragged import Ints
 from cleancli.compiler.semantics import covering_rule, sample
 from cleancli.compiler.task import Assignment, GroundRule, Task
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
 from cleancli.planning.kernels import transitions
 from cleancli.planning.kernels.rng import split, uniform
-from cleancli.resources import find, shipped_names
+from cleancli.resources import shipped_names
 
 DRAWS, SLOW_DRAWS, SEED = 100_000, 2_000, 5
 LEVEL = 1e-4

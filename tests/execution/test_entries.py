@@ -9,10 +9,10 @@ from cleancli.execution.loop import clean
 from cleancli.execution.session import Site, symbolic_site
 from cleancli.execution.setup import EpisodeOptions, Job, Setup
 from cleancli.execution.table_cell import TableCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.recording import journal
 from cleancli.recording.journal_writer import Entries, expected, likely_course
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.world.robot import Status
 

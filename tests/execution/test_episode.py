@@ -18,12 +18,12 @@ from cleancli.execution.session import table_site
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.table_cell import look_once
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.experience import decode
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, free_folder
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.table import PybulletTable

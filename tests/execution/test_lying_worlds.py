@@ -14,9 +14,9 @@ from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status

@@ -12,8 +12,8 @@ from cleancli.execution.loop import clean
 from cleancli.execution.session import Site, symbolic_site
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.resources import find
 
 
 def site(seed: int = 1, **options: object) -> Site:

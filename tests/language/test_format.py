@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import (
     Action,
@@ -34,7 +35,7 @@ from cleancli.language.model import (
     Variable,
 )
 from cleancli.language.printing.printer import print_domain, print_float, print_fraction, print_problem
-from cleancli.resources import find, shipped
+from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 

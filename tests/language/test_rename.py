@@ -12,11 +12,12 @@ import pytest
 from cleancli.language import syntax
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.diagnostics.text_edit import apply_edits
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.refactoring import name_index
 from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
 from cleancli.language.refactoring.rename import rename
-from cleancli.resources import find, shipped
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 DOMAIN = read_source(find("cleaning", "domains"))

@@ -15,7 +15,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from cleancli.language.diagnostics.diagnostic import Refused
-from cleancli.resources import find, shipped_names
+from cleancli.language.find import find
+from cleancli.resources import shipped_names
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 

@@ -11,6 +11,7 @@ import click
 
 from cleancli.cli.files import STDIN, read
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.find import find
 from cleancli.language.load import (
     checked_domain,
     checked_problem,
@@ -20,7 +21,6 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain, Problem
-from cleancli.resources import find
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene

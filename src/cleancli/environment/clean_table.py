@@ -21,12 +21,12 @@ from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.session import Site, table_site, usual_job
 from cleancli.execution.setup import EpisodeOptions, within_reach
 from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.motion.actions import path_along
 from cleancli.perception.symbols import symbolize
 from cleancli.perception.tracking import Stroke
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 

@@ -18,13 +18,13 @@ from cleancli.files.replace import write_atomically
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.find import find
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
 from cleancli.perception.perceive import BadFrame
 from cleancli.perception.recorded import BadRecording, load_frames
 from cleancli.perception.surface import NoSurface
-from cleancli.resources import find
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene

@@ -40,6 +40,7 @@ from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.registry import PLANNERS
@@ -49,7 +50,6 @@ from cleancli.recording.journal import MOST, Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, free_folder
 from cleancli.report.run import FORMAT
-from cleancli.resources import find
 from cleancli.scene.calibration import as_text
 
 

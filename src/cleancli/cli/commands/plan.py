@@ -24,6 +24,7 @@ from cleancli.cli.views.plan_picture import check_picture, draw_picture
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain
 from cleancli.planning.compare import compared
@@ -33,7 +34,6 @@ from cleancli.planning.evaluation.value import evaluate
 from cleancli.planning.plan import Options
 from cleancli.planning.reductions.subproblem import Fewer, fewer
 from cleancli.planning.registry import PLANNERS
-from cleancli.resources import find
 from cleancli.scene.model import Scene
 
 _DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"

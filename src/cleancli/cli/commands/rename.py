@@ -15,11 +15,11 @@ from cleancli.files.replace import Change, write_all
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
+from cleancli.language.find import find
 from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source
 from cleancli.language.model import Domain
 from cleancli.language.refactoring.name_index import Kind
 from cleancli.language.refactoring.rename import RENAMABLE, rename
-from cleancli.resources import find
 from cleancli.scene.check import load_scene
 
 

@@ -17,9 +17,9 @@ from cleancli.cli.refusal import planning_refused
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.views.simulated import as_data, print_summaries
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.planning.registry import PLANNERS
-from cleancli.resources import find
 from cleancli.simulation.batch import Setup, spread
 from cleancli.simulation.compatibility import refuse_unlike
 from cleancli.simulation.episode import Episode, Limits
