@@ -18,8 +18,8 @@ from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.plan import Options
-from cleancli.planning.planners.prada import plan_value
 from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "domains"

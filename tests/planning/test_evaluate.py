@@ -23,10 +23,10 @@ from cleancli.compiler.semantics import (
 from cleancli.compiler.task import Assignment, Task, held
 from cleancli.planning.compare import compared
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_beliefs
 from cleancli.planning.evaluation.forecast import Forecast, exact_course, forecast
 from cleancli.planning.evaluation.value import evaluate, exact
 from cleancli.planning.plan import Options, TooManyStatesError
-from cleancli.planning.planners.prada import plan_beliefs
 
 SEEDS = range(6)
 

@@ -23,7 +23,7 @@ from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable,
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain, load_problem, read_source
 from cleancli.language.printing.formatter import layout
-from cleancli.planning.planners.prada import plan_value
+from cleancli.planning.evaluation.belief_value import plan_value
 
 REFERENCE = """
 domain d {

@@ -31,11 +31,11 @@ from cleancli.compiler.task import (
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.coverage import coverage, enough_samples
 from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.planners.prada import plan_value
 from cleancli.planning.registry import PLANNERS
 
 ROOT = Path(__file__).parent.parent.parent

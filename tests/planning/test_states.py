@@ -20,8 +20,8 @@ from cleancli.compiler.semantics import (
     successors,
 )
 from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.kernels import transitions
-from cleancli.planning.planners.prada import plan_value
 
 SEEDS = range(12)
 

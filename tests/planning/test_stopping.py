@@ -17,11 +17,11 @@ from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, standing, successors
 from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.value import earliness
 from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planners.beam import best_sequence
-from cleancli.planning.planners.prada import plan_value
 from cleancli.planning.reductions.determinization import all_outcomes
 from cleancli.planning.registry import PLANNERS
 

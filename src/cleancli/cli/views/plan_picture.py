@@ -13,8 +13,8 @@ from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.plan_job import Job
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import literal_text
+from cleancli.planning.evaluation.belief_value import plan_beliefs
 from cleancli.planning.evaluation.forecast import Forecast
-from cleancli.planning.planners.prada import plan_beliefs
 
 MOST_ROWS = 30
 """Literals that a picture shows: those that change most. More are too small to read. Chosen."""

@@ -16,10 +16,10 @@ from cleancli.compiler.semantics import (
     idle_worth,
 )
 from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.forecast import FEW_STATES, drawn_course, exact_course
 from cleancli.planning.evaluation.state_distribution import ahead, paying
 from cleancli.planning.plan import Options
-from cleancli.planning.planners.prada import plan_value
 
 RUNS = 100_000
 """Runs that value a sequence; at a spread of one dirty area the error is 0.003. Chosen."""
