@@ -10,7 +10,8 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from cleancli.compiler.lifted_state import Binding, ConflictError, Key, StateView
+from cleancli.compiler.fluents import Binding, Key
+from cleancli.compiler.lifted_state import ConflictError, StateView
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import (
     Assign,

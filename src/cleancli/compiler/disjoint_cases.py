@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+from cleancli.compiler.fluents import Key, bind, shifted
 from cleancli.compiler.ground_formula import (
     ALWAYS,
     Formula,
@@ -24,7 +25,6 @@ from cleancli.compiler.ground_formula import (
     restricted,
 )
 from cleancli.compiler.instances import Changes, Instance, StateEffect
-from cleancli.compiler.lifted_state import Key, bind, shifted
 from cleancli.compiler.partial_evaluation import Conditions, part_text
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.model import Assign, Domain, Rule, Value

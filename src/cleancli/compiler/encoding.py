@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cleancli.compiler.fluents import Key
 from cleancli.compiler.ground_formula import Requirement
 from cleancli.compiler.instances import Changes
-from cleancli.compiler.lifted_state import Key
 from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import GroundCondition, StateVariable
 from cleancli.language.model import Value

@@ -13,10 +13,10 @@ from fractions import Fraction
 from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.encoding import Numbering
+from cleancli.compiler.fluents import bind
 from cleancli.compiler.ground_formula import Requirement
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.instances import instances
-from cleancli.compiler.lifted_state import bind
 from cleancli.compiler.partial_evaluation import Conditions
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.rewards import costs_of, rewards_of, waiting_can_pay

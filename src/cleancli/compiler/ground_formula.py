@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from cleancli.compiler.lifted_state import Key
+from cleancli.compiler.fluents import Key
 from cleancli.language.model import Value
 
 Requirement = Mapping[Key, frozenset[Value]]

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cleancli.compiler.fluents import Binding, Key
 from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
-from cleancli.compiler.lifted_state import Binding, Key
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Span
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value

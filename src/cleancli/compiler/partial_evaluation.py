@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cleancli.compiler.fluents import Binding, Key, names_of
 from cleancli.compiler.ground_formula import Formula, conjunction, disjunction, negation
-from cleancli.compiler.lifted_state import Binding, Key, names_of
 from cleancli.compiler.static_join import Part, Universe, step
 from cleancli.language.model import (
     Condition,

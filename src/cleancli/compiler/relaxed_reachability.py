@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from cleancli.compiler.fluents import Key, shifted
 from cleancli.compiler.ground_formula import can_hold
 from cleancli.compiler.instances import Instance, StateEffect
-from cleancli.compiler.lifted_state import Key, shifted
 from cleancli.compiler.static_join import Universe
 from cleancli.language.model import Assign, Shift, Value
 

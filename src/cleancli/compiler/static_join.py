@@ -9,16 +9,16 @@ import itertools
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from cleancli.compiler.lifted_state import (
+from cleancli.compiler.fluents import (
     Binding,
     Key,
-    ObjectsByType,
     changeable_symbols,
     name_of,
     names_of,
     parameters_of,
     values_of,
 )
+from cleancli.compiler.lifted_state import ObjectsByType
 from cleancli.compiler.paths import Paths
 from cleancli.language.model import (
     Condition,

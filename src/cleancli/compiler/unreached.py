@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from cleancli.compiler.fluents import Key
 from cleancli.compiler.ground_formula import Formula, Known, restricted
 from cleancli.compiler.grounding_size import count_groundings, refuse_too_many
 from cleancli.compiler.instances import instances
-from cleancli.compiler.lifted_state import Key
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.static_join import Universe

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from cleancli.compiler.lifted_state import canonical_state
+from cleancli.compiler.fluents import canonical_state
 from cleancli.files.plain import in_units, open_plain
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
 from cleancli.language.diagnostics.plural import plural

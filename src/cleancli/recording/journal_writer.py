@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.lifted_state import Key, StateView, values_of
+from cleancli.compiler.fluents import Key, values_of
+from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import events
 from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value

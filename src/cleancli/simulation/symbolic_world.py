@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cleancli.compiler.fluents import Key, values_of
 from cleancli.compiler.ground import ground
-from cleancli.compiler.lifted_state import Key, values_of
 from cleancli.compiler.rewards import costs_of
 from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
 from cleancli.compiler.task import Assignment, GroundAction, Task, by_time, held
