@@ -28,10 +28,11 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.scene.check import load_scene
 
 SCENE = load_scene(read_source(find("two_groups", "problems")))

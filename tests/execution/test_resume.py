@@ -22,10 +22,11 @@ from cleancli.cli.main import run
 from cleancli.cli.run_session import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation, Vain
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.recording import checkpoint, run_folder
 from cleancli.recording.journal import Acted, Ended, Resumed, read_journal
 

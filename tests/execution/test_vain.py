@@ -8,8 +8,9 @@ import pytest
 from numpy import pi
 
 from cleancli.execution.episode_state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 
 
 def area(

@@ -7,15 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.motion.ellipse import (
-    boundary,
-    contains,
-    farthest,
-    farthest_from_stretch,
-    major_ends,
-    nearest,
-)
-from cleancli.perception.area import Ellipse
+from cleancli.geometry.ellipse import Ellipse, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.motion.ellipse import boundary, contains
 
 ellipses = st.builds(
     lambda x, y, longer, share, angle: Ellipse((x, y), (longer, share * longer), angle),

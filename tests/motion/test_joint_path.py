@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import Arm, forward
 from cleancli.motion.clearance import clear
@@ -18,7 +19,6 @@ from cleancli.motion.legs import Leg, legs
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.search import way
 from cleancli.motion.timing import Limits, timed
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 from cleancli.world.robots.wam import BUILD, arm_for
 

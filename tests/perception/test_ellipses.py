@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.geometry.ellipse import extent, gap
-from cleancli.perception.area import Ellipse
+from cleancli.geometry.ellipse import Ellipse, extent, gap
 from cleancli.perception.areas import enclosing_ellipses
 
 ELLIPSES = st.builds(

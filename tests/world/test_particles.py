@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene, Surface
 from cleancli.world import constants as par
 from cleancli.world.robot import Robot, Status

@@ -9,11 +9,11 @@ from itertools import product
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
 from cleancli.world.constants import PARTICLES
 from cleancli.world.robot import Robot, Status

@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import constants as par
 from cleancli.world.robot import Robot, Status

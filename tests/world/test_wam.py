@@ -8,11 +8,11 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import forward, frames
 from cleancli.motion.clearance import hull_ends, segment_gaps
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
 from cleancli.world import camera
 from cleancli.world.robot import Robot, Status

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
-from cleancli.geometry.ellipse import boundary
+from cleancli.geometry.ellipse import Ellipse, boundary
 from cleancli.motion.actions import gathering, into_container, path_along
 from cleancli.motion.path import ToolPath
 from cleancli.motion.pick_up import pick_up
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.symbols import place_at_mouth
 from cleancli.scene.model import Scene
 

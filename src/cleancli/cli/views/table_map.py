@@ -10,8 +10,8 @@ from math import cos, hypot, sin
 from rich.text import Text
 
 from cleancli.execution.episode_state import Situation
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.path import ToolPath
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 
 Place = tuple[float, float]
