@@ -18,6 +18,7 @@ import click
 from cleancli import __version__
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
+from cleancli.execution.episode_state import World
 from cleancli.execution.session import Site, symbolic_site, table_site
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
@@ -25,7 +26,6 @@ from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
-from cleancli.recording.checkpoint import World
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
 

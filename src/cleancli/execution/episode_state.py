@@ -7,8 +7,12 @@ for, and how many there were before.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import dist
+from typing import Any
+
+from numpy.typing import NDArray
 
 from cleancli.compiler.task import GroundAction
 from cleancli.language.model import Object, State
@@ -173,3 +177,7 @@ def _alike(old: Area, new: Area) -> bool:
         and dist(old.ellipse.axes, new.ellipse.axes) <= SAME_PLACE
         and abs(old.covered - new.covered) <= 0.2 * max(old.covered, new.covered)
     )
+
+
+World = Mapping[str, NDArray[Any]]
+"""What the world is like, as arrays by name."""

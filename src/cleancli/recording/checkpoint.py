@@ -17,9 +17,8 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
-from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.episode_state import EpisodeState, World
 from cleancli.files.exchange import remove_leftovers
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
@@ -38,9 +37,6 @@ from cleancli.recording.folder import (
 
 KEPT = 2
 """Checkpoints that stay: the last one, and one more should a disk lose it."""
-
-World = Mapping[str, NDArray[Any]]
-"""What the world is like, as arrays by name."""
 
 
 _FRACTION = re.compile(r"-?\d{1,300}(/0*[1-9]\d{0,300})?")

@@ -20,7 +20,7 @@ from typing import IO, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.episode_state import EpisodeState, World
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -36,7 +36,6 @@ from cleancli.execution.events import (
 from cleancli.files.replace import replace_file
 from cleancli.learning.experience import encode
 from cleancli.recording import checkpoint, journal
-from cleancli.recording.checkpoint import World
 from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.pictures import Video, step_picture, write_png
