@@ -17,7 +17,7 @@ from cleancli import __version__
 from cleancli.cli.echo import echo
 from cleancli.cli.run_session import LIBRARIES, Inputs, open_site, versions
 from cleancli.execution.session import Site
-from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.untrusted import decoded
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
@@ -29,7 +29,7 @@ from cleancli.recording import checkpoint
 from cleancli.recording.checkpoint import Saved
 from cleancli.recording.fitting import check_fits
 from cleancli.recording.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
-from cleancli.recording.journal import MOST, Count, Seconds, Started
+from cleancli.recording.journal import Count, Seconds, Started
 from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene
 

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from cleancli.compiler.task import Assignment, Task
 from cleancli.execution.episode_state import World
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, Setup, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
-from cleancli.recording.journal import MOST
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
 from cleancli.world.robot import Status

@@ -100,3 +100,7 @@ def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
     )
     names = {action.name for action in actions}
     return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
+
+
+MOST = 10**9
+"""Of anything that is counted, and seconds."""

@@ -12,11 +12,11 @@ from itertools import chain, pairwise
 from math import dist
 
 from cleancli.execution.episode_state import EpisodeState, Move, Situation
+from cleancli.execution.setup import MOST
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Object, State
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
-from cleancli.recording.journal import MOST
 
 FARTHEST = 1e3
 """Metres, metres a second, radians."""

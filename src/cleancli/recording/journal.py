@@ -14,12 +14,10 @@ from typing import Annotated, Literal, NamedTuple
 import msgspec
 from msgspec import Meta
 
+from cleancli.execution.setup import MOST
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
 from cleancli.language.model import State, Value
 from cleancli.recording.folder import JOURNAL, read_text
-
-MOST = 10**9
-"""Of anything that is counted, and seconds."""
 
 Count = Annotated[int, Meta(ge=0, le=MOST)]
 Seconds = Annotated[float, Meta(ge=0, le=MOST)]

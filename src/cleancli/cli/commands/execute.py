@@ -36,7 +36,7 @@ from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Ended, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Site
-from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
@@ -46,7 +46,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.checkpoint import cut_back
 from cleancli.recording.folder import FILES
-from cleancli.recording.journal import MOST, Interrupted, Resumed
+from cleancli.recording.journal import Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, free_folder
 from cleancli.report.run import FORMAT
