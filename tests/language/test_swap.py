@@ -311,7 +311,7 @@ def test_two_processes_of_this_program_write_one_after_the_other(tmp_path: Path)
     path = tmp_path / "a.nid"
     path.write_text("0")
     script = (
-        "import sys; from pathlib import Path; from cleancli.language.diagnostics.text_edit import write_atomically\n"
+        "import sys; from pathlib import Path; from cleancli.files.replace import write_atomically\n"
         "from cleancli.language.diagnostics.diagnostic import Refused\n"
         "done = 0\n"
         "while done < 30:\n"

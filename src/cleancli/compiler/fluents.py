@@ -1,4 +1,4 @@
-"""TODO."""
+"""Fluents: symbols applied to objects, their values in a state, and the objects that variables stand for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TODO."""
+"""Replaces files, and is the only one that does: those of users as expected, all or none, and own files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TODO."""
+"""Finds the file that is meant by a path or by the name of a shipped one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TODO."""
+"""What a sequence of actions is worth, and what is believed after each, by PRADA's factored belief."""
 
 from __future__ import annotations
 

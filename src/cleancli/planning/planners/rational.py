@@ -36,7 +36,8 @@ class _State:
 
 
 def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
-    """The optimal value of the initial state, and the policy, as planning/kernels/state_graph.py has them in floats.
+    """The optimal value of the initial state, and the policy, as planning/kernels/state_graph.py has them in
+    floats.
 
     A discount, which is a float, is taken for the decimal number that it is printed as. Raises
     `TooManyStatesError` where more than `limit` states can be reached within the horizon.
