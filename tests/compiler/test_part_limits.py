@@ -156,7 +156,7 @@ def test_a_closure_of_too_many_paths_says_where(place: str, monkeypatch: pytest.
 def test_a_count_has_no_more_bindings_than_fit(
     condition: str, number: int, blame: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = BLAMED.replace("derived {", f"derived {{ many := count ?a ?b ?c - area: {partial_evaluation}")
+    text = BLAMED.replace("derived {", f"derived {{ many := count ?a ?b ?c - area: {condition}")
     text = text % "dirt(?a), near(?a, ?b), near(?b, ?c)"
     checked = domain_texts.checked(text, SOME)
     ground(*checked)

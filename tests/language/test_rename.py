@@ -48,9 +48,9 @@ def _renamed(source: Source, old: str, new: str, kind: Kind | None = None) -> st
 
 def occurrences(source: Source, offset: int) -> list[Occurrence]:
     """All occurrences of what is named at an offset."""
-    name_index = names_in(source)
-    meanings = [name.meaning for name in name_index if name.span.start <= offset < name.span.end]
-    return [name for name in name_index if name.meaning in meanings]
+    names = names_in(source)
+    meanings = [name.meaning for name in names if name.span.start <= offset < name.span.end]
+    return [name for name in names if name.meaning in meanings]
 
 
 def _changed_lines(old: str, new: str) -> list[str]:

@@ -8,11 +8,10 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 import pytest
-from cleancli.motion.ellipse import boundary
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.geometry.ellipse import Ellipse, farthest, nearest
+from cleancli.geometry.ellipse import Ellipse, boundary, farthest, nearest
 from cleancli.motion import actions
 from cleancli.motion.actions import SKILLS, NoSkill, can_execute, tool_path
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cleancli.motion.ellipse import boundary, contains
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.geometry.ellipse import Ellipse, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.geometry.ellipse import (
+    Ellipse,
+    boundary,
+    contains,
+    farthest,
+    farthest_from_stretch,
+    major_ends,
+    nearest,
+)
 
 ellipses = st.builds(
     lambda x, y, longer, share, angle: Ellipse((x, y), (longer, share * longer), angle),
