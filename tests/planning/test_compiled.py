@@ -48,7 +48,7 @@ def _run(site: Path, cwd: Path, **environment: str) -> subprocess.CompletedProce
 def read_only(tmp_path: Path) -> Path:
     """An installation in which even root can make no `__pycache__`, because there is a file of that name."""
     site = _installed(tmp_path)
-    (site / "cleancli" / "planning" / "__pycache__").write_text("")
+    (site / "cleancli" / "planning" / "kernels" / "__pycache__").write_text("")
     return site
 
 
@@ -67,7 +67,7 @@ def test_without_a_place_for_a_cache_the_code_is_compiled_all_the_same(
 def test_a_cache_is_kept_where_there_is_a_place(tmp_path: Path) -> None:
     site = _installed(tmp_path)
     assert _run(site, tmp_path, HOME=str(tmp_path)).returncode == 0
-    kept = list((site / "cleancli" / "planning" / "__pycache__").glob("reachable.enter*.nbc"))
+    kept = list((site / "cleancli" / "planning" / "kernels" / "__pycache__").glob("state_graph.enter*.nbc"))
     assert len(kept) == 1
 
 
