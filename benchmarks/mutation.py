@@ -29,7 +29,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import mutation_runs as runs
-from mutants import SOURCES, Change, Site, changed, sites
+from mutants import MODULE, SOURCES, Change, Site, changed, sites
 from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect, test_files
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -170,6 +170,8 @@ class Bench:
                 self._sound.add(by)
         if by:
             self._kills[change.module, by] += 1
+            if change.block.endswith(MODULE):
+                self._kills[change.kind, by] += 1
         outcome = "noticed" if by else "survived" if done else "unreached"
         return Result(
             change.key,

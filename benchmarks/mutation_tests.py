@@ -141,9 +141,14 @@ class Knowledge:
         tests = self._running(change)
         tests |= self._perhaps_running(change)
 
-        def rank(test: str) -> tuple[int, float]:
+        stated = change.block.endswith(MODULE)
+
+        def rank(test: str) -> tuple[int, int, float]:
             apart = 1.0 if test.split("/")[1] == change.module.split("/")[0] else 2.0
-            return -kills[change.module, test], apart * (self._seconds[test] + 0.002 * self._breadth[test])
+            if test.count("/") == 1:  # of the project as a whole, such as its list of numbers
+                apart = 0.25
+            cost = self._seconds[test] + 0.002 * self._breadth[test]
+            return -kills[change.module, test], -kills[change.kind, test] if stated else 0, apart * cost
 
         order = sorted(tests, key=rank)
         seconds = {test: self._seconds[test] for test in order}
