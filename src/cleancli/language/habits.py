@@ -118,6 +118,21 @@ def _name_or_number(at: Misplaced) -> str:
     return ""
 
 
+def _braces(at: Misplaced) -> str:
+    """Braces in a rule, which has none but its own."""
+    if at.token != "{":
+        return ""
+    if at.word_before == "then":
+        return "outcomes stand without braces: `then 0.8: wet(?a)  rest: nothing`"
+    if at.word_before in ("when", "with"):
+        return f"what follows `{at.word_before}` stands without braces"
+    if at.before.endswith("=>"):
+        return "several effects stand in parentheses: `forall ?m - area: wet(?m) => (p(?m), q(?m))`"
+    if at.before.endswith(":"):
+        return "effects stand without braces, joined by commas: `0.8: wet(?a), not dirt(?a)`"
+    return ""
+
+
 def _negation_of_group(at: Misplaced) -> str:
     """`not (...)` and other parentheses around literals as they are written here."""
     denied = re.match(rf"\s*=\s*({_TERM})", at.after)
@@ -395,6 +410,7 @@ _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     _function_or_count,
     _habit_word,
     _setting,
+    _braces,
     _negation_of_group,
     _two_functions,
     _value_first,
