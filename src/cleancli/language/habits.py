@@ -91,6 +91,8 @@ def _function_or_count(at: Misplaced) -> str:
         return "a function says which values it has: `load(?a - area): 0..10`, or `: low < high`"
     if "TO" in at.accepted and at.token == "-":
         return "a range is written `0..10`"
+    if at.kind == "VARIABLE" and re.search(r"[<>=]\s*count$", at.before):
+        return "nothing is counted here: say what holds instead, as in `not exists ?a - area: dirt(?a)`"
     if at.accepted == {"COUNT"}:
         return "objects are all that can be counted: `n := count ?a - area: dirt(?a)`"
     if at.token == "(" and re.search(r"\bdecrease\s*\(\s*\w+$", at.before):
