@@ -18,8 +18,9 @@ LARGEST = 64 << 20
 """Bytes of a picture."""
 
 MOST_PIXELS = 64 << 20
-"""Of a picture, which its header tells before memory is taken. Chosen: a scene's camera has at most 4096 a
-side, and beside what it saw stands the room."""
+"""Of a picture, which its header tells before memory is taken. Chosen: more than twice what a run writes. A
+scene's image has at most as many as 1920 x 1080 and is at most 4096 high, and the room beside it is as high
+and a third wider than that."""
 
 QUALITY = 80
 """Of WebP, out of 100. Chosen: text in the pictures stays clear, and one takes some 40 kB."""
