@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cleancli.language.plain import NotPlain, TooLarge, read_plain
-from cleancli.language.untrusted import png_size
+from cleancli.language.untrusted import is_whole_png, png_size
 
 WIDEST = 1200
 """Pixels; wider pictures are made smaller. Chosen: the page shows them at most so wide."""
@@ -32,7 +32,7 @@ def data_uri(path: Path) -> str | None:
     try:
         content = read_plain(path, LARGEST, follow=False)
         width, height = png_size(content) or (0, 0)
-        if not 0 < width * height <= MOST_PIXELS:
+        if not 0 < width * height <= MOST_PIXELS or not is_whole_png(content):
             return None
         picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
     except (FileNotFoundError, NotPlain, TooLarge, cv2.error):
