@@ -53,7 +53,8 @@ class _Open:
 
 
 class _Scan:
-    """One pass over the tokens of a text; `stack` holds the blocks that are open.
+    """One pass over the tokens of a text, up to the most mistakes that are reported; `stack` holds the blocks
+    that are open.
 
     With `by_margin`, a section of a scene that is not indented deeper than the open one stands beside it.
     """
@@ -73,6 +74,8 @@ class _Scan:
             token = match.group()
             if token.startswith("#"):
                 continue
+            if len(self.diagnostics) >= _MOST_REPORTED:
+                break
             if self.root_end is not None:
                 self._report_after_end(match)
                 return
