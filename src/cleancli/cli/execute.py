@@ -25,13 +25,14 @@ from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.running import Inputs, alone_in, interruptions, none_left_where_refused, open_site, versions
 from cleancli.cli.symbolic import told_of
 from cleancli.compiler.task import NoDurationError
+from cleancli.execution.begun import begun_folder, named
 from cleancli.execution.checkpoint import cut_back
 from cleancli.execution.entries import Entries
 from cleancli.execution.events import Ended, Looked
 from cleancli.execution.folder import FILES
 from cleancli.execution.journal import MOST, Interrupted, Resumed
 from cleancli.execution.loop import clean
-from cleancli.execution.record import Recorder, free_folder
+from cleancli.execution.record import Recorder, write_run
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.site import Site
 from cleancli.execution.state import EpisodeState
@@ -173,10 +174,11 @@ def command(
         known,
     )
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
-    with closing(open_site(inputs)) as site:
-        folder = free_folder(runs, f"{given.name}-seed{options.seed}")
-        with alone_in(folder), none_left_where_refused(folder):
-            header = _header(options, site.setup.job, _copied(inputs, folder))
+    with closing(open_site(inputs)) as site, begun_folder(runs) as begun:
+        header = _header(options, site.setup.job, _copied(inputs, begun))
+        write_run(begun, header)
+        folder = named(begun, f"{given.name}-seed{options.seed}")
+        with none_left_where_refused(folder):
             return _carry_out(inputs, site, folder, header, video, said)
 
 

@@ -298,6 +298,18 @@ def _renamed(name: Path, other: Path, how: int) -> bool:
     raise OSError(number, os.strerror(number), str(name), None, str(other))
 
 
+def took_free_name(name: Path, path: Path) -> bool:
+    """Whether a folder got another name, which nothing had. Raises OSError."""
+    try:
+        if _renamed(name, path, _NO_REPLACE):
+            return True
+        path.mkdir()
+    except FileExistsError:
+        return False
+    name.rename(path)  # in the place of an empty folder
+    return True
+
+
 _renameat2 = (
     getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if sys.platform == "linux" else None
 )
