@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 from physics import BENCH, DESK, bow
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, SKILLS, tool_path
 from cleancli.motion.path import Unreachable
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
-from cleancli.world.drives import ROBOTS
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
 GRID = 13, 12

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import exact_value
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.plan import Options
-from cleancli.planning.prada import plan_value
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "domains"
 

@@ -18,7 +18,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from cleancli.language.format import print_problem
+from cleancli.language.printing.printer import print_problem
 from planning import DOMAIN, layout
 
 AREAS = 14

@@ -27,14 +27,14 @@ from kept import Kept
 from numpy.typing import NDArray
 
 from cleancli.execution.seeds import Stream, derived
-from cleancli.language.diagnostics import Source
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, can_execute, tool_path
 from cleancli.motion.pace import FAST_SPEED
-from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import Scene
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
 

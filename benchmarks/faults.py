@@ -19,9 +19,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from cleancli.execution import checkpoint
-from cleancli.execution.folder import EXPERIENCE
-from cleancli.execution.journal import JOURNAL, Ended, read_journal
+from cleancli.recording import checkpoint
+from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.journal import JOURNAL, Ended, read_journal
 
 POLL = 2e-3  # seconds between looks at the journal
 PROBLEMS = {"symbolic": "three_areas", "tables": "two_groups"}
@@ -40,7 +40,8 @@ def unreadable(folder: Path) -> str:
         experience = folder / EXPERIENCE
         for line in experience.read_text(encoding="utf-8").split("\n")[:-1] if experience.exists() else ():
             json.loads(line)
-        checkpoint.last(folder)
+        for path in checkpoint.checkpoints(folder)[-1:]:
+            checkpoint.read(folder, path)
     except Exception as error:
         return repr(error)
     return ""

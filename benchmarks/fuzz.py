@@ -23,12 +23,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.grammar import grammar
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.render import as_sarif, render
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain
-from cleancli.language.render import as_sarif, render
-from cleancli.learning.experience import decode
+from cleancli.language.parsing.grammar import grammar
+from cleancli.learning.experience import read_experience
 from cleancli.scene.check import load_scene
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -171,7 +171,7 @@ def mutated(rng: random.Random) -> tuple[str, bytes]:
 def _use(path: Path) -> str:
     source = read_source(path)
     if path.suffix == ".jsonl":
-        return f"experience of {min(len(decode(source, corpus().domain)), 9)} lines"
+        return f"experience of {min(len(tuple(read_experience(path, corpus().domain))), 9)} lines"
     kind = kind_of(source)
     match kind:
         case "domain":

@@ -37,9 +37,9 @@ import fuzz_inputs as inputs
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import SUMMARIES, run
-from cleancli.execution import record
-from cleancli.language.diagnostics import Level, Refused
+from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
+from cleancli.recording import run_folder
 
 COUNTS = {"texts": 20_000, "folders": 5_000, "looks": 2_000}
 SECONDS = 10
@@ -182,18 +182,18 @@ class _Cut(BaseException):
 
 def _cut(words: list[str], actions: int) -> None:
     """A run that dies after so many actions."""
-    checkpoint = record.Recorder._checkpoint
+    checkpoint = run_folder.Recorder._checkpoint
 
-    def dies(self: record.Recorder, state: object) -> None:
+    def dies(self: run_folder.Recorder, state: object) -> None:
         checkpoint(self, state)  # type: ignore[arg-type]
         if state.actions == actions:  # type: ignore[attr-defined]
             raise _Cut
 
-    record.Recorder._checkpoint = dies  # type: ignore[assignment, method-assign]
+    run_folder.Recorder._checkpoint = dies  # type: ignore[assignment, method-assign]
     try:
         _said(tuple(words))
     finally:
-        record.Recorder._checkpoint = checkpoint  # type: ignore[method-assign]
+        run_folder.Recorder._checkpoint = checkpoint  # type: ignore[method-assign]
 
 
 def _run(words: list[str]) -> None:

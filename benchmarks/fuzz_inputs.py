@@ -17,11 +17,11 @@ import shutil
 import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, AnyStr
 
 import numpy as np
 
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -110,17 +110,23 @@ def _number(source: str, rng: random.Random) -> str:
 def _lines(source: str, rng: random.Random) -> str:
     """A line dropped, doubled, moved, or of another file."""
     lines = source.split("\n")
+    if rng.random() < 0.25:
+        lines.insert(rng.randrange(len(lines)), rng.choice(rng.choice(rng.choice(pairs())).split("\n")))
+    else:
+        _displaced(lines, rng)
+    return "\n".join(lines)
+
+
+def _displaced(lines: list[AnyStr], rng: random.Random) -> None:
+    """One of some lines dropped, doubled or moved."""
     number = rng.randrange(len(lines))
-    match rng.randrange(4):
+    match rng.randrange(3):
         case 0:
             del lines[number]
         case 1:
             lines.insert(rng.randrange(len(lines)), lines[number])
-        case 2:
-            lines.insert(rng.randrange(len(lines)), lines.pop(number))
         case _:
-            lines.insert(number, rng.choice(rng.choice(rng.choice(pairs())).split("\n")))
-    return "\n".join(lines)
+            lines.insert(rng.randrange(len(lines)), lines.pop(number))
 
 
 def _part(source: str, rng: random.Random) -> str:
@@ -223,16 +229,11 @@ def json_text(content: bytes, rng: random.Random) -> bytes:
 def json_lines(content: bytes, rng: random.Random) -> bytes:
     """One line of many changed, moved, doubled or taken out."""
     lines = content.split(b"\n")
-    number = rng.randrange(len(lines))
-    match rng.randrange(6):
-        case 0:
-            del lines[number]
-        case 1:
-            lines.insert(rng.randrange(len(lines)), lines[number])
-        case 2:
-            lines.insert(rng.randrange(len(lines)), lines.pop(number))
-        case _:
-            lines[number] = json_text(lines[number], rng)
+    if rng.random() < 0.5:
+        number = rng.randrange(len(lines))
+        lines[number] = json_text(lines[number], rng)
+    else:
+        _displaced(lines, rng)
     return b"\n".join(lines)
 
 

@@ -35,10 +35,10 @@ import numpy as np
 from kept import Kept
 from numpy.typing import NDArray
 
-from cleancli.language.diagnostics import Source
+from cleancli.geometry.ellipse import boundary, contains
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import SKILLS, tool_path
 from cleancli.perception.area import Area
-from cleancli.perception.ellipses import boundary, contains
 from cleancli.perception.perceive import perceive
 from cleancli.perception.symbols import are_near
 from cleancli.perception.tracking import Merge, Split, Stroke, Tracked, track

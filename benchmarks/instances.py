@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem, Rule
-from cleancli.shipped import find
 from planning import DOMAIN as CLEANING
 from planning import layout
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cleancli.language.edit import replace_file
+from cleancli.files.replace import replace_file
 
 Row = Mapping[str, Any]
 

@@ -30,9 +30,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cleancli.cli import convert as convert_command
+from cleancli.cli.commands import convert as convert_command
 from cleancli.cli.main import main as cleancli
-from cleancli.execution.journal import JOURNAL, Acted, Ended, read_journal
+from cleancli.recording.journal import JOURNAL, Acted, Ended, read_journal
 
 ROOT = Path(__file__).resolve().parents[1]
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -64,7 +64,7 @@ class Case:
 
 def cases() -> dict[str, Case]:
     """The writers of texts."""
-    starter = ROOT / "src" / "cleancli" / "cli" / "starter"
+    starter = ROOT / "src" / "cleancli" / "cli" / "commands" / "starter"
     domain, problem = ((starter / name).read_bytes() for name in ("wiping.nid", "two_stains.nid"))
     golden = ROOT / "tests" / "golden"
     learned = {name: (golden / name).read_bytes() for name in ("domain.nid", "experience.jsonl")}

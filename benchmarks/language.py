@@ -23,9 +23,9 @@ from pathlib import Path
 
 from lark import Lark
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
-from cleancli.shipped import shipped
+from cleancli.resources import shipped
 
 ACTIONS, RULES_EACH = 500, 8
 COLD = {

@@ -25,10 +25,10 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.conversion.convert import Wishes, convert
 from cleancli.language.load import checked_domain, load_problem, read_source
-from cleancli.planning import annealing
+from cleancli.planning.compiled_task import Prepared, prepare
+from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "libprada"
 WORDS = 20_000 // 64

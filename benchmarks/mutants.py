@@ -1,8 +1,8 @@
 """Small changes to a module's text, each of which a test should notice, and the blocks that tests run.
 
 A block is a run of statements that are carried out one after the other: the start of a function, of a branch,
-of a loop, and what follows one. Its name, `planning/exact.py:solve:3`, counts within its function, so that a
-change elsewhere in the file leaves it as it is.
+of a loop, and what follows one. Its name, `planning/planners/exact.py:solve:3`, counts within its
+function, so that a change elsewhere in the file leaves it as it is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,10 @@ import builtins
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
+SOURCES = Path(__file__).resolve().parents[1] / "src" / "cleancli"
 MODULE = "<module>"
 COMPILED = frozenset({"njit", "compiled", "inner", "inlined"})
 _COMPOUND = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
@@ -82,7 +85,17 @@ class Change:
 def is_compiled(node: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     """Whether a function becomes machine code, which no marker can stand in."""
     calls = (part.func if isinstance(part, ast.Call) else part for part in node.decorator_list)
-    return any(isinstance(part, ast.Name) and part.id in COMPILED for part in calls)
+    decorated = any(isinstance(part, ast.Name) and part.id in COMPILED for part in calls)
+    return decorated or node.name in _compiled_by_call()
+
+
+@cache
+def _compiled_by_call() -> frozenset[str]:
+    """Names of functions that some module hands to a compiler, such as `better = inlined(preferred)`."""
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py"))
+    calls = (node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call))
+    handed = (call.args for call in calls if isinstance(call.func, ast.Name) and call.func.id in COMPILED)
+    return frozenset(part.id for parts in handed for part in parts if isinstance(part, ast.Name))
 
 
 def _suites(statement: ast.stmt) -> Iterator[list[ast.stmt]]:

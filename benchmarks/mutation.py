@@ -29,11 +29,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import mutation_runs as runs
-from mutants import Change, Site, changed, sites
+from mutants import SOURCES, Change, Site, changed, sites
 from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect, test_files
 
 ROOT = Path(__file__).resolve().parents[1]
-SOURCES = ROOT / "src" / "cleancli"
 RESULTS = "results.jsonl"
 EQUAL = Path(__file__).with_name("mutation_equal.txt")
 
@@ -263,7 +262,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=60.0, help="begin no change after this time (60)")
     parser.add_argument("--seed", type=int, default=1, help="draws other changes (1)")
     parser.add_argument("--draw", choices=("in-turn", "all"), default="in-turn", help="from which modules")
-    parser.add_argument("--module", action="append", help="only this one, such as planning/exact.py")
+    parser.add_argument("--module", action="append", help="only this one, such as planning/planners/exact.py")
     parser.add_argument("--per-change", type=float, default=60.0, help="seconds of tests for a change (60)")
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument(

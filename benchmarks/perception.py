@@ -27,8 +27,8 @@ from kept import Kept
 from perception_tables import Condition, calibrated, drawn, in_view, look, withdrawn
 from perception_truth import Comparison, compared, truth_of
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.pictures import outline
 from cleancli.world.table import PybulletTable

@@ -8,11 +8,11 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.motion.joint_path import nearest_pose
 from cleancli.motion.path import Unreachable
 from cleancli.perception import geometry
 from cleancli.perception.calibrate import NotClean, calibrate
-from cleancli.perception.frame import Frame
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
@@ -28,10 +28,10 @@ from cleancli.scene.model import (
     SymbolThresholds,
 )
 from cleancli.world import camera as world_camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Status
+from cleancli.world.robots.wam import arm_for
 from cleancli.world.table import PybulletTable
-from cleancli.world.wam import arm_for
 
 SURFACES = {
     "beige": (205, 198, 184),

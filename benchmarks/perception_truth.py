@@ -14,17 +14,17 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
+from cleancli.geometry.ellipse import gap
+from cleancli.geometry.rgbd import Camera
 from cleancli.perception import geometry
 from cleancli.perception.area import Area
 from cleancli.perception.areas import enclosing_ellipses
-from cleancli.perception.ellipses import gap
-from cleancli.perception.frame import Camera
 from cleancli.perception.perceive import RIM, Observation
 from cleancli.perception.symbols import are_near, is_scattered, lies_between, size_of
 from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Scene
 from cleancli.world import camera as world_camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
 
 Points = NDArray[np.float64]

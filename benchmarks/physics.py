@@ -25,22 +25,22 @@ import numpy as np
 from kept import Kept
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
-from cleancli.cli.act import COUNTED, in_order
+from cleancli.cli.commands.act import COUNTED, in_order
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import Outcome, attempt
-from cleancli.language.diagnostics import Source
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.joint_path import nearest_pose, stroke
 from cleancli.motion.legs import legs
 from cleancli.motion.pace import FAST_SPEED, STRAIGHT_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable
-from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Container, Group, Ink, Rag, Scene
-from cleancli.world import wam
 from cleancli.world.robot import Status
+from cleancli.world.robots import wam
 from cleancli.world.table import PybulletTable
 
 LAYOUTS: Mapping[str, float] = {"compact": 0.025, "scattered": 0.055}

@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from cleancli.compiler.ground import ground
-from cleancli.planning import annealing
+from cleancli.planning.compiled_task import Prepared, prepare
+from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan, PlanningRefused
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 from planning import DOMAIN, layout
 
 USUAL = (

@@ -27,14 +27,15 @@ from pathlib import Path
 import numpy as np
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.task import Task
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, Problem
-from cleancli.planning import inference, kernel
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.kernels import belief as kernel
+from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options
-from cleancli.planning.prada import prada
-from cleancli.planning.prepared import prepare
+from cleancli.planning.planners.prada import prada
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "planning"))
 import reference
@@ -165,8 +166,8 @@ def _drawn(task: Task, t: Tables, best: float) -> Iterator[tuple[list[int], int]
     """Sequences as the search draws them, if it gave up where they cannot be worth the value, and how many
     multiply-adds they need."""
     state, rng = np.asarray(task.initial, dtype=np.int32), np.random.default_rng(0)
-    weighing, belief = (inference.new_belief(t, Options().rule_threshold) for _ in range(2))
-    ceiling = inference.ceiling(t, task.discount, task.horizon)
+    weighing, belief = (belief_search.new_belief(t, Options().rule_threshold) for _ in range(2))
+    ceiling = belief_search.ceiling(t, task.discount, task.horizon)
     while True:
         kernel.initialise(t, state, weighing)
         kernel.initialise(t, state, belief)

@@ -37,10 +37,10 @@ from kept import Kept
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import GroundAction
+from cleancli.planning.compiled_task import Prepared, prepare
+from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.reachable import Graph, backward, reachable
-from cleancli.planning.table import PLANNERS, Planner
+from cleancli.planning.registry import PLANNERS, Planner
 
 STATES = 5_000
 WORTH = 0.2

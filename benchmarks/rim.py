@@ -18,7 +18,7 @@ from perception_tables import look, withdrawn
 from perception_truth import FOUND, dirty, footprints
 from scipy.spatial.distance import cdist
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.perception.perceive import perceive
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds
 from cleancli.scene.check import load_scene

@@ -22,15 +22,16 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "language"))
 
 import generate
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.format import print_domain, print_problem
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.find import find
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
+from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_domain, print_problem
+from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find, shipped
 
 Model = Domain | Problem | Scene
 

@@ -15,8 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Ellipse
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,
@@ -27,8 +27,8 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
-from cleancli.world.drives import ROBOTS
 from cleancli.world.robot import Status
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
 SCENE = Scene(

@@ -33,14 +33,18 @@ HEAVY = {
 }
 
 
-def table() -> dict[str, tuple[set[str], set[str]]]:
-    """Package -> (packages it may import, libraries it is the only place for)."""
+def table() -> dict[str, tuple[str, set[str], set[str]]]:
+    """For each name of a row: the row, the packages that it may import, and the libraries."""
     rows = re.findall(
-        r"^\| `(\w+)` \|[^|]*\|([^|]*)\|([^|]*)\|$", (ROOT / "ARCHITECTURE.md").read_text(), re.M
+        r"^\| (`[\w.`, ]+`) \|[^|]*\|[^|]*\|[^|]*\|([^|]*)\|([^|]*)\|$",
+        (ROOT / "ARCHITECTURE.md").read_text(),
+        re.M,
     )
+    words = r"`([\w.]+)`"
     return {
-        name: (set(re.findall(r"`(\w+)`", allowed)), {w.strip() for w in only.split(",") if w.strip()})
-        for name, allowed, only in rows
+        name: (row, set(re.findall(words, allowed)), {w.strip() for w in only.split(",") if w.strip()})
+        for row, allowed, only in rows
+        for name in re.findall(words, row)
     }
 
 
@@ -52,29 +56,82 @@ def imports(path: Path) -> set[str]:
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
-            found.add(node.module or "")
+            named = {f"{node.module}.{alias.name}" for alias in node.names} & NAMES.keys()
+            found |= named or {node.module or ""}
     return found
 
 
-def package_of(path: Path) -> str:
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+def name_of(path: Path) -> str:
+    """A module's dotted name; a package's for its `__init__`."""
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+
+
+def row_of(module: str) -> str:
+    """The name in the table that a module of `cleancli` belongs to: the longest."""
+    inside = module.removeprefix("cleancli.")
+    return max((name for name in table() if f"{inside}.".startswith(f"{name}.")), key=len)
+
+
+def covers(allowed: str, name: str, row: str) -> bool:
+    """Whether a package that a row names stands for another row's: its parts with it, unless it is that of
+    the row itself."""
+    own = allowed.split(".")[0] == row.strip("`").split(".")[0]
+    return name == allowed if own else f"{name}.".startswith(f"{allowed}.")
 
 
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
+NAMES = {name_of(path): path for path in MODULES}
 
 
-def test_every_package_has_a_row() -> None:
-    assert {package_of(path) for path in MODULES} == set(table())
+def test_every_row_is_of_something_and_every_package_has_one() -> None:
+    packages = {name_of(path.parent).removeprefix("cleancli.") for path in MODULES} - {"cleancli"}
+    assert set(table()) <= packages | {name.removeprefix("cleancli.") for name in NAMES}
+    assert packages <= set(table())
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_imports_follow_the_table(path: Path) -> None:
-    package = package_of(path)
     rows = table()
-    own = {name.split(".")[1] for name in imports(path) if name.startswith("cleancli.")} - {package}
-    assert own <= rows[package][0], "imports a package that its row does not name"
+    row, allowed, libraries = rows[row_of(name_of(path))]
+    wanted = {row_of(name) for name in imports(path) if name.startswith("cleancli.")}
+    others = {name for name in wanted if rows[name][0] != row}
+    beyond = {name for name in others if not any(covers(each, name, row) for each in allowed)}
+    assert not beyond, "imports a package that its row does not name"
     heavy = {name.split(".")[0] for name in imports(path)} & HEAVY
-    assert heavy <= rows[package][1], "imports a library that belongs to another package"
+    assert heavy <= libraries, "imports a library that belongs to another package"
+
+
+def test_entry_points_are_where_the_table_says() -> None:
+    rows = re.findall(r"^\| (`[\w.`, ]+`) \|[^|]*\|([^|]*)\|", (ROOT / "ARCHITECTURE.md").read_text(), re.M)
+    assert len(rows) > 30
+    for row, points in rows:
+        within = (path for name, path in NAMES.items() if table()[row_of(name)][0] == row)
+        defined = {
+            word for path in within for word in re.findall(r"^(?:class |def )?(\w+)", path.read_text(), re.M)
+        }
+        assert set(re.findall(r"`(\w+)`", points)) <= defined, row
+
+
+def test_each_row_needs_only_rows_above_it() -> None:
+    order = list(dict.fromkeys(row for row, _, _ in table().values()))
+    for row, allowed, _ in table().values():
+        for name, (other, _, _) in table().items():
+            if other != row and any(covers(each, name, row) for each in allowed):
+                assert order.index(other) < order.index(row), f"{row} needs {other}"
+
+
+def test_no_row_names_what_nothing_of_it_imports() -> None:
+    used: dict[str, set[str]] = {}
+    for path in MODULES:
+        needed = {row_of(name) for name in imports(path) if name.startswith("cleancli.")}
+        used.setdefault(table()[row_of(name_of(path))][0], set()).update(needed)
+    idle = {
+        (row, one)
+        for row, allowed, _ in table().values()
+        for one in allowed
+        if not any(covers(one, each, row) for each in used[row])
+    }
+    assert not idle
 
 
 def test_no_import_cycle_between_modules() -> None:
@@ -98,12 +155,12 @@ def test_no_import_cycle_between_modules() -> None:
     ("code", "absent"),
     [
         ("import cleancli.cli.main", HEAVY - {"click"} | {"numpy"}),
-        ("import cleancli.cli.check", HEAVY - {"click", "lark"} | {"numpy"}),
-        ("import cleancli.cli.learn", {"numba", "cv2", "pybullet", "numpy"}),
-        ("import cleancli.cli.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
-        ("import cleancli.cli.lsp", HEAVY - {"click"} | {"numpy"}),
+        ("import cleancli.cli.commands.check", HEAVY - {"click", "lark"} | {"numpy"}),
+        ("import cleancli.cli.commands.learn", {"numba", "cv2", "pybullet", "numpy"}),
+        ("import cleancli.cli.commands.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
+        ("import cleancli.cli.commands.lsp", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),
-        ("import cleancli.planning.table", {"numba", "cv2", "pybullet"}),
+        ("import cleancli.planning.registry", {"numba", "cv2", "pybullet"}),
         ("import cleancli.world.robot", {"pybullet", "cv2", "numba"}),
         ("import cleancli.world.table", {"pybullet", "ompl", "toppra", "scipy", "matplotlib"}),
     ],
@@ -122,10 +179,10 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         if isinstance(node, ast.Attribute) and node.attr == "truth"
     }
     assert askers == {
-        "cli/execute.py",
-        "cli/scene.py",
+        "cli/commands/execute.py",
+        "cli/commands/scene.py",
         "environment/clean_table.py",
-        "execution/site.py",
+        "execution/session.py",
         "execution/trials.py",
         "report/account.py",  # of run.json, after the run
     }

@@ -20,40 +20,40 @@ from cleancli.planning.plan import Options
 
 ROOT = Path(__file__).parent.parent
 NUMBERS = """
-compiler.count.RULE_LIMIT | planning.md | more than {:,} groundings
-compiler.count.PART_LIMIT | planning.md | {:,} literals and effects
-compiler.cases.CASE_LIMIT | planning.md | into more than {:,} cases
-compiler.condition.STEP_LIMIT | planning.md | too many paths ({:,} steps)
-compiler.transition.SUPPORT_LIMIT | planning.md | follows the whole distribution, up to {:,} states
-planning.evaluate.RUNS | planning.md | the mean of {:,} drawn runs
-planning.forecast.FEW_STATES | planning.md | exact up to {:,} states
-planning.forecast.RUNS | planning.md | from more, {:,} runs are drawn
-planning.inference.PORTION | planning.md | every {:,} samples of each thread
-planning.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
-cli.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
+compiler.grounding_size.RULE_LIMIT | planning.md | more than {:,} groundings
+compiler.grounding_size.PART_LIMIT | planning.md | {:,} literals and effects
+compiler.disjoint_cases.CASE_LIMIT | planning.md | into more than {:,} cases
+compiler.partial_evaluation.STEP_LIMIT | planning.md | too many paths ({:,} steps)
+compiler.semantics.SUPPORT_LIMIT | planning.md | follows the whole distribution, up to {:,} states
+planning.evaluation.value.RUNS | planning.md | the mean of {:,} drawn runs
+planning.evaluation.forecast.FEW_STATES | planning.md | exact up to {:,} states
+planning.evaluation.forecast.RUNS | planning.md | from more, {:,} runs are drawn
+planning.kernels.belief_search.PORTION | planning.md | every {:,} samples of each thread
+planning.planners.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
+cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
-execution.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
+recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})
-language.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
-language.symbols._MOST_VALUES | diagnostics.md | at most {} values
-language.check_problem._LONGEST | language.md | a number up to {}
-language.blocks.WIDTH | commands.md | if it fits {} columns
-world.parameters.TABLE_HEIGHT | world.md | A table {:.2f} m above
-world.parameters.CONTAINER_OVERLAP * 100 | world.md | a container that reaches {:.0f} cm under it
-world.parameters.INK_CELL * 1000 | world.md | cells of {:.0f} mm on the surface
-world.parameters.FLAP_LEAN | world.md | lean back by {} rad
-world.parameters.HEIGHT_NOISE * 1000 | world.md | {} mm in height
-world.parameters.SIDE_NOISE * 1000 | world.md | {:.0f} mm sideways
-world.parameters.YAW_NOISE | world.md | {} rad in yaw
-world.robots.WAM_GAP * 100 | world.md | or {:.0f} cm from the edge of a deeper table
-world.robots.REEM_SHOULDERS * 200 | world.md | Two arms on shoulders {:.0f} cm apart
-world.robots.REEM_ABOVE * 100 | world.md | and {:.0f} cm above the surface
-world.robots.PAN_LIP * 1000 | world.md | (lip {} mm,
-world.robots.PAN_HELD | world.md | the lip is raised by {:.2f} rad
-world.robots.PAN_LEAN | world.md | with its lip raised by {} rad
-world.robots.PAN_LEANS[0] | world.md | (within {} to
-world.robots.PAN_LEANS[1] | world.md | to {:.2f} rad, OMPL
-world.robots.PAN_GAP * 1000 | world.md | {} mm above the surface while the dustpan stands
+language.parsing.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
+language.checking.symbols._MOST_VALUES | diagnostics.md | at most {} values
+language.checking.problem._LONGEST | language.md | a number up to {}
+language.printing.formatter_blocks.WIDTH | commands.md | if it fits {} columns
+world.constants.TABLE_HEIGHT | world.md | A table {:.2f} m above
+world.constants.CONTAINER_OVERLAP * 100 | world.md | a container that reaches {:.0f} cm under it
+world.constants.INK_CELL * 1000 | world.md | cells of {:.0f} mm on the surface
+world.constants.FLAP_LEAN | world.md | lean back by {} rad
+world.constants.HEIGHT_NOISE * 1000 | world.md | {} mm in height
+world.constants.SIDE_NOISE * 1000 | world.md | {:.0f} mm sideways
+world.constants.YAW_NOISE | world.md | {} rad in yaw
+world.robots.constants.WAM_GAP * 100 | world.md | or {:.0f} cm from the edge of a deeper table
+world.robots.constants.REEM_SHOULDERS * 200 | world.md | Two arms on shoulders {:.0f} cm apart
+world.robots.constants.REEM_ABOVE * 100 | world.md | and {:.0f} cm above the surface
+world.robots.constants.PAN_LIP * 1000 | world.md | (lip {} mm,
+world.robots.constants.PAN_HELD | world.md | the lip is raised by {:.2f} rad
+world.robots.constants.PAN_LEAN | world.md | with its lip raised by {} rad
+world.robots.constants.PAN_LEANS[0] | world.md | (within {} to
+world.robots.constants.PAN_LEANS[1] | world.md | to {:.2f} rad, OMPL
+world.robots.constants.PAN_GAP * 1000 | world.md | {} mm above the surface while the dustpan stands
 motion.pace.TRANSIT_SPEED | world.md | travels between strokes at {} m/s
 motion.pace.FAST_SPEED | world.md | differ in speed ({:.2f} and
 motion.pace.STRAIGHT_SPEED | world.md | (0.20 and {} m/s

@@ -20,7 +20,7 @@ SOURCES = ROOT / "src" / "cleancli"
 LIST = Path(__file__).parent / "golden" / "numbers.txt"
 LONGEST = 1000
 """Longer ones are tables that are computed."""
-PACKAGES = ("motion", "perception", "planning", "world")
+PACKAGES = ("geometry", "motion", "perception", "planning", "world")
 
 
 def stated(path: Path) -> Iterator[str]:

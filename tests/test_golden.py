@@ -13,17 +13,17 @@ import pytest
 
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import apply_edits
-from cleancli.language.format import print_domain
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.render import render
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.render import render
-from cleancli.learning.experience import decode
+from cleancli.language.printing.printer import print_domain
+from cleancli.learning.experience import read_experience
 from cleancli.learning.learn import edits, learn
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "golden"
 
@@ -71,7 +71,7 @@ def test_plan(domain: Domain, problem: Problem) -> None:
 
 def test_learn(domain: Domain) -> None:
     text = source("domain.nid").text
-    learned = learn(domain, decode(source("experience.jsonl"), domain))
+    learned = learn(domain, tuple(read_experience(FOLDER / "experience.jsonl", domain)))
     new = apply_edits(text, edits(domain, [source("domain.nid")], learned))
     difference = difflib.unified_diff(text.splitlines(), new.splitlines(), "domain", "learned", lineterm="")
     check_golden("domain.learned.txt", "\n".join(difference) + "\n")

@@ -12,9 +12,9 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 MESSAGES = {
-    "lsp": "src/cleancli/cli/lsp.py",
-    "physics": "src/cleancli/world/missing.py",
-    "plot": "src/cleancli/cli/plan_picture.py",
+    "lsp": "src/cleancli/cli/commands/lsp.py",
+    "physics": "src/cleancli/world/errors.py",
+    "plot": "src/cleancli/cli/views/plan_picture.py",
     "rerun": "src/cleancli/perception/rerun_file.py",
 }
 """Extras, and the modules whose messages name what is missing."""

@@ -144,6 +144,12 @@ def test_machine_code_is_not_marked_and_known_as_such(mutants: ModuleType) -> No
     assert {change.compiled for change in changed(mutants) if "a < b" in change.before} == {True}
 
 
+def test_what_another_module_compiles_is_not_marked(mutants: ModuleType) -> None:
+    module = "planning/preference.py"
+    marked = mutants.instrumented(module, (ROOT / "src/cleancli" / module).read_text(), {})
+    assert marked.count("_hit_(") == 1, "only the module itself says that it was run"
+
+
 def test_tests_are_chosen_by_what_they_run_the_quickest_first(load: Any, tmp_path: Path) -> None:
     tests = load("mutation_tests")
     (tmp_path / "coverage").mkdir()
@@ -201,7 +207,7 @@ def test_changed_modules_come_first_then_those_tried_longest_ago(load: Any) -> N
 
 def test_what_is_drawn_of_a_module_depends_on_no_other(load: Any) -> None:
     mutation = load("mutation")
-    names = ["planning/plan.py", "planning/exact.py", "language/record.py"]
+    names = ["planning/plan.py", "planning/planners/exact.py", "language/record.py"]
     together = mutation.draw(iter(names * 9), 12, 5)
     alone = mutation.draw(iter(names[1:2] * 9), 4, 5)
     assert len(together) == 12

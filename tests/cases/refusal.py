@@ -9,7 +9,8 @@ from pathlib import Path
 from cleancli.cli.inputs import open_domain
 from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.render import render
 from cleancli.language.load import (
     checked_domain,
     checked_problem,
@@ -19,8 +20,7 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain
-from cleancli.language.render import render
-from cleancli.learning.experience import decode
+from cleancli.learning.experience import read_experience
 from cleancli.perception.symbols import symbolize
 from cleancli.scene.check import load_scene
 
@@ -96,5 +96,5 @@ def _with_domain(domain: Domain, sources: list[Source]) -> tuple[Diagnostic, ...
     if os.path.exists("scene.nid"):
         symbolize((), load_scene(_read("scene.nid", sources)), domain)
     if os.path.exists("experience.jsonl"):
-        decode(_read("experience.jsonl", sources), domain)
+        tuple(read_experience("experience.jsonl", domain))
     return found

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.cli.act import in_order
+from cleancli.cli.commands.act import in_order
 from cleancli.cli.main import run
 
 SMALL = """scene small {

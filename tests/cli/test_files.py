@@ -13,8 +13,8 @@ import pytest
 
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.main import run
-from cleancli.language.layout import layout
-from cleancli.shipped import find
+from cleancli.language.find import find
+from cleancli.language.printing.formatter import layout
 
 DOMAIN = find("cleaning", "domains").read_text(encoding="utf-8")
 PROBLEM = find("three_areas", "problems").read_text(encoding="utf-8")

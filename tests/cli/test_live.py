@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from cleancli.cli.dashboard import Shown, came_of, dashboard, updated
-from cleancli.cli.live import show
 from cleancli.cli.main import run
-from cleancli.cli.table_map import rows_for, table_map
+from cleancli.cli.views.dashboard import Shown, came_of, dashboard, updated
+from cleancli.cli.views.live import show
+from cleancli.cli.views.table_map import rows_for, table_map
+from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -27,12 +28,12 @@ from cleancli.execution.events import (
     Started,
     StrokeEnded,
 )
-from cleancli.execution.state import Account, EpisodeState, Move, Situation
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 
 SCENE = load_scene(read_source(find("two_groups", "problems")))
 

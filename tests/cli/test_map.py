@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.cli.table_map import rows_for, table_map
-from cleancli.execution.state import Situation
-from cleancli.language.diagnostics import Source
+from cleancli.cli.views.table_map import rows_for, table_map
+from cleancli.execution.episode_state import Situation
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 

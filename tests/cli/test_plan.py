@@ -13,7 +13,7 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.cli.plan_options import ALLOWED, OWN
 from cleancli.planning.plan import Options
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 DOORS = """
 domain doors {

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 NULLARY = """
 domain nullary {

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.language.diagnostics import Diagnostic, Source, Span, printable
-from cleancli.language.render import render
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span, printable
+from cleancli.language.diagnostics.render import render
 
 STEERING = [*map(chr, range(32)), *map(chr, range(0x7F, 0xA0)), "\u202e", "\u2066", "\u2028", "\udcff"]
 DOMAIN = """domain lamps {

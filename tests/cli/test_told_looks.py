@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cleancli.cli.perceive import TOLD, _described, _printed
+from cleancli.cli.commands.perceive import TOLD, _described, _printed
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.occlusion import Known, Unseen
 from cleancli.perception.tracking import Merge, Split
 

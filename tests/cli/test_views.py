@@ -9,9 +9,9 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.planning.coverage import coverage
-from cleancli.shipped import find
+from cleancli.planning.evaluation.coverage import coverage
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))
 TASK = ground(DOMAIN, load_problem(read_source(find("three_areas", "problems")), DOMAIN))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Problem
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import domain_texts
 import pytest
 
-from cleancli.compiler import rewards, transition
+from cleancli.compiler import rewards, semantics
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import SupportTooLargeError, exact_value, forward
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import SupportTooLargeError, exact_value, forward
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 
 MOP = """domain d {
   types { area }
@@ -73,10 +73,10 @@ def test_just_as_many_states_as_fit_are_followed(monkeypatch: pytest.MonkeyPatch
     wipe = [str(action) for action in found.actions].index("wipe(a)")
     whole = forward(found, {found.initial: 1.0}, wipe)
     assert len(whole) == 3
-    monkeypatch.setattr(transition, "SUPPORT_LIMIT", 3)
+    monkeypatch.setattr(semantics, "SUPPORT_LIMIT", 3)
     assert forward(found, {found.initial: 1.0}, wipe) == whole
     assert exact_value(found, [wipe]) == pytest.approx(0.5)
-    monkeypatch.setattr(transition, "SUPPORT_LIMIT", 2)
+    monkeypatch.setattr(semantics, "SUPPORT_LIMIT", 2)
     with pytest.raises(SupportTooLargeError):
         forward(found, {found.initial: 1.0}, wipe)
 

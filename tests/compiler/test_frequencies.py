@@ -13,15 +13,16 @@ from numba import njit
 from scipy import stats
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.process import Process, lower_process
+from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.ragged import Ints
+from cleancli.compiler.semantics import covering_rule, sample
 from cleancli.compiler.task import Assignment, GroundRule, Task
-from cleancli.compiler.transition import covering_rule, sample
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
-from cleancli.planning import states
-from cleancli.planning.stream import split, uniform
-from cleancli.shipped import find, shipped_names
+from cleancli.planning.kernels import transitions
+from cleancli.planning.kernels.rng import split, uniform
+from cleancli.resources import shipped_names
 
 DRAWS, SLOW_DRAWS, SEED = 100_000, 2_000, 5
 LEVEL = 1e-4
@@ -75,7 +76,7 @@ def drawn_states(p: Process, state: Ints, action: int, afters: Ints, draws: int,
     counts, now = np.zeros(len(afters) + 1, dtype=np.int32), np.empty_like(state)
     for draw in range(draws):
         now[:] = state
-        states.step(p, now, action, uniform(split(seed, np.uint64(draw))))
+        transitions.step(p, now, action, uniform(split(seed, np.uint64(draw))))
         place = 0
         while place < len(afters) and not np.all(afters[place] == now):
             place += 1

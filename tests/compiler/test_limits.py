@@ -11,9 +11,9 @@ from fractions import Fraction
 import pytest
 from handmade import A, B, M, false, noise, one_of, outcome, put, true
 
-from cleancli.compiler.count import RULE_LIMIT, count_groundings
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.compiler.grounding_size import RULE_LIMIT, count_groundings
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
 from cleancli.language.load import checked_domain, load_domain, load_problem
 from cleancli.language.model import (
     Action,

@@ -12,11 +12,12 @@ from handmade import JOIN_DRAGS, drags_problem
 from random_domains import NAMES, Generator
 from scipy import stats
 
-from cleancli.compiler.evaluate import Key, StateView
+from cleancli.compiler.fluents import Key
 from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.semantics import covering_rule, reaches_goal, reward, sample, successors
 from cleancli.compiler.task import Assignment, Task
-from cleancli.compiler.transition import covering_rule, reaches_goal, reward, sample, successors
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
 
 STATES = 40

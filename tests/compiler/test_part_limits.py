@@ -5,10 +5,10 @@ from __future__ import annotations
 import domain_texts
 import pytest
 
-from cleancli.compiler import condition, count
 from cleancli.compiler import ground as ground_module
+from cleancli.compiler import grounding_size, partial_evaluation
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 
 TEXT = """domain d {
   types { area }
@@ -44,9 +44,9 @@ def test_parts_are_counted(
     when: str, first: str, second: str, each: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     checked = domain_texts.checked(TEXT % (when, first, second), AREAS)
-    monkeypatch.setattr(count, "PART_LIMIT", 4 * each)
+    monkeypatch.setattr(grounding_size, "PART_LIMIT", 4 * each)
     ground(*checked)
-    monkeypatch.setattr(count, "PART_LIMIT", 4 * each - 1)
+    monkeypatch.setattr(grounding_size, "PART_LIMIT", 4 * each - 1)
     with pytest.raises(Refused) as refused:
         ground(*checked)
     (said,) = refused.value.diagnostics
@@ -55,7 +55,7 @@ def test_parts_are_counted(
 
 
 def test_a_rule_without_such_parts_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(count, "PART_LIMIT", 0)
+    monkeypatch.setattr(grounding_size, "PART_LIMIT", 0)
     ground(*domain_texts.checked(TEXT % ("", "", ""), AREAS))
 
 
@@ -63,7 +63,7 @@ def test_a_rule_without_such_parts_is_not_counted(monkeypatch: pytest.MonkeyPatc
 def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four of `wiped` and sixteen of `linked`."""
     checked = domain_texts.checked(TEXT % ("", "", ""), AREAS)
-    monkeypatch.setattr(count, "RULE_LIMIT", most)
+    monkeypatch.setattr(grounding_size, "RULE_LIMIT", most)
     if not refused:
         ground(*checked)
         return
@@ -77,7 +77,9 @@ def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: p
 
 def test_groundings_are_counted_exactly_where_that_is_quick() -> None:
     domain, problem = domain_texts.checked(TEXT % ("", "", ""), AREAS)
-    assert [(each.name, each.count, each.exact) for each in count.count_groundings(domain, problem)] == [
+    assert [
+        (each.name, each.count, each.exact) for each in grounding_size.count_groundings(domain, problem)
+    ] == [
         ("wiped", 4, True),
         ("linked", 16, True),
     ]
@@ -111,7 +113,7 @@ SOME = """objects { a b c d - area  mop - tool }
 def test_what_leaves_most_groundings_is_blamed(when: str, number: int, blame: str) -> None:
     text = BLAMED.replace("rag - tool", "rag mop - tool b - area") % when
     inside = SOME.replace("a b c d - area  mop - tool", "a c d - area")
-    first, second = count.count_groundings(*domain_texts.checked(text, inside))
+    first, second = grounding_size.count_groundings(*domain_texts.checked(text, inside))
     assert (first.count, first.exact, first.blame) == (number, True, blame)
     assert (second.name, second.count) == ("used", 2)
 
@@ -121,7 +123,7 @@ def test_all_cases_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> Non
     text = TEXT % (", exists ?m - area: (dirt(?m), ?m != ?a)", "", "")
     checked = domain_texts.checked(text, AREAS)
     monkeypatch.setattr(ground_module, "RULE_LIMIT", 10)
-    monkeypatch.setattr(count, "RULE_LIMIT", 100)
+    monkeypatch.setattr(grounding_size, "RULE_LIMIT", 100)
     with pytest.raises(Refused) as refused:
         ground(*checked)
     (said,) = refused.value.diagnostics
@@ -131,7 +133,7 @@ def test_all_cases_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.parametrize("place", ["count", "goal"])
 def test_a_closure_of_too_many_paths_says_where(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(condition, "STEP_LIMIT", 3)
+    monkeypatch.setattr(partial_evaluation, "STEP_LIMIT", 3)
     text = TEXT.replace("dirty :=", "linked(?a ?b - area) := closure near  dirty :=") % ("", "", "")
     goal = " goal { linked(a, d) }" if place == "goal" else ""
     if place == "count":
@@ -158,7 +160,7 @@ def test_a_count_has_no_more_bindings_than_fit(
     text = text % "dirt(?a), near(?a, ?b), near(?b, ?c)"
     checked = domain_texts.checked(text, SOME)
     ground(*checked)
-    monkeypatch.setattr(count, "RULE_LIMIT", max(number - 1, 4))
+    monkeypatch.setattr(grounding_size, "RULE_LIMIT", max(number - 1, 4))
     if number <= 4:
         ground(*checked)
         return

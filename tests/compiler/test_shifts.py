@@ -15,9 +15,9 @@ import pytest
 
 from cleancli.compiler.explain import explain
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import successors
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import successors
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Fact, Problem, State, Value
 from cleancli.learning.experience import Transition

@@ -12,7 +12,7 @@ from cleancli.conversion.check import check, constants_of
 from cleancli.conversion.convert import Wishes, convert
 from cleancli.conversion.read import read
 from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable, variables_of
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 
 FILES = ("rules.dat", "state.dat", "symbols.dat")

@@ -13,10 +13,10 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.compiler.ground import ground
 from cleancli.conversion.convert import Converted, Wishes, convert
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
+from cleancli.language.printing.formatter import layout
 
 KITCHEN = Path(__file__).parent / "kitchen"
 FILES = ("rules.dat", "state.dat", "symbols.dat")

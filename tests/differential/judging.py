@@ -8,7 +8,7 @@ from abstract import Outcome, Rule
 from comparison import Comparison, shown
 from interpreter import Meaning, State, TwoRules, TwoValues
 
-from cleancli.language.diagnostics import Diagnostic
+from cleancli.language.diagnostics.diagnostic import Diagnostic
 
 SAMPLED = 200
 """States that are drawn to see whether a refusal by the checker is right."""

@@ -23,17 +23,17 @@ from writing import Writer, call
 from cleancli.cli.main import run
 from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import covering_rule, exact_value, reaches_goal, reward, standing
 from cleancli.compiler.task import Assignment, Task, by_time
-from cleancli.compiler.transition import covering_rule, exact_value, reaches_goal, reward, standing
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode
 from cleancli.learning.learn import learn
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
-from cleancli.simulation.world import Step, World, do, world_of
+from cleancli.planning.registry import PLANNERS
+from cleancli.simulation.symbolic_world import Step, World, do, world_of
 
 DOMAIN, PROBLEM = "drawn.nid", "drawn_problem.nid"
 
@@ -183,7 +183,7 @@ def grounded(loaded: Loaded) -> Grounded | tuple[str, ...]:
 
 def learned(loaded: Loaded, experience: str) -> dict[tuple[str, int], int]:
     """How often each outcome of each rule was seen; those of the default rule are left out."""
-    transitions = decode(Source("experience.jsonl", experience), loaded.domain)
+    transitions = decode(io.BytesIO(experience.encode()), "experience.jsonl", loaded.domain)
     return {
         (loaded.domain.rules[each.rule].name, index): seen
         for each in learn(loaded.domain, transitions)

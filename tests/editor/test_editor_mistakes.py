@@ -9,7 +9,7 @@ from texts import DOMAIN, FOLDER, OPEN, PROBLEM, SCENE, SHIPPED, opened
 
 from cleancli.editor.library import Library, document
 from cleancli.editor.mistakes import mistakes
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 
 
 def found(name: str, text: str, library: Library = OPEN) -> list[tuple[str, str]]:

@@ -10,7 +10,7 @@ import pytest
 from texts import DOMAIN, at, marked, opened
 
 from cleancli.language import syntax
-from cleancli.language.names import DECLARED, USED, Kind
+from cleancli.language.refactoring.name_index import DECLARED, USED, Kind
 
 
 def parts_of(kind: object) -> Iterator[object]:

@@ -8,9 +8,9 @@ from cleancli.editor.colours import MODIFIERS, TYPES, colours
 from cleancli.editor.formatting import formatting
 from cleancli.editor.library import document
 from cleancli.editor.symbols import Entry, symbols
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import apply_edits
+from cleancli.language.printing.formatter import layout
 
 
 def names(entries: tuple[Entry, ...]) -> list[object]:

@@ -18,8 +18,8 @@ from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
 from cleancli.editor.positions import Positions
 from cleancli.editor.symbols import Entry, symbols
-from cleancli.language.diagnostics import Source, Span
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Source, Span
+from cleancli.language.diagnostics.text_edit import apply_edits
 
 CUTS = 25
 """Prefixes of each shipped file."""

@@ -14,8 +14,8 @@ from cleancli.editor.hover import hover
 from cleancli.editor.library import Document, Library, document
 from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 
 _START, _END = DOMAIN.index("  types"), DOMAIN.index("  actions")
 BASE = "domain base {\n" + DOMAIN[_START:_END] + "}\n"

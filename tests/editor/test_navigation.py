@@ -10,7 +10,7 @@ from texts import DOMAIN, FOLDER, OPEN, PROBLEM, at, opened
 from cleancli.editor.library import Library
 from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.text_edit import apply_edits
 
 TABLES, TWO = str(FOLDER / "tables.nid"), str(FOLDER / "two.nid")
 

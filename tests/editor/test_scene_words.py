@@ -8,8 +8,8 @@ import pytest
 from texts import ROOT
 
 from cleancli.editor.scene_words import INNER, KEYS, PLANNER, TOP
-from cleancli.language import planner_options
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.checking import planner_block
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.scene.check import load_scene
 
 INSIDE = {section: outer for outer, sections in INNER.items() for section in sections if outer}
@@ -59,4 +59,4 @@ def test_values_and_units_are_right() -> None:
 
 
 def test_the_settings_of_a_planner_are_those_that_the_checker_takes() -> None:
-    assert set(PLANNER) == set(planner_options._KEYS)
+    assert set(PLANNER) == set(planner_block._KEYS)

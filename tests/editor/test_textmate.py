@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from texts import ROOT
 
-from cleancli.language.parse import KINDS
+from cleancli.language.parsing.parse import KINDS
 
 EDITORS = ROOT / "editors"
 GRAMMAR = json.loads((EDITORS / "textmate" / "nid.tmLanguage.json").read_text(encoding="utf-8"))

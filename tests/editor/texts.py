@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cleancli.editor.library import Document, Library, document
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 
 ROOT = Path(__file__).parent.parent.parent
 SHIPPED = sorted([*(ROOT / "domains").glob("*.nid"), *(ROOT / "problems").glob("*.nid")])

@@ -6,13 +6,14 @@ import pytest
 
 from cleancli.environment.observation import observation_space, observed
 from cleancli.environment.slots import choices
-from cleancli.language.diagnostics import Source
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.symbols import symbolize
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 
 SCENE = load_scene(read_source(find("two_groups", "problems")))
 AREAS = [

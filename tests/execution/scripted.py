@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.motion.path import ToolPath
-from cleancli.perception.frame import Camera, Frame
 from cleancli.scene.model import Scene
 from cleancli.world.camera import overhead
 from cleancli.world.robot import Status

@@ -13,11 +13,11 @@ from types import FrameType
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.execution import begun
-from cleancli.execution.begun import begun_folder, named
-from cleancli.execution.folder import FILES, RUN
-from cleancli.execution.record import write_run
-from cleancli.language import swap
+from cleancli.files import exchange as swap
+from cleancli.recording import begun
+from cleancli.recording.begun import begun_folder, named
+from cleancli.recording.folder import FILES, RUN
+from cleancli.recording.run_folder import write_run
 
 TRACED = {begun.__file__, swap.__file__, __file__}
 
@@ -109,7 +109,7 @@ def test_a_run_that_could_not_begin_leaves_nothing(
         raise OSError(28, "No space left on device", "somewhere")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cleancli.cli.execute.write_run", full)
+    monkeypatch.setattr("cleancli.cli.commands.execute.write_run", full)
     assert run(["execute", "cleaning", "three_areas", "--quiet"]) == 5
     assert "No space left" in capsys.readouterr().err
     assert os.listdir(tmp_path / "runs") == []

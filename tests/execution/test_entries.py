@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 from scripted import Scripted
 
-from cleancli.execution import journal
-from cleancli.execution.entries import Entries, expected, likely_course
 from cleancli.execution.loop import clean
+from cleancli.execution.session import Site, symbolic_site
 from cleancli.execution.setup import EpisodeOptions, Job, Setup
-from cleancli.execution.site import Site, symbolic_site
 from cleancli.execution.table_cell import TableCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.recording import journal
+from cleancli.recording.journal_writer import Entries, expected, likely_course
 from cleancli.scene.check import load_scene
-from cleancli.shipped import find
 from cleancli.world.robot import Status
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))

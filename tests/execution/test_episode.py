@@ -11,21 +11,21 @@ import av
 import cv2
 import pytest
 
-from cleancli.execution.entries import Entries
 from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, Looked, Moved
 from cleancli.execution.loop import clean
-from cleancli.execution.record import Recorder
 from cleancli.execution.seeds import Stream, derived
+from cleancli.execution.session import table_site
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
-from cleancli.execution.site import table_site
 from cleancli.execution.table_cell import look_once
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.experience import decode
+from cleancli.recording.journal_writer import Entries
+from cleancli.recording.run_folder import Recorder
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 from cleancli.world.table import PybulletTable
 
 

@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from cleancli.execution import journal
-from cleancli.execution.journal import (
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.recording import journal
+from cleancli.recording.journal import (
     JOURNAL,
     Acted,
     AreaEntry,
@@ -32,7 +33,6 @@ from cleancli.execution.journal import (
     encode,
     read_journal,
 )
-from cleancli.language.diagnostics import Refused, Source
 
 # What docs/runs.md says that numbers may be.
 numbers = some.floats(allow_nan=False, allow_infinity=False)

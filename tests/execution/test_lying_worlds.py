@@ -8,17 +8,17 @@ from dataclasses import replace
 import pytest
 from scripted import STROKE, WITHDRAWAL, Points, Scripted
 
+from cleancli.execution.episode_state import PATIENCE
 from cleancli.execution.events import Acted, Decided, Ended, Event, Failed, Looked, Purpose, Started
 from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
-from cleancli.execution.state import PATIENCE
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 from cleancli.world.robot import Status
 
 SPOTS = ((-0.2, 0.1), (0.1, -0.15))

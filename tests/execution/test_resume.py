@@ -19,15 +19,16 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.cli.running import alone_in, interruptions
+from cleancli.cli.run_session import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
-from cleancli.execution import checkpoint, record
-from cleancli.execution.journal import Acted, Ended, Resumed, read_journal
-from cleancli.execution.state import Account, EpisodeState, Move, Situation, Vain
-from cleancli.language.diagnostics import Refused
+from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation, Vain
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
+from cleancli.recording import checkpoint, run_folder
+from cleancli.recording.journal import Acted, Ended, Resumed, read_journal
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
 
@@ -38,16 +39,16 @@ class Killed(BaseException):
 
 def dying_after(events: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the recorder's process die after so many events, in the middle of writing a line."""
-    write, count = record.Recorder.write, itertools.count()
+    write, count = run_folder.Recorder.write, itertools.count()
 
-    def dies(self: record.Recorder, event: object) -> None:
+    def dies(self: run_folder.Recorder, event: object) -> None:
         if next(count) == events:
             self._journal.write('{"event":"look')
             self._journal.flush()
             raise Killed
         write(self, event)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(record.Recorder, "write", dies)
+    monkeypatch.setattr(run_folder.Recorder, "write", dies)
 
 
 def dying_at_sync(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -282,8 +283,8 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
     for name in checkpoint.APPENDED:
         (tmp_path / name).write_text("one\n")
     checkpoint.save(tmp_path, state, {"places": np.eye(3), "clock": np.array(1.5)})
-    saved = checkpoint.last(tmp_path)
-    assert saved is not None
+    (path,) = checkpoint.checkpoints(tmp_path)
+    saved = checkpoint.read(tmp_path, path)
     assert saved.episode == state
     assert saved.sizes == {"journal.jsonl": 4, "experience.jsonl": 4}
     np.testing.assert_array_equal(saved.world["places"], np.eye(3))
@@ -294,8 +295,9 @@ def test_what_has_no_form_in_a_checkpoint_is_refused(tmp_path: Path) -> None:
         (tmp_path / name).write_text("")
     with pytest.raises(NotImplementedError, match="object has no form"):
         checkpoint.save(tmp_path, EpisodeState(examples=object()), {})  # type: ignore[arg-type]
-    assert checkpoint.last(tmp_path) is None
+    assert not checkpoint.checkpoints(tmp_path)
     (tmp_path / "state").mkdir(exist_ok=True)
-    (tmp_path / "state" / "001.npz").write_bytes(b"")
+    damaged = tmp_path / "state" / "001.npz"
+    damaged.write_bytes(b"")
     with pytest.raises(Refused, match="E706"):
-        checkpoint.last(tmp_path)
+        checkpoint.read(tmp_path, damaged)

@@ -9,16 +9,17 @@ from math import dist
 import numpy as np
 import pytest
 
-from cleancli.execution.rivals import gather_all, nearest_first, wipe_all
+from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
+from cleancli.execution.episode_state import Situation
 from cleancli.execution.setup import Circumstances, EpisodeOptions, Job
-from cleancli.execution.state import Situation
-from cleancli.execution.tour import shortest_path
+from cleancli.execution.tsp import shortest_path
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Problem
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 
 OPTIONS = EpisodeOptions()
 

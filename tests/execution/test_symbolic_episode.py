@@ -6,14 +6,14 @@ import copy
 
 import pytest
 
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Acted, Checkpoint, Ended, Event, Started
 from cleancli.execution.loop import clean
+from cleancli.execution.session import Site, symbolic_site
 from cleancli.execution.setup import EpisodeOptions
-from cleancli.execution.site import Site, symbolic_site
-from cleancli.execution.state import EpisodeState
 from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.shipped import find
 
 
 def site(seed: int = 1, **options: object) -> Site:

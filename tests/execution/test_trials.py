@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from cleancli.execution.overlay import BORDER, SCALE, overlay
 from cleancli.execution.trials import Outcome, Trial, attempt, extent, judge, linked, wilson
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.recording.overlay import BORDER, SCALE, overlay
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 

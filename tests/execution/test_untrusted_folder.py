@@ -17,10 +17,10 @@ import pytest
 
 from cleancli.cli.main import run
 from cleancli.cli.resume import unfinished
-from cleancli.execution import record
-from cleancli.execution.arrays import BadArrays, packed, unpacked
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.learning.experience import Transition, encode
+from cleancli.recording import run_folder
+from cleancli.recording.arrays import BadArrays, packed, unpacked
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds, as_text
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
@@ -35,15 +35,15 @@ class Killed(BaseException):
 def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run that died after two actions, and so has two checkpoints."""
     runs = tmp_path_factory.mktemp("begun")
-    checkpoint = record.Recorder._checkpoint
+    checkpoint = run_folder.Recorder._checkpoint
 
-    def dies(self: record.Recorder, state: Any) -> None:
+    def dies(self: run_folder.Recorder, state: Any) -> None:
         checkpoint(self, state)
         if state.actions == 2:
             raise Killed
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(record.Recorder, "_checkpoint", dies)
+        patched.setattr(run_folder.Recorder, "_checkpoint", dies)
         with pytest.raises(Killed):
             run([*WORDS, "--runs", str(runs)])
     return runs / "three_areas-seed5-001"

@@ -7,9 +7,10 @@ from dataclasses import replace
 import pytest
 from numpy import pi
 
-from cleancli.execution.state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
+from cleancli.execution.episode_state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 
 
 def area(

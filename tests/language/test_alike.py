@@ -12,8 +12,9 @@ from random import Random
 
 import pytest
 
-from cleancli.compiler.evaluate import ConflictError, Key, StateView
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.compiler.fluents import Key
+from cleancli.compiler.lifted_state import ConflictError, StateView
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State, Value
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.format import print_domain, print_problem
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import (
     checked_domain,
     domain_named,
@@ -20,6 +19,7 @@ from cleancli.language.load import (
     load_problem,
     read_source,
 )
+from cleancli.language.printing.printer import print_domain, print_problem
 
 FOLDER = Path(__file__).parent / "constructs"
 

@@ -7,7 +7,7 @@ import itertools
 
 import pytest
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import checked_domain
 
 DOMAIN = """domain d {

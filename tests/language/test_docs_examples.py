@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.format import print_domain, print_problem
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.render import render
 from cleancli.language.load import checked_domain, checked_problem, domain_named, kind_of, load_domain
-from cleancli.language.render import render
+from cleancli.language.printing.printer import print_domain, print_problem
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 from cleancli.scene.grasps import SHIPPED

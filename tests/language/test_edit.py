@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.diagnostics import Refused, Source, Span
-from cleancli.language.edit import Change, Edit, apply_edits, replace_file, write_all, write_atomically
+from cleancli.files.replace import Change, replace_file, write_all, write_atomically
+from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
+from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Outcome
-from cleancli.language.tokens import tokens_of
-from cleancli.shipped import shipped
+from cleancli.language.parsing.trivia import tokens_of
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 DOMAINS = [read_source(path).text for path in [*sorted(shipped("domains").glob("*.nid")), HERE / "small.nid"]]

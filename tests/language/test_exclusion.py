@@ -9,9 +9,10 @@ from itertools import combinations, product
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.declarations import Declarations
-from cleancli.language.exclusion import close_pairs
-from cleancli.language.formula import Reading
+from cleancli.language.checking.declarations import Declarations
+from cleancli.language.checking.exclusivity import close_pairs
+from cleancli.language.checking.first_order import Reading
+from cleancli.language.checking.satisfiability import satisfy
 from cleancli.language.model import (
     Condition,
     DerivedPredicate,
@@ -25,7 +26,6 @@ from cleancli.language.model import (
     Type,
     Variable,
 )
-from cleancli.language.satisfiable import satisfy
 
 A, M, K = Variable("a", "area"), Variable("m", "area"), Variable("k", "area")
 TRUE, FALSE = frozenset({True}), frozenset({False})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain
 
 TEXT = """domain d {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics import Level, Source
+from cleancli.language.diagnostics.diagnostic import Level, Source
 from cleancli.language.load import checked_domain
 
 DOMAIN = """domain d {

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.format import print_domain, print_float, print_fraction, print_problem
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import (
     Action,
@@ -34,9 +34,10 @@ from cleancli.language.model import (
     Type,
     Variable,
 )
+from cleancli.language.printing.printer import print_domain, print_float, print_fraction, print_problem
+from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
-from cleancli.shipped import find, shipped
 
 HERE = Path(__file__).parent
 TYPES = (Type("thing"), Type("dish", "thing"), Type("cup", "dish"))

@@ -6,7 +6,7 @@ from random import Random
 
 import generate
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.scene.check import load_scene
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from lark import UnexpectedToken
 
-from cleancli.language.grammar import grammar, read_cached, write_cached
-from cleancli.shipped import find
+from cleancli.language.find import find
+from cleancli.language.parsing.grammar import grammar, read_cached, write_cached
 
 TEXT = find("cleaning", "domains").read_text(encoding="utf-8")
 

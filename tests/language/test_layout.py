@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.parse import parse
-from cleancli.language.tokens import tokens_of
-from cleancli.shipped import shipped
+from cleancli.language.parsing.parse import parse
+from cleancli.language.parsing.trivia import tokens_of
+from cleancli.language.printing.formatter import layout
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]

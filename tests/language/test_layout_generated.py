@@ -8,12 +8,12 @@ from random import Random
 import generate
 import pytest
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.language.parse import parse
+from cleancli.language.parsing.parse import parse
+from cleancli.language.printing.formatter import layout
+from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
-from cleancli.shipped import shipped
 
 SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]
 

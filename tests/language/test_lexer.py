@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from lark import Lark, Token, UnexpectedInput, UnexpectedToken
 
-from cleancli.language.grammar import grammar
-from cleancli.shipped import shipped
+from cleancli.language.parsing.grammar import grammar
+from cleancli.resources import shipped
 
 FILES = [*shipped("domains").glob("*.nid"), *Path(__file__).parents[1].rglob("*.nid")]
 TEXTS = sorted({path.read_bytes().decode("utf-8", "replace") for path in FILES if path.stat().st_size < 2000})

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.find import find
 from cleancli.language.load import domain_named, load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
+from cleancli.resources import shipped_names
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import Rag
-from cleancli.shipped import find, shipped_names
 
 HERE = Path(__file__).parent
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import checked_problem, load_domain
 
 TEXT = """domain d {

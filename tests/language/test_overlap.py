@@ -8,9 +8,9 @@ from itertools import product
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.language.declarations import Declarations
+from cleancli.language.checking.declarations import Declarations
+from cleancli.language.checking.literals import negated, separating, witness
 from cleancli.language.model import Condition, Equality, Literal, Object, Symbol, Term, Type, Variable
-from cleancli.language.overlap import negated, separating, witness
 
 A, B, C = Variable("a", "area"), Variable("b", "area"), Variable("c", "thing")
 BIN = Object("bin", "thing")

@@ -10,8 +10,8 @@ import itertools
 from collections.abc import Iterator, Sequence
 from random import Random
 
-from cleancli.compiler.evaluate import StateView
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.compiler.lifted_state import StateView
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 

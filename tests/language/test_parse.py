@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from lark import Tree
 
-from cleancli.language.build import Builder
-from cleancli.language.diagnostics import Refused, Source, Span
-from cleancli.language.grammar import grammar
-from cleancli.language.parse import kind_of, parse
-from cleancli.shipped import shipped
+from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
+from cleancli.language.parsing.ast_builder import Builder
+from cleancli.language.parsing.grammar import grammar
+from cleancli.language.parsing.parse import kind_of, parse
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 SHIPPED = sorted([*shipped("domains").glob("*.nid"), *shipped("problems").glob("*.nid")])

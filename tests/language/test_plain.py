@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.plain import NotPlain, TooLarge, naming, open_plain, read_plain
+from cleancli.files.plain import NotPlain, TooLarge, naming, open_plain, read_plain
 
 
 def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:

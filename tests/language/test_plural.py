@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from cleancli.language.plain import in_units
-from cleancli.language.plural import plural
+from cleancli.files.plain import in_units
+from cleancli.language.diagnostics.plural import plural
 
 ROOT = Path(__file__).parents[2]
 BY_HAND = re.compile(r"""(['"])s\1 ?\* ?\(|(['"])s\2 if |(['"])\3 if [^'"]*== 1 else (['"])s\4""")

@@ -9,13 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language import names, syntax
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import apply_edits
+from cleancli.language import syntax
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.text_edit import apply_edits
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
-from cleancli.language.names import Kind, Occurrence, names_in
-from cleancli.language.rename import rename
-from cleancli.shipped import find, shipped
+from cleancli.language.refactoring import name_index
+from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
+from cleancli.language.refactoring.rename import rename
+from cleancli.resources import shipped
 
 HERE = Path(__file__).parent
 DOMAIN = read_source(find("cleaning", "domains"))
@@ -57,7 +59,7 @@ def _changed_lines(old: str, new: str) -> list[str]:
 
 def test_every_name_in_the_tree_has_a_meaning() -> None:
     """A node that the grammar gains must say what its names stand for."""
-    known = {*names.DECLARED, *names.USED, (syntax.Group, "names")}
+    known = {*name_index.DECLARED, *name_index.USED, (syntax.Group, "names")}
     for node in vars(syntax).values():
         if isinstance(node, type) and issubclass(node, syntax.Node):
             hints = typing.get_type_hints(node)

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from cleancli import __version__
-from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
-from cleancli.language.lines import Lines
-from cleancli.language.render import as_json, as_sarif, render
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.render import as_json, as_sarif, render
+from cleancli.language.diagnostics.source_lines import Lines
 
 
 def _shown(text: str, part: str) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
 from cleancli.language.load import checked_domain, load_problem, read_source
 
 TEXT = """\

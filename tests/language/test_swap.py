@@ -23,11 +23,12 @@ from types import FrameType
 
 import pytest
 
-from cleancli.language import hold, swap
-from cleancli.language.diagnostics import Refused
-from cleancli.language.edit import Change, replace_file, write_all, write_atomically
+from cleancli.files import exchange as swap
+from cleancli.files import lease
+from cleancli.files.replace import Change, replace_file, write_all, write_atomically
+from cleancli.language.diagnostics.diagnostic import Refused
 
-TRACED = {hold.__file__, swap.__file__}
+TRACED = {lease.__file__, swap.__file__}
 OLD, NEW, THEIRS = "old text", "new text that is longer", "theirs"
 
 
@@ -310,8 +311,8 @@ def test_two_processes_of_this_program_write_one_after_the_other(tmp_path: Path)
     path = tmp_path / "a.nid"
     path.write_text("0")
     script = (
-        "import sys; from pathlib import Path; from cleancli.language.edit import write_atomically\n"
-        "from cleancli.language.diagnostics import Refused\n"
+        "import sys; from pathlib import Path; from cleancli.files.replace import write_atomically\n"
+        "from cleancli.language.diagnostics.diagnostic import Refused\n"
         "done = 0\n"
         "while done < 30:\n"
         "    text = Path(sys.argv[1]).read_text()\n"
@@ -328,10 +329,10 @@ def test_two_processes_of_this_program_write_one_after_the_other(tmp_path: Path)
 
 
 def test_a_file_that_is_held_for_long_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hold, "PATIENCE", 0.1)
+    monkeypatch.setattr(lease, "PATIENCE", 0.1)
     path = tmp_path / "a.nid"
     path.write_text(OLD)
-    with hold.locked([path]), pytest.raises(OSError, match="another process is writing it") as held:
+    with lease.locked([path]), pytest.raises(OSError, match="another process is writing it") as held:
         write_atomically(path, NEW, OLD)
     assert held.value.filename == str(path)
     with path.open("r+"), pytest.raises(Refused, match="is being written by another program"):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.experience import Transition

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain
-from cleancli.learning.experience import decode
+from cleancli.learning.experience import Transition, decode
 
 DOMAIN = load_domain(
     Source(
@@ -31,10 +32,14 @@ GOOD = {
 ODD = (None, True, 3, 1.5, "b1", [], {}, [3], [None], [["b1"]], [{"b1": 1}], {"b1": 3}, {"3": ["box"]})
 
 
+def read(text: str) -> tuple[Transition, ...]:
+    return tuple(decode(io.BytesIO(text.encode()), "x.jsonl", DOMAIN))
+
+
 def refusals(line: object) -> list[str]:
     text = json.dumps(GOOD) + "\n" + json.dumps(line) + "\n"
     try:
-        decode(Source("x.jsonl", text), DOMAIN)
+        read(text)
     except Refused as refused:
         return [diagnostic.code for diagnostic in refused.diagnostics]
     return []
@@ -79,8 +84,8 @@ def test_a_symbol_is_declared_for_so_many_objects(entry: object) -> None:
 def test_a_line_that_is_no_object_is_a_mistake(line: str) -> None:
     text = f"{json.dumps(GOOD)}\n{line}\n{json.dumps(GOOD)}\n"
     if not line:
-        assert len(decode(Source("x.jsonl", text), DOMAIN)) == 2
+        assert len(read(text)) == 2
         return
     with pytest.raises(Refused) as refused:
-        decode(Source("x.jsonl", text), DOMAIN)
+        read(text)
     assert [diagnostic.code for diagnostic in refused.value.diagnostics] == ["E701"]

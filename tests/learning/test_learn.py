@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from fractions import Fraction
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.experience import Transition, decode, encode
@@ -124,9 +125,9 @@ def test_the_prior_in_the_file_counts_not_the_last_estimate(domain: Domain) -> N
 def test_experience_survives_its_file(domain: Domain) -> None:
     transitions = (wiped(state("b3")), wiped(state("b1", small=("b1",)), box="b3"))
     text = "".join(encode(t, {"number": 1}) + "\n" for t in transitions)
-    assert decode(Source("x", text), domain) == transitions
+    assert tuple(decode(io.BytesIO(text.encode()), "x", domain)) == transitions
     torn = text + encode(transitions[0], {})[:70]
-    assert decode(Source("x", torn), domain) == transitions
+    assert tuple(decode(io.BytesIO(torn.encode()), "x", domain)) == transitions
 
 
 def test_every_bad_line_is_reported(domain: Domain) -> None:
@@ -142,7 +143,7 @@ def test_every_bad_line_is_reported(domain: Domain) -> None:
         '{"action": "wipe", "arguments": ["b1"], "objects": {"b1": "box"}, "before": []}',
     ]
     with pytest.raises(Refused) as refused:
-        decode(Source("x", "\n".join(lines) + "\n"), domain)
+        tuple(decode(io.BytesIO(("\n".join(lines) + "\n").encode()), "x", domain))
     assert [d.code for d in refused.value.diagnostics] == ["E701"] * 7
 
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import checked_domain, load_domain, read_source
 from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
 from cleancli.learning.experience import Transition

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from cleancli.language.diagnostics import Source
-from cleancli.language.edit import apply_edits
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
 from cleancli.learning.experience import Transition

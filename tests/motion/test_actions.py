@@ -11,11 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cleancli.geometry.ellipse import Ellipse, boundary, farthest, nearest
 from cleancli.motion import actions
 from cleancli.motion.actions import SKILLS, NoSkill, can_execute, tool_path
-from cleancli.motion.ellipse import boundary, farthest, nearest
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import (
     CameraSetup,

@@ -25,7 +25,7 @@ from cleancli.motion.arm import (
 from cleancli.motion.clearance import clear, segment_gaps
 from cleancli.motion.joint_path import reached
 from cleancli.scene.model import Scene
-from cleancli.world.wam import arm_for
+from cleancli.world.robots.wam import arm_for
 
 _Array = NDArray[np.float64]
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.motion.ellipse import (
+from cleancli.geometry.ellipse import (
+    Ellipse,
     boundary,
     contains,
     farthest,
@@ -15,7 +16,6 @@ from cleancli.motion.ellipse import (
     major_ends,
     nearest,
 )
-from cleancli.perception.area import Ellipse
 
 ellipses = st.builds(
     lambda x, y, longer, share, angle: Ellipse((x, y), (longer, share * longer), angle),

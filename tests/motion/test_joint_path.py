@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import Arm, forward
 from cleancli.motion.clearance import clear
@@ -18,9 +19,8 @@ from cleancli.motion.legs import Leg, legs
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.search import way
 from cleancli.motion.timing import Limits, timed
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
-from cleancli.world.wam import BUILD, arm_for
+from cleancli.world.robots.wam import BUILD, arm_for
 
 _Array = NDArray[np.float64]
 REST = np.array(BUILD.rest)
@@ -147,7 +147,7 @@ def test_the_same_path_is_planned_bit_for_bit_in_another_process() -> None:
         "from cleancli.motion.joint_path import nearest_pose, stroke, through_air\n"
         "from cleancli.motion.legs import legs\n"
         "from cleancli.motion.path import Interpolation, Waypoint\n"
-        "from cleancli.world.wam import BUILD, arm_for\n"
+        "from cleancli.world.robots.wam import BUILD, arm_for\n"
         "scene = Scene('s', Surface(.6, .55, .45, (0, 0, 0)), Container('east', 0, .32, .16), 'wam',"
         " Rag('wide', .12), CameraSetup(.9, 640, 480, 525), (),"
         " SymbolThresholds(.03, .05, .1, .3, .2, .06), 1)\n"

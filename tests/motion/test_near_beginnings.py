@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion import joint_path
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import Arm, everywhere, poses
@@ -15,9 +16,8 @@ from cleancli.motion.clearance import clear
 from cleancli.motion.joint_path import nearest_pose, stroke, through_air
 from cleancli.motion.legs import legs
 from cleancli.motion.path import Interpolation, ToolPath
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
-from cleancli.world.wam import BUILD, arm_for
+from cleancli.world.robots.wam import BUILD, arm_for
 
 _Array = NDArray[np.float64]
 REST = np.array(BUILD.rest)

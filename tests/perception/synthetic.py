@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.perception.frame import Camera, Frame
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import CameraSetup, Container, Rag, Scene, Surface, SymbolThresholds
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import synthetic
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception.calibrate import MARGIN, NotClean, calibrate
-from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 

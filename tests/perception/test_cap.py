@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import synthetic
 
-from cleancli.perception.area import Area, Ellipse
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out
 from cleancli.scene.model import Scene
 

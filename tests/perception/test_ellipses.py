@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.perception.area import Ellipse
+from cleancli.geometry.ellipse import Ellipse, extent, gap
 from cleancli.perception.areas import enclosing_ellipses
-from cleancli.perception.ellipses import extent, gap
 
 ELLIPSES = st.builds(
     lambda x, y, long, share, angle: Ellipse((x, y), (long, long * share), angle),

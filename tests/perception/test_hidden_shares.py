@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import synthetic
 
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.ellipses import contains, points_within
+from cleancli.geometry.ellipse import Ellipse, contains, points_within
+from cleancli.perception.area import Area
 from cleancli.perception.occlusion import Known, find_unseen, remember
 from cleancli.perception.perceive import Observation, perceive
 

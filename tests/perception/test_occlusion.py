@@ -11,8 +11,8 @@ import pytest
 import synthetic
 from synthetic import Box
 
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.ellipses import contains, points_within
+from cleancli.geometry.ellipse import Ellipse, contains, points_within
+from cleancli.perception.area import Area
 from cleancli.perception.occlusion import Known, find_unseen, remember
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import Stroke, track

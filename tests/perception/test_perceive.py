@@ -9,8 +9,8 @@ import pytest
 import synthetic
 from synthetic import Box
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import BadFrame, Observation, perceive
 from cleancli.perception.surface import NoSurface
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import synthetic
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
 from cleancli.perception.pictures import contact_sheet, draw, project
 from cleancli.perception.tracking import track

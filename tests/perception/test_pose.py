@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import synthetic
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.surface import NoSurface
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from synthetic import frame, grouped, scene
 
-from cleancli.perception.frame import Frame
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception.perceive import perceive
 from cleancli.perception.recorded import BadRecording, load_frames, save_frames
 

@@ -8,9 +8,10 @@ from math import pi
 import pytest
 import synthetic
 
-from cleancli.language.diagnostics import Refused
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
-from cleancli.perception.area import Area, Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize
 
 

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.perception.area import Area, Ellipse
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.perception.area import Area
 from cleancli.perception.tracking import Stroke, track
 
 

@@ -17,7 +17,7 @@ from cleancli.compiler.task import (
     Task,
     by_time,
 )
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, OutcomeKind
 

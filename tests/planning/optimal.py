@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 
-from cleancli.compiler.task import Assignment, Task
-from cleancli.compiler.transition import (
+from cleancli.compiler.semantics import (
     covering_rule,
     forward,
     payment,
@@ -15,6 +14,7 @@ from cleancli.compiler.transition import (
     standing,
     successors,
 )
+from cleancli.compiler.task import Assignment, Task
 
 SAME = 1e-9
 

@@ -9,9 +9,9 @@ import pytest
 import reference
 
 from cleancli.compiler.task import Task
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 CLEAN_OR_SPLASH = """
 domain d {

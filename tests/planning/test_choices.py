@@ -9,13 +9,13 @@ from fractions import Fraction
 import domains
 import pytest
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, Task
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import OutcomeKind
-from cleancli.planning.forecast import Step, forecast
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.forecast import Step, forecast
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 EIGHT = "objects { a b c d e f g h - area } init { %s } horizon = 8" % ", ".join(  # noqa: UP031
     f"{symbol}({name})" for name in "abcdefgh" for symbol in ("dirt", "scattered")

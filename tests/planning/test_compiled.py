@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.planning import compiled
+from cleancli.planning.kernels import jit
 
 PACKAGE = Path(__file__).parents[2] / "src" / "cleancli"
 SMALL = """
 import numpy as np
-from cleancli.planning.reachable import enter
+from cleancli.planning.kernels.state_graph import enter
 
 table = np.full(4, -1)
 enter(table, np.array([3, 7], np.uint64), 2)
@@ -48,7 +48,7 @@ def _run(site: Path, cwd: Path, **environment: str) -> subprocess.CompletedProce
 def read_only(tmp_path: Path) -> Path:
     """An installation in which even root can make no `__pycache__`, because there is a file of that name."""
     site = _installed(tmp_path)
-    (site / "cleancli" / "planning" / "__pycache__").write_text("")
+    (site / "cleancli" / "planning" / "kernels" / "__pycache__").write_text("")
     return site
 
 
@@ -67,7 +67,7 @@ def test_without_a_place_for_a_cache_the_code_is_compiled_all_the_same(
 def test_a_cache_is_kept_where_there_is_a_place(tmp_path: Path) -> None:
     site = _installed(tmp_path)
     assert _run(site, tmp_path, HOME=str(tmp_path)).returncode == 0
-    kept = list((site / "cleancli" / "planning" / "__pycache__").glob("reachable.enter*.nbc"))
+    kept = list((site / "cleancli" / "planning" / "kernels" / "__pycache__").glob("state_graph.enter*.nbc"))
     assert len(kept) == 1
 
 
@@ -99,7 +99,7 @@ def test_a_user_without_a_home_gets_no_folder_of_that_name(monkeypatch: pytest.M
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(os, "access", lambda *_: False)
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
-    kept = compiled.njit(nogil=True)(_nothing)
+    kept = jit.njit(nogil=True)(_nothing)
     assert type(kept._cache).__name__ == "NullCache"  # type: ignore[attr-defined]
 
 

@@ -10,15 +10,15 @@ from fractions import Fraction
 import domains
 import pytest
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import exact_value
-from cleancli.planning import beam
-from cleancli.planning.beam import best_sequence
-from cleancli.planning.outcomes import all_outcomes, likeliest_outcomes
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.planners import beam
+from cleancli.planning.planners.beam import best_sequence
+from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
+from cleancli.planning.registry import PLANNERS
 
 SWEEP = """
 domain d {

@@ -1,4 +1,4 @@
-"""Values and expectations of given sequences against compiler/transition.py, which says the same slowly."""
+"""Values and expectations of given sequences against compiler/semantics.py, which says the same slowly."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import pytest
 import reference
 from scipy import stats
 
-from cleancli.compiler.task import Assignment, Task, held
-from cleancli.compiler.transition import (
+from cleancli.compiler.semantics import (
     SupportTooLargeError,
     covering_rule,
     decreasing,
@@ -21,12 +20,13 @@ from cleancli.compiler.transition import (
     forward,
     standing,
 )
+from cleancli.compiler.task import Assignment, Task, held
 from cleancli.planning.compare import compared
-from cleancli.planning.evaluate import evaluate, exact
-from cleancli.planning.forecast import Forecast, exact_course, forecast
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_beliefs
+from cleancli.planning.evaluation.forecast import Forecast, exact_course, forecast
+from cleancli.planning.evaluation.value import evaluate, exact
 from cleancli.planning.plan import Options, TooManyStatesError
-from cleancli.planning.prada import plan_beliefs
-from cleancli.planning.prepared import prepare
 
 SEEDS = range(6)
 

@@ -1,4 +1,4 @@
-"""Enumerated states and the optimal policy against a plain recursion over compiler/transition.py."""
+"""Enumerated states and the optimal policy against a plain recursion over compiler/semantics.py."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import numpy as np
 import optimal
 import pytest
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import covering_rule, exact_value, progress, reward, successors
 from cleancli.compiler.task import Assignment, GroundCondition, Task
-from cleancli.compiler.transition import covering_rule, exact_value, progress, reward, successors
-from cleancli.planning import rational
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
-from cleancli.planning.prepared import prepare
-from cleancli.planning.reachable import Graph, backward, reachable
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.planners import rational
+from cleancli.planning.registry import PLANNERS
 
 
 def optimum(task: Task) -> Callable[[Assignment, int], float]:

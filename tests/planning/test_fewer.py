@@ -6,10 +6,10 @@ import domains
 import pytest
 
 from cleancli.compiler.task import held
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_problem
 from cleancli.language.model import Domain, Fact, Problem, without_objects
-from cleancli.planning.fewer import fewer
+from cleancli.planning.reductions.subproblem import fewer
 
 SPOTS = """
 domain spots {

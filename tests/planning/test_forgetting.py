@@ -8,9 +8,9 @@ import domains
 import numpy as np
 import pytest
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundCondition, Task
-from cleancli.compiler.transition import exact_value
-from cleancli.planning.prepared import prepare
+from cleancli.planning.compiled_task import prepare
 
 GUARD, GUARDED, LENGTH = 0, 4, 4
 

@@ -20,10 +20,10 @@ from cleancli.compiler.task import Task, holds
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.conversion.read import read
 from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable, variables_of
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain, load_problem, read_source
-from cleancli.planning.prada import plan_value
+from cleancli.language.printing.formatter import layout
+from cleancli.planning.evaluation.belief_value import plan_value
 
 REFERENCE = """
 domain d {

@@ -18,7 +18,8 @@ from numba import njit
 from scipy import stats
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.tables import Tables, lower
+from cleancli.compiler.lowering.belief_tables import Tables, lower
+from cleancli.compiler.semantics import exact_value, forward
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -27,15 +28,15 @@ from cleancli.compiler.task import (
     StateVariable,
     Task,
 )
-from cleancli.compiler.transition import exact_value, forward
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
-from cleancli.planning import inference, kernel
-from cleancli.planning.coverage import coverage, enough_samples
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
+from cleancli.planning.evaluation.coverage import coverage, enough_samples
+from cleancli.planning.kernels import belief as kernel
+from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import plan_value
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -121,7 +122,7 @@ def test_a_belief_stays_one(seed: int, compat: bool) -> None:
     """Probabilities stay probabilities, and no step pays more than the bound for giving up says."""
     task = overlapping(seed) if compat else domains.weighted_task(seed)
     tables = lower(task, independent=compat)
-    belief = inference.new_belief(tables, 0.0)
+    belief = belief_search.new_belief(tables, 0.0)
     kernel.initialise(tables, np.asarray(task.initial, dtype=np.int32), belief)
     for action in np.random.default_rng(seed).integers(len(task.actions), size=200).tolist():
         paid, _ = kernel.advance(tables, belief, action)
@@ -154,7 +155,7 @@ def test_actions_are_drawn_in_proportion_to_their_weights(likely: float) -> None
         discounts=task.discounts * number,
     )
     tables = lower(task)
-    belief = inference.new_belief(tables, 0.0)
+    belief = belief_search.new_belief(tables, 0.0)
     kernel.initialise(tables, np.zeros(number, dtype=np.int32), belief)
     weights = likely * np.linspace(0.0, 1.0, number)
     belief.number[tables.guard] = weights
@@ -171,7 +172,7 @@ def test_giving_up_samples_loses_no_plan(seed: int, compat: bool, monkeypatch: p
     task = overlapping(seed) if compat else domains.weighted_task(seed)
     options = Options(300, seed, compat=compat)
     plan = prada(task, options)
-    monkeypatch.setattr(inference, "ceiling", lambda tables, discount, steps: np.full(steps + 1, np.inf))
+    monkeypatch.setattr(belief_search, "ceiling", lambda tables, discount, steps: np.full(steps + 1, np.inf))
     assert replace(prada(task, options), seconds=plan.seconds) == plan
 
 
@@ -269,9 +270,9 @@ def test_the_reported_value_is_the_plans() -> None:
 
 def test_same_seed_same_plan_in_another_process() -> None:
     script = (
-        "import domains; from cleancli.planning.prada import prada;"
+        "import domains; from cleancli.planning.planners.prada import prada;"
         "from cleancli.planning.plan import Options;"
-        "from cleancli.planning.prepared import prepare;"
+        "from cleancli.planning.compiled_task import prepare;"
         "p = prada(prepare(domains.random_task(5)), Options(300, 11));"
         "print([str(a) for a in p.actions], p.value)"
     )

@@ -13,14 +13,14 @@ import pytest
 from optimal import optimum
 from scipy import stats
 
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundOutcome, Task
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import OutcomeKind
-from cleancli.planning import annealing
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import prada
-from cleancli.planning.prada_plus import prada_plus
-from cleancli.planning.prepared import prepare
+from cleancli.planning.planners.prada import prada
+from cleancli.planning.planners.prada_plus import prada_plus
 
 WORDS = 300
 

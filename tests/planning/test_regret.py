@@ -1,4 +1,4 @@
-"""benchmarks/regret.py scores policies rightly: against plain recursion over compiler/transition.py."""
+"""benchmarks/regret.py scores policies rightly: against plain recursion over compiler/semantics.py."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from optimal import optimum
 from scipy import stats
 
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import payment, reward, standing, successors
 from cleancli.compiler.task import Assignment
-from cleancli.compiler.transition import payment, reward, standing, successors
+from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 STEPS = 3
 SEEDS = range(6)

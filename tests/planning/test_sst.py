@@ -9,9 +9,9 @@ import domains
 import pytest
 
 from cleancli.compiler.task import Task
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 
 def plan(name: str, task: Task, **options: Any) -> Plan:

@@ -1,4 +1,4 @@
-"""The compiled process against compiler/transition.py, which says the same slowly."""
+"""The compiled process against compiler/semantics.py, which says the same slowly."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import pytest
 import reference
 from scipy import stats
 
-from cleancli.compiler.process import lower_process
-from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
-from cleancli.compiler.transition import (
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import (
     covering_rule,
     exact_value,
     reward,
     standing,
     successors,
 )
-from cleancli.planning import states
-from cleancli.planning.prada import plan_value
+from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
+from cleancli.planning.evaluation.belief_value import plan_value
+from cleancli.planning.kernels import transitions
 
 SEEDS = range(12)
 
@@ -42,13 +42,13 @@ def test_conditions_rules_and_rewards_are_those_of_the_task(seed: int) -> None:
     conditions = [*(r.condition for r in task.rules), *(r.condition for r in task.rewards), *task.goal]
     for assignment in some_states(task, seed, 30):
         state = array(assignment)
-        assert [states.holds(process, state, c) for c in range(len(conditions))] == [
+        assert [transitions.holds(process, state, c) for c in range(len(conditions))] == [
             holds(condition, assignment) for condition in conditions
         ]
         for action in range(len(task.actions)):
-            found = states.covering(process, state, action)
+            found = transitions.covering(process, state, action)
             assert (task.rules[found] if found >= 0 else None) == covering_rule(task, assignment, action)
-        assert states.rewarded(process, state)[1] == pytest.approx(standing(task, assignment))
+        assert transitions.rewarded(process, state)[1] == pytest.approx(standing(task, assignment))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -61,7 +61,7 @@ def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
         seen: Counter[Assignment] = Counter()
         for k in range(draws):
             state = array(assignment)
-            paid, rise = states.step(process, state, action, (k + 0.5) / draws)
+            paid, rise = transitions.step(process, state, action, (k + 0.5) / draws)
             after = tuple(state.tolist())
             seen[after] += 1
             total = paid + rise + standing(task, assignment)
@@ -77,7 +77,7 @@ def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
     actions = rng.integers(len(task.actions), size=4)
     idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(task.horizon))])
     process, samples = lower_process(task), 20_000
-    mean, square = states.sequence_value(
+    mean, square = transitions.sequence_value(
         process, array(task.initial), actions.astype(np.int32), idle, samples, np.uint64(seed)
     )
     error = np.sqrt(max(square - mean**2, 1e-12) / samples)

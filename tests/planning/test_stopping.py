@@ -13,17 +13,17 @@ import numpy as np
 import optimal
 import pytest
 
-from cleancli.compiler.process import lower_process
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.compiler.semantics import covering_rule, exact_value, standing, successors
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import covering_rule, exact_value, standing, successors
-from cleancli.planning import annealing
-from cleancli.planning.beam import best_sequence
-from cleancli.planning.evaluate import earliness
-from cleancli.planning.outcomes import all_outcomes
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.belief_value import plan_value
+from cleancli.planning.evaluation.value import earliness
+from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prada import plan_value
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.planners.beam import best_sequence
+from cleancli.planning.reductions.determinization import all_outcomes
+from cleancli.planning.registry import PLANNERS
 
 DOORS = """
 domain doors {

@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from cleancli.execution.journal import (
+from cleancli.recording.journal import (
     Acted,
     AreaEntry,
     Chance,

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from run_folders import RECORDS, write_run
 
 from cleancli.cli.main import run
-from cleancli.execution.pictures import VIDEO_INTERVAL, Video
+from cleancli.recording.pictures import VIDEO_INTERVAL, Video
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cleancli.execution.record import STEP_SIZE
 from cleancli.perception.recorded import BadRecording, _read_image
+from cleancli.recording.run_folder import STEP_SIZE
 from cleancli.report.pictures import MOST_PIXELS, data_uri
 from cleancli.scene.settings import MOST_PIXELS as OF_A_SCENE
 

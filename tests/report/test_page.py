@@ -15,7 +15,7 @@ from run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked,
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
-from cleancli.execution.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
+from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
 from cleancli.report.page import run_page, ticks
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import read_run

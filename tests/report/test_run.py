@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from run_folders import RECORDS, SECONDS, header, write_run
 
-from cleancli.execution.journal import Chance, Expected, FactEntry, Started
-from cleancli.language.diagnostics import Refused
+from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.recording.journal import Chance, Expected, FactEntry, Started
 from cleancli.report.account import row_of
 from cleancli.report.run import read_run
 from cleancli.report.steps import chance_text, facts_text, likeliest, steps_of

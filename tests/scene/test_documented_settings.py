@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Scene

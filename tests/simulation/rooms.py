@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cleancli.compiler.task import GroundAction
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Problem
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.table import Planner
+from cleancli.planning.registry import Planner
 
 DOORS = """
 domain doors {

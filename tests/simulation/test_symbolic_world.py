@@ -10,18 +10,18 @@ import pytest
 import rooms
 from scipy import stats
 
-from cleancli.compiler.evaluate import StateView
 from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import NoDurationError, by_time
-from cleancli.compiler.transition import exact_value
 from cleancli.language.model import Fact
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared
 from cleancli.simulation import agent as agents
-from cleancli.simulation import runs
+from cleancli.simulation import batch
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, Limits, Reason, episode
-from cleancli.simulation.world import assignment_of, do, succeeded, world_of
+from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
 
 DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
 PROBLEM = rooms.problem(DOORS)
@@ -271,11 +271,11 @@ def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPa
             raise NoDurationError(["push"])
         return rooms.plan(prepared, prepared.task.actions[:1])
 
-    monkeypatch.setattr(runs, "PLANNERS", {"late": late})
-    monkeypatch.setattr(runs, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
-    setup = runs.Setup(DOORS, DOORS, PROBLEM, ("late",), Options(), Limits(max_actions=1))
-    assert len(list(runs.spread(setup, 9, 2))) == 9
-    found = runs.spread(replace(setup, limits=Limits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2)
+    monkeypatch.setattr(batch, "PLANNERS", {"late": late})
+    monkeypatch.setattr(batch, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
+    setup = batch.Setup(DOORS, DOORS, PROBLEM, ("late",), Options(), Limits(max_actions=1))
+    assert len(list(batch.spread(setup, 9, 2))) == 9
+    found = batch.spread(replace(setup, limits=Limits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2)
     assert next(found)[0].number == 0
     with pytest.raises(NoDurationError) as error:
         list(found)

@@ -11,7 +11,7 @@ import pytest
 
 from cleancli.scene.model import Scattered, Scene
 from cleancli.world import camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]

@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, can_execute, tool_path
-from cleancli.perception.area import Ellipse
 from cleancli.perception.perceive import perceive
 from cleancli.scene.model import Group, Scattered, Scene
-from cleancli.world.drives import ROBOTS
 from cleancli.world.robot import Robot, Status
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable, Truth
 
 MakeScene = Callable[..., Scene]

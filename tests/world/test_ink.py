@@ -12,7 +12,7 @@ from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.perceive import perceive
 from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer, drawn
 from cleancli.world.robot import Robot, Status
 from cleancli.world.table import PybulletTable

@@ -7,12 +7,13 @@ import re
 import pytest
 
 from cleancli.motion import pace, pick_up
-from cleancli.world import parameters, robots
+from cleancli.world import constants
+from cleancli.world.robots import constants as robots
 
 SOURCES = re.compile("chosen|measured|manual|published|common figures")
 
 
-@pytest.mark.parametrize("module", [parameters, robots, pace, pick_up])
+@pytest.mark.parametrize("module", [constants, robots, pace, pick_up])
 def test_every_number_names_its_source_or_the_word_chosen(module: object) -> None:
     with open(module.__file__, encoding="utf-8") as file:
         text = file.read()

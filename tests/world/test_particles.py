@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene, Surface
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.robot import Robot, Status
 from cleancli.world.table import PybulletTable
 

@@ -12,7 +12,7 @@ import pytest
 
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Rag, Scene
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
 
 

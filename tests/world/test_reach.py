@@ -8,8 +8,8 @@ import numpy as np
 
 from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Scene
-from cleancli.world.drives import ROBOTS
-from cleancli.world.reach import STEP, reach
+from cleancli.world.reach_map import STEP, reach
+from cleancli.world.robots.registry import ROBOTS
 
 
 def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Callable[..., Scene]) -> None:

@@ -9,18 +9,18 @@ from itertools import product
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
-from cleancli.world.arm_drive import TOOL
-from cleancli.world.dustpan import plate, walls, within
-from cleancli.world.parameters import PARTICLES
-from cleancli.world.reem import Reem
+from cleancli.world.constants import PARTICLES
 from cleancli.world.robot import Robot, Status
-from cleancli.world.robots import PAN_GAP, PAN_HELD
+from cleancli.world.robots.arm_drive import TOOL
+from cleancli.world.robots.constants import PAN_GAP, PAN_HELD
+from cleancli.world.robots.dustpan import plate, walls, within
+from cleancli.world.robots.reem import Reem
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]
@@ -183,7 +183,7 @@ def test_a_dustpan_holds_what_is_between_its_walls() -> None:
 
 
 _TWICE = """
-from cleancli.language.diagnostics import Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene

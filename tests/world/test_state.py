@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Ink, Scene
 from cleancli.world.robot import Status
 from cleancli.world.state import TableState, bodies, from_arrays

@@ -11,15 +11,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scattered, Scene
-from cleancli.world import parameters as par
-from cleancli.world import robots
-from cleancli.world.gantry import resting_pose
+from cleancli.world import constants as par
 from cleancli.world.robot import Robot, Status
+from cleancli.world.robots import constants
+from cleancli.world.robots.gantry import resting_pose
 from cleancli.world.table import PybulletTable, Truth
 
 MakeScene = Callable[..., Scene]
@@ -89,7 +89,7 @@ def test_the_clock_advances_as_the_path_takes(scene: MakeScene, finish: Finish) 
         above = Waypoint(rest[0], rest[1], 0.05, 0.0, 0.2)
         table.start(ToolPath((above, replace(above, x=above.x + 0.4)), Interpolation.STRAIGHT))
         assert finish(table) is Status.DONE
-        travel = 0.4 / 0.2 + 0.2 / robots.JOINT_ACCELERATION[0]
+        travel = 0.4 / 0.2 + 0.2 / constants.JOINT_ACCELERATION[0]
         # The noise of the stroke is travelled first: some millimetres, from rest to a near stop.
         assert travel < table.clock < travel + 0.5
         clock = table.clock

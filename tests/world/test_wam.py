@@ -8,16 +8,16 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.motion.arm import forward, frames
 from cleancli.motion.clearance import hull_ends, segment_gaps
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Group, Scene
 from cleancli.world import camera
-from cleancli.world.arm_drive import TOOL, ArmDrive
-from cleancli.world.drives import ROBOTS
 from cleancli.world.robot import Robot, Status
+from cleancli.world.robots.arm_drive import TOOL, ArmDrive
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
 MakeScene = Callable[..., Scene]

@@ -14,8 +14,9 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
-from cleancli.language.diagnostics import Refused
-from cleancli.shipped import find, shipped_names
+from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.find import find
+from cleancli.resources import shipped_names
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
@@ -74,7 +75,7 @@ def _declared(domain: str | None, kinds: set[str]) -> list[str]:
     lark is loaded here, and so by no other completion.
     """
     from cleancli.language.load import read_source
-    from cleancli.language.names import names_in
+    from cleancli.language.refactoring.name_index import names_in
 
     if domain is None:
         return []

@@ -6,10 +6,10 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 from cleancli.language.load import domain_named, kind_of
-from cleancli.language.names import Occurrence, names_in
-from cleancli.language.parse import parse
+from cleancli.language.parsing.parse import parse
+from cleancli.language.refactoring.name_index import Occurrence, names_in
 from cleancli.language.syntax import Init, ProblemNode
 
 _CODE = "W201"

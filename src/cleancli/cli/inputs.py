@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from cleancli.cli.files import STDIN, read
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.find import find
 from cleancli.language.load import (
     checked_domain,
     checked_problem,
@@ -20,7 +21,6 @@ from cleancli.language.load import (
     read_source,
 )
 from cleancli.language.model import Domain, Problem
-from cleancli.shipped import find
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene

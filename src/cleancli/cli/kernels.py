@@ -5,7 +5,7 @@ from __future__ import annotations
 
 def has_compiled() -> bool:
     """Whether this process had to compile; else what it ran was loaded from disk."""
-    from cleancli.planning.compiled import has_compiled as found
+    from cleancli.planning.kernels.jit import has_compiled as found
 
     return found()
 

@@ -18,9 +18,9 @@ from cleancli import __version__
 from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.streams import NoReader, finish, prepare
-from cleancli.language.diagnostics import Refused, printable
-from cleancli.language.interrupt import ENDING
-from cleancli.world.missing import MissingPhysics
+from cleancli.files.interrupt import ENDING
+from cleancli.language.diagnostics.diagnostic import Refused, printable
+from cleancli.world.errors import MissingPhysics
 
 SUMMARIES = {
     "init": "Write a small domain and a problem to start from.",
@@ -57,7 +57,7 @@ class _Commands(click.Group):
         light = light_command(cmd_name)
         if light is not None:
             return light
-        command = importlib.import_module(f"cleancli.cli.{cmd_name}").command
+        command = importlib.import_module(f"cleancli.cli.commands.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.cli.calls import Call
+from cleancli.cli.action_syntax import Call
+from cleancli.compiler.semantics import covering_rule, reaches_goal
 from cleancli.compiler.task import Task
-from cleancli.compiler.transition import covering_rule, reaches_goal
 from cleancli.language.model import Domain, Problem
+from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import Prepared
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,10 +9,10 @@ from typing import Any, NoReturn
 
 import click
 
-from cleancli.language.findings import meant
+from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Problem
 from cleancli.planning.plan import Options
-from cleancli.planning.table import DEFAULT, PLANNERS
+from cleancli.planning.registry import DEFAULT, PLANNERS
 
 OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
 """Fields of `Options` that have an option of their own, or none."""

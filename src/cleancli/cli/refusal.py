@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import NoDurationError
-from cleancli.compiler.transition import SupportTooLargeError
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.names import Kind, names_in
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.refactoring.name_index import Kind, names_in
 from cleancli.language.syntax import ActionNode
 from cleancli.planning.plan import PlanningRefused
 

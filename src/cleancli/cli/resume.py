@@ -15,21 +15,21 @@ from msgspec import Meta
 
 from cleancli import __version__
 from cleancli.cli.echo import echo
-from cleancli.cli.running import LIBRARIES, Inputs, open_site, versions
-from cleancli.execution import checkpoint
-from cleancli.execution.checkpoint import Saved
-from cleancli.execution.fitting import check_fits
-from cleancli.execution.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
-from cleancli.execution.journal import MOST, Count, Seconds, Started
-from cleancli.execution.setup import EpisodeOptions, Job
-from cleancli.execution.site import Site
+from cleancli.cli.run_session import LIBRARIES, Inputs, open_site, versions
+from cleancli.execution.session import Site
+from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
+from cleancli.files.untrusted import decoded
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
-from cleancli.language.plural import plural
-from cleancli.language.untrusted import decoded
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
+from cleancli.recording import checkpoint
+from cleancli.recording.checkpoint import Saved
+from cleancli.recording.fitting import check_fits
+from cleancli.recording.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
+from cleancli.recording.journal import Count, Seconds, Started
 from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.scene.check import load_scene
 

@@ -8,7 +8,7 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING, TextIO
 
-from cleancli.language.plain import naming
+from cleancli.files.plain import naming
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cleancli.compiler.evaluate import StateView
-from cleancli.execution.state import Situation
+from cleancli.compiler.lifted_state import StateView
+from cleancli.execution.episode_state import Situation
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
-from cleancli.language.plural import plural
 
 Told = Callable[[Situation], str]
 """What to say of a situation."""

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
 from cleancli.compiler.unreached import Unreached, unreached
-from cleancli.language.declarations import sections_of
-from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source, Span
+from cleancli.language.checking.declarations import sections_of
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source, Span
 from cleancli.language.model import Domain, Problem
-from cleancli.language.parse import kind_of
-from cleancli.language.read import parse_as
+from cleancli.language.parsing.parse import kind_of
+from cleancli.language.parsing.read import parse_as
 from cleancli.language.syntax import Goal, ProblemNode
 
 _MOST_NAMED = 3

@@ -10,9 +10,9 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from cleancli.compiler.evaluate import Binding, ConflictError, Key, StateView
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.format import print_term
+from cleancli.compiler.fluents import Binding, Key
+from cleancli.compiler.lifted_state import ConflictError, StateView
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import (
     Assign,
     Domain,
@@ -25,6 +25,7 @@ from cleancli.language.model import (
     Value,
     Variable,
 )
+from cleancli.language.printing.printer import print_term
 
 
 def results(domain: Domain, view: StateView, rule: int, binding: Binding) -> tuple[Mapping[Key, Value], ...]:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.evaluate import Binding, Key, StateView, bind, names_of
+from cleancli.compiler.fluents import Binding, Key, bind, names_of
+from cleancli.compiler.lifted_state import StateView
 from cleancli.language.model import (
     Condition,
     Domain,

@@ -10,17 +10,17 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from fractions import Fraction
 
-from cleancli.compiler.cases import Case, TooManyCases, cases_of, too_many_cases
-from cleancli.compiler.condition import Conditions
 from cleancli.compiler.conflict import conflicting_effects
-from cleancli.compiler.count import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
-from cleancli.compiler.evaluate import bind
-from cleancli.compiler.formula import Requirement
-from cleancli.compiler.instance import instances
-from cleancli.compiler.join import Universe
-from cleancli.compiler.numbering import Numbering
-from cleancli.compiler.reach import Reach
+from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
+from cleancli.compiler.encoding import Numbering
+from cleancli.compiler.fluents import bind
+from cleancli.compiler.ground_formula import Requirement
+from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
+from cleancli.compiler.instances import instances
+from cleancli.compiler.partial_evaluation import Conditions
+from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.rewards import costs_of, rewards_of, waiting_can_pay
+from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -28,7 +28,7 @@ from cleancli.compiler.task import (
     Task,
     literal_text,
 )
-from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import Domain, OutcomeKind, Problem
 
 Called = tuple[str, tuple[str, ...]]

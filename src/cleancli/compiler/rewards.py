@@ -11,13 +11,13 @@ from collections import defaultdict
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.cases import CASE_LIMIT
-from cleancli.compiler.condition import ClosureTooLargeError, Conditions
-from cleancli.compiler.formula import Formula, Known, disjoint
-from cleancli.compiler.instance import closure_refused
-from cleancli.compiler.numbering import Numbering
+from cleancli.compiler.disjoint_cases import CASE_LIMIT
+from cleancli.compiler.encoding import Numbering
+from cleancli.compiler.ground_formula import Formula, Known, disjoint
+from cleancli.compiler.instances import closure_refused
+from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
-from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, wanted_decreased
 
 

@@ -130,7 +130,7 @@ def asked(task: Task) -> tuple[RewardCondition, ...]:
 
 
 def advances(task: Task) -> tuple[float, ...]:
-    """How much of a step's progress (compiler/transition.py) the end of each condition of `asked` is."""
+    """How much of a step's progress (compiler/semantics.py) the end of each condition of `asked` is."""
     goal = set(task.goal)
     return tuple(float(reward.decrease) - (reward.condition in goal) for reward in asked(task))
 

@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from cleancli.compiler.condition import ClosureTooLargeError, Conditions
-from cleancli.compiler.count import count_groundings, refuse_too_many
-from cleancli.compiler.evaluate import Key
-from cleancli.compiler.formula import Formula, Known, restricted
-from cleancli.compiler.instance import instances
-from cleancli.compiler.join import Universe
-from cleancli.compiler.reach import Reach
-from cleancli.language.diagnostics import Refused
-from cleancli.language.format import print_condition, print_literal, symbols_of
+from cleancli.compiler.fluents import Key
+from cleancli.compiler.ground_formula import Formula, Known, restricted
+from cleancli.compiler.grounding_size import count_groundings, refuse_too_many
+from cleancli.compiler.instances import instances
+from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
+from cleancli.compiler.relaxed_reachability import Reach
+from cleancli.compiler.static_join import Universe
+from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import (
     Count,
     Domain,
@@ -28,6 +27,7 @@ from cleancli.language.model import (
     Value,
     wanted_decreased,
 )
+from cleancli.language.printing.printer import print_condition, print_literal, symbols_of
 
 _MOST_GROUNDINGS = 5_000
 """Of larger problems nothing is said, so that checking them takes no longer. Chosen: a second."""

@@ -18,11 +18,11 @@ from cleancli.conversion.records import (
     is_variable,
     variables_of,
 )
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.findings import meant
-from cleancli.language.format import print_fraction
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import OutcomeKind
-from cleancli.language.plural import plural
+from cleancli.language.printing.printer import print_fraction
 
 ROUNDING = Fraction(1, 1000)
 """How far the probabilities of a rule may be from 1 to count as rounded. Chosen."""

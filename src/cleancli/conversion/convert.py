@@ -14,8 +14,7 @@ from cleancli.conversion.records import Kind, Library
 from cleancli.conversion.rules import Translated, default_of, rules_of
 from cleancli.conversion.symbols import Vocabulary, facts, parameters, vocabulary
 from cleancli.conversion.text import Remarks, domain_text, problem_text
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.format import print_domain
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 from cleancli.language.load import checked_domain, checked_problem, load_domain
 from cleancli.language.model import (
     Action,
@@ -30,6 +29,7 @@ from cleancli.language.model import (
     Type,
     Variable,
 )
+from cleancli.language.printing.printer import print_domain
 
 DIRT = "dirt"
 """The predicate whose objects the reward wants fewer of, where there is one (eq. 2)."""

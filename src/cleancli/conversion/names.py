@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from cleancli.conversion.check import constants_of
 from cleancli.conversion.exclusive import Group
 from cleancli.conversion.records import Kind, Library
-from cleancli.language.findings import RESERVED
+from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.model import Value
 
 OBJECT = "object"

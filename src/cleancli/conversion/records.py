@@ -11,7 +11,7 @@ import enum
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.language.diagnostics import Source, Span
+from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.model import OutcomeKind
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cleancli.conversion.records import Atom
-from cleancli.language.diagnostics import Diagnostic, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 
 # Numbers are bounded, so that none takes long to compute with; longer ones are two tokens, and misplaced.
 _TOKEN = re.compile(

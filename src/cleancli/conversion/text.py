@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cleancli.conversion.rules import Translated
-from cleancli.language.diagnostics import Source
-from cleancli.language.format import print_domain, print_problem
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.model import Domain, Problem
+from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_domain, print_problem
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords, lexemes
 from cleancli.editor.library import Document, Library
-from cleancli.language.names import Kind
+from cleancli.language.refactoring.name_index import Kind
 
 TYPES = (
     "namespace",

@@ -11,7 +11,7 @@ from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
 from cleancli.editor.library import Document, Library
 from cleancli.editor.scene_words import INNER, KEYS, LENGTHS, PLANNER, TOP
 from cleancli.language import syntax
-from cleancli.language.names import Kind, Occurrence
+from cleancli.language.refactoring.name_index import Kind, Occurrence
 
 MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actions": ("cost", "duration")}
 """What declarations of a section may be marked with; the words beside a probability are the grammar's."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from lark import UnexpectedInput
 
 from cleancli.editor.lexemes import Lexeme, LexemeKind, lexemes
-from cleancli.language.grammar import grammar
+from cleancli.language.parsing.grammar import grammar
 
 _PREFIX = re.compile(r"(?:\?[A-Za-z_0-9]*|[A-Za-z_]\w*)?\Z")
 

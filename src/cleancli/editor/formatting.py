@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from cleancli.editor.library import Document
-from cleancli.language.diagnostics import Refused, Span
-from cleancli.language.edit import Edit
-from cleancli.language.layout import layout
+from cleancli.language.diagnostics.diagnostic import Refused, Span
+from cleancli.language.diagnostics.text_edit import Edit
+from cleancli.language.printing.formatter import layout
 
 
 def formatting(asked: Document) -> tuple[Edit, ...]:

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.count import Groundings, count_groundings
+from cleancli.compiler.grounding_size import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
 from cleancli.editor.scene_words import KEYS, PLANNER, TOP
 from cleancli.language import syntax
-from cleancli.language.diagnostics import Span
-from cleancli.language.format import print_fraction
-from cleancli.language.lines import Lines
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.model import Rule
-from cleancli.language.names import Kind, Occurrence, children
-from cleancli.language.plural import plural
+from cleancli.language.printing.printer import print_fraction
+from cleancli.language.refactoring.name_index import Kind, Occurrence, children
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lark.lexer import PatternStr
 
-from cleancli.language.grammar import grammar
+from cleancli.language.parsing.grammar import grammar
 
 
 class LexemeKind(enum.Enum):

@@ -9,15 +9,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cleancli.language.declarations import sections_of
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.include import is_outside
+from cleancli.language.checking.declarations import sections_of
+from cleancli.language.checking.include import is_outside
+from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import kind_of, read_source
-from cleancli.language.names import Kind, Meaning, Occurrence, occurrences
-from cleancli.language.outline import blank, outline
-from cleancli.language.parse import Parsed, parse
+from cleancli.language.parsing.parse import Parsed, parse
+from cleancli.language.parsing.recovery import blank, outline
+from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.syntax import DomainNode, Include, Root
-from cleancli.shipped import shipped, shipped_names
+from cleancli.resources import shipped, shipped_names
 
 _NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
 

@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from cleancli.editor.library import Document, Library
-from cleancli.language.diagnostics import Diagnostic, Level, Refused, Source
-from cleancli.language.findings import Findings
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.names import Kind
-from cleancli.language.plural import plural
+from cleancli.language.refactoring.name_index import Kind
 from cleancli.language.syntax import ProblemNode, SceneNode
 from cleancli.scene.check import check_scene
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from cleancli.editor.library import Document, Library
-from cleancli.language.diagnostics import Span
-from cleancli.language.edit import Edit
-from cleancli.language.names import Kind, Meaning, Occurrence
-from cleancli.language.rename import RENAMABLE, edits_of, refusal_of
-from cleancli.shipped import shipped
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.text_edit import Edit
+from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence
+from cleancli.language.refactoring.rename import RENAMABLE, edits_of, refusal_of
+from cleancli.resources import shipped
 
 RENAMED = frozenset({*RENAMABLE, Kind.VARIABLE})
 """What can be renamed. A domain's name is also that of its file, and the rest are words of the language."""

@@ -29,10 +29,10 @@ from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, renamable, rename
 from cleancli.editor.positions import UTF_16, Positions
 from cleancli.editor.symbols import Entry, symbols
-from cleancli.language.diagnostics import Diagnostic, Level, Source, Span
-from cleancli.language.edit import Edit
-from cleancli.language.messages import Excerpt, excerpt
-from cleancli.language.names import Kind
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.messages import Excerpt, excerpt
+from cleancli.language.diagnostics.text_edit import Edit
+from cleancli.language.refactoring.name_index import Kind
 
 _PAUSE = 0.15
 """Seconds without a key press before a text is checked."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from cleancli.editor.library import Document
 from cleancli.language import syntax
-from cleancli.language.diagnostics import Span
-from cleancli.language.names import Kind, Occurrence
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.refactoring.name_index import Kind, Occurrence
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,10 +17,11 @@ from cleancli.compiler.task import holds
 from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
+from cleancli.execution.episode_state import Move, Situation
+from cleancli.execution.session import Site, table_site, usual_job
 from cleancli.execution.setup import EpisodeOptions, within_reach
-from cleancli.execution.site import Site, table_site, usual_job
-from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.motion.actions import path_along
@@ -28,7 +29,6 @@ from cleancli.perception.symbols import symbolize
 from cleancli.perception.tracking import Stroke
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.shipped import find
 
 Info = dict[str, Any]
 IMPOSSIBLE = "no area stands in that slot, or no rule covers the action"

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Point
 from cleancli.motion.actions import OVERSHOOT
-from cleancli.motion.ellipse import Point
 from cleancli.scene.model import Scene
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-from cleancli.execution.state import Account, EpisodeState, Move, Situation
+from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation
+from cleancli.geometry.rgbd import Frame
 from cleancli.learning.experience import Transition
 from cleancli.motion.path import ToolPath
-from cleancli.perception.frame import Frame
 from cleancli.planning.plan import Plan
 
 

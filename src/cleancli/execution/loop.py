@@ -10,8 +10,18 @@ import time
 from collections.abc import Generator
 from dataclasses import replace
 
-from cleancli.compiler.evaluate import StateView
+from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
+from cleancli.execution.episode_state import (
+    PATIENCE,
+    Account,
+    EpisodeState,
+    Move,
+    Situation,
+    Vain,
+    about,
+    unchanged,
+)
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -24,11 +34,10 @@ from cleancli.execution.events import (
     Started,
 )
 from cleancli.execution.setup import Circumstances, Setup
-from cleancli.execution.state import PATIENCE, Account, EpisodeState, Move, Situation, Vain, about, unchanged
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
-from cleancli.language.plural import plural
 from cleancli.learning.experience import Transition
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered

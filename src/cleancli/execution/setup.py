@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.state import Key, Move, Situation
+from cleancli.execution.episode_state import Key, Move, Situation
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.plan import Plan
@@ -100,3 +100,7 @@ def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
     )
     names = {action.name for action in actions}
     return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
+
+
+MOST = 10**9
+"""Of anything that is counted, and seconds."""

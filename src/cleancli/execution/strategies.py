@@ -11,13 +11,13 @@ from types import MappingProxyType
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time, without
-from cleancli.execution.rivals import gather_all, nearest_first, wipe_all
+from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
+from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions
-from cleancli.execution.state import Move
-from cleancli.planning.fewer import fewer
+from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
-from cleancli.planning.prepared import prepare
-from cleancli.planning.table import DEFAULT, PLANNERS
+from cleancli.planning.reductions.subproblem import fewer
+from cleancli.planning.registry import DEFAULT, PLANNERS
 
 
 @dataclass(frozen=True, slots=True)

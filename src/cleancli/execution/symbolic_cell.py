@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from cleancli.compiler.task import Assignment, GroundAction
+from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import StrokeEnded
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.model import Problem
 from cleancli.motion.path import ToolPath
 from cleancli.perception.tracking import Stroke
-from cleancli.simulation.world import World, do, succeeded
+from cleancli.simulation.symbolic_world import World, do, succeeded
 
 
 class SymbolicCell:

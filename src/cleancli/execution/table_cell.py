@@ -8,9 +8,9 @@ from math import dist
 
 import numpy as np
 
+from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.state import Move, Situation
 from cleancli.execution.workcell import Motion, Motions, Sight
 from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path

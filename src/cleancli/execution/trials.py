@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.table_cell import FRAMES_PER_LOOK
+from cleancli.geometry.ellipse import Ellipse, contains
 from cleancli.motion.actions import ARITIES, tool_path
 from cleancli.motion.path import ToolPath
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.ellipses import contains
+from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.tracking import track

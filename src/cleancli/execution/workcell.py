@@ -6,11 +6,11 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Protocol
 
+from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import Moved, StrokeEnded
-from cleancli.execution.state import Move, Situation
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Problem
 from cleancli.motion.path import ToolPath
-from cleancli.perception.frame import Frame
 from cleancli.perception.tracking import Stroke
 
 Motion = Generator[Moved | StrokeEnded, None, "Motions"]

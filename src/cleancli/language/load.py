@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from cleancli.language.check import check_domain
-from cleancli.language.check_problem import check_problem
-from cleancli.language.declarations import sections_of
-from cleancli.language.diagnostics import Diagnostic, Refused, Source
-from cleancli.language.findings import Findings
-from cleancli.language.include import Read, with_includes
+from cleancli.language.checking.declarations import sections_of
+from cleancli.language.checking.domain import check_domain
+from cleancli.language.checking.include import Read, with_includes
+from cleancli.language.checking.problem import check_problem
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Problem
-from cleancli.language.parse import kind_of
-from cleancli.language.read import parse_as, read_source, read_stream
+from cleancli.language.parsing.parse import kind_of
+from cleancli.language.parsing.read import parse_as, read_source, read_stream
 from cleancli.language.syntax import DomainName, DomainNode, Name, ProblemNode
 
 __all__ = [

@@ -13,7 +13,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from cleancli.language.diagnostics import Span
+from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.record import Record
 
 Value = bool | int | str

@@ -7,14 +7,14 @@ import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
-from cleancli.compiler.evaluate import canonical_state
-from cleancli.language.diagnostics import Diagnostic, Refused, Source, Span
+from cleancli.compiler.fluents import canonical_state
+from cleancli.files.plain import in_units, open_plain
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Fact, Object, State
-from cleancli.language.plain import in_units, open_plain
-from cleancli.language.plural import plural
-from cleancli.language.read import refused_as
+from cleancli.language.parsing.read import refused_as
 
 LONGEST = 8 << 20
 """Bytes of a line."""
@@ -53,28 +53,34 @@ def encode(transition: Transition, extra: Mapping[str, object]) -> str:
 
 
 def read_experience(path: Path | str, domain: Domain) -> Iterator[Transition]:
-    """The transitions of an experience file one after the other, however many there are; see `decode`.
-
-    No more of the file than a line is in memory at a time. Raises Refused, also at the end: for the first
-    `MOST` lines that are no transitions, and the number of others.
-    """
+    """The transitions of an experience file one after the other, however many there are; see `decode`."""
     name = str(path)
-    wrong = _Wrong(name, domain.name)
     with refused_as(name), open_plain(path) as file:
-        while line := file.readline(LONGEST + 1):
-            if len(line) > LONGEST:
-                where = f"line {wrong.lines + 1} of `{name}`"
-                raise Refused([Diagnostic("E005", f"{where} is longer than {in_units(LONGEST)}", None)])
-            if not line.strip() or not line.endswith(b"\n"):
-                wrong.skip()
-                continue
-            try:
-                transition = _decode_line(_text(line), domain)
-            except ValueError as error:
-                wrong.add(line, str(error))
-            else:
-                wrong.skip()
-                yield transition
+        yield from decode(file, name, domain)
+
+
+def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
+    """The transitions in a file that is open, which messages call by a name.
+
+    No more of the file than a line is in memory at a time. A last line without a line end is a record that a
+    crash cut short and is passed over. Raises Refused at the end, for the first `MOST` other lines that are
+    no transitions of the domain, and the number of those that follow; at once for a line that is too long.
+    """
+    wrong = _Wrong(name, domain.name)
+    while line := file.readline(LONGEST + 1):
+        if len(line) > LONGEST:
+            where = f"line {wrong.lines + 1} of `{name}`"
+            raise Refused([Diagnostic("E005", f"{where} is longer than {in_units(LONGEST)}", None)])
+        if not line.strip() or not line.endswith(b"\n"):
+            wrong.skip()
+            continue
+        try:
+            transition = _decode_line(_text(line), domain)
+        except ValueError as error:
+            wrong.add(line, str(error))
+        else:
+            wrong.skip()
+            yield transition
     wrong.refuse()
 
 
@@ -108,7 +114,8 @@ class _Wrong:
         between = self.lines - 1 - self._ended
         shown = line[:SHOWN].decode("utf-8", "replace").strip().replace("\r", " ")
         start = self._size + between
-        self._mistakes.append(_mistake(self._domain, reason, Span(self._name, start, start + len(shown))))
+        span = Span(self._name, start, start + len(shown))
+        self._mistakes.append(Diagnostic("E701", f"not a transition of {self._domain}: {reason}", span))
         self._parts.append("\n" * between + shown + "\n")
         self._size += len(self._parts[-1])
         self._ended = self.lines
@@ -122,31 +129,6 @@ class _Wrong:
             raise Refused(self._mistakes, (Source(self._name, "".join(self._parts)),))
 
 
-def _mistake(domain: str, reason: str, span: Span) -> Diagnostic:
-    return Diagnostic("E701", f"not a transition of {domain}: {reason}", span)
-
-
-def decode(source: Source, domain: Domain) -> tuple[Transition, ...]:
-    """All transitions of the text of an experience file.
-
-    A last line without a line end is a record that a crash cut short and is passed over. Any other line that
-    is no transition of this domain is refused, all of them at once.
-    """
-    transitions, mistakes = [], []
-    start = 0
-    for line in source.text.splitlines(keepends=True):
-        span = Span(source.path, start, start + len(line.rstrip("\r\n")))
-        start += len(line)
-        if line.strip() and line.endswith("\n"):
-            try:
-                transitions.append(_decode_line(line, domain))
-            except ValueError as error:
-                mistakes.append(_mistake(domain.name, str(error), span))
-    if mistakes:
-        raise Refused(mistakes, (source,))
-    return tuple(transitions)
-
-
 def _encode_state(state: State) -> list[list[object]]:
     return [[fact.symbol, list(fact.objects), fact.value] for fact in sorted(state, key=_order)]
 
@@ -158,7 +140,9 @@ def _order(fact: Fact) -> tuple[str, tuple[str, ...]]:
 def _decode_line(line: str, domain: Domain) -> Transition:
     """Raises ValueError, with the reason, for anything that is not a transition."""
     try:
-        record = _typed(json.loads(line), dict, "the line")
+        record = _typed(json.loads(line.rstrip()), dict, "the line")
+    except json.JSONDecodeError as error:
+        raise ValueError(f"it is no JSON from column {error.pos + 1} on ({error.msg})") from None
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     action = _typed(record.get("action"), str, "action")

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.language.diagnostics import Source, Span
-from cleancli.language.edit import Edit
-from cleancli.language.format import print_fraction
+from cleancli.language.diagnostics.diagnostic import Source, Span
+from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.model import Domain, Outcome, Parameter
+from cleancli.language.printing.printer import print_fraction
 from cleancli.learning.estimate import DEFAULT_M, Estimator, decreasing_m_estimate
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Explanation, explain, outcomes_of, prior_probabilities

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.evaluate import Key, StateView, changeable_symbols
+from cleancli.compiler.fluents import Key, changeable_symbols
+from cleancli.compiler.lifted_state import StateView
 from cleancli.language.model import Domain, Outcome, OutcomeKind
 from cleancli.learning.experience import Transition
 

@@ -14,11 +14,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cleancli.motion.ellipse import Point, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.geometry.ellipse import Ellipse, Point, farthest, farthest_from_stretch, major_ends, nearest
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_up
-from cleancli.perception.area import Ellipse
 from cleancli.scene.model import Scene
 
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is

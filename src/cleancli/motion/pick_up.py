@@ -5,11 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.motion.ellipse import Point
+from cleancli.geometry.ellipse import Ellipse, Point, boundary
 from cleancli.motion.pace import LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
-from cleancli.perception.area import Ellipse
-from cleancli.perception.ellipses import boundary
 from cleancli.scene.model import Scene
 
 PAN_SLOPE = 0.12  # measured: at 0.25 nothing climbs it

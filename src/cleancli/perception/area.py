@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-
-@dataclass(frozen=True, slots=True)
-class Ellipse:
-    """`axes` are the half lengths, longer first; `angle` of the longer one from x, in (-pi/2, pi/2]."""
-
-    centre: tuple[float, float]
-    axes: tuple[float, float]
-    angle: float
+from cleancli.geometry.ellipse import Ellipse
 
 
 @dataclass(frozen=True, slots=True)

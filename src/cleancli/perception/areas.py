@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.geometry.rgbd import Camera
 from cleancli.perception import geometry
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.frame import Camera
+from cleancli.perception.area import Area
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.perception.surface import Mask
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import dirt, fit, geometry, surface
-from cleancli.perception.frame import Frame
 from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.perception.perceive import RIM, checked_camera, find_surface
 from cleancli.perception.surface import Mask

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.perception.frame import Camera
+from cleancli.geometry.rgbd import Camera
 
 Points = NDArray[np.float64]
 Depth = NDArray[np.float32]

@@ -23,9 +23,9 @@ from math import ceil
 import cv2
 import numpy as np
 
-from cleancli.perception.area import Area, Ellipse
+from cleancli.geometry.ellipse import Ellipse, boundary, contains, points_within
+from cleancli.perception.area import Area
 from cleancli.perception.areas import enclosing_ellipses
-from cleancli.perception.ellipses import boundary, contains, points_within
 from cleancli.perception.geometry import Points, project
 from cleancli.perception.perceive import RIM, Observation
 from cleancli.perception.surface import Mask

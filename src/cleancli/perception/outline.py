@@ -11,8 +11,8 @@ from math import cos, radians, sin
 import cv2
 import numpy as np
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.frame import Frame
 from cleancli.perception.geometry import Plane, Points
 from cleancli.perception.surface import Mask, NoSurface, known_depth, largest_plane, sampled_points
 from cleancli.scene.calibration import Thresholds

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.perception import areas, dirt, fit, geometry, outline, surface
 from cleancli.perception.area import Area
-from cleancli.perception.frame import Camera, Frame
 from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.perception.surface import Mask
 from cleancli.scene.calibration import Thresholds

@@ -9,10 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.geometry.rgbd import Camera, Frame
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import State
-from cleancli.language.plural import plural
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.frame import Camera, Frame
+from cleancli.perception.area import Area
 from cleancli.perception.geometry import project
 from cleancli.perception.perceive import Observation
 from cleancli.perception.surface import Mask

@@ -15,10 +15,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.language.edit import replace_file
-from cleancli.language.plain import read_plain
-from cleancli.language.untrusted import is_whole_png, png_size
-from cleancli.perception.frame import Camera, Frame
+from cleancli.files.plain import read_plain
+from cleancli.files.replace import replace_file
+from cleancli.files.untrusted import is_whole_png, png_size
+from cleancli.geometry.rgbd import Camera, Frame
 
 CAMERA = "camera.json"
 MILLIMETRES = 1000

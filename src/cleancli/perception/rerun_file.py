@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.language.edit import replaced_by
+from cleancli.files.replace import replaced_by
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import State
 from cleancli.perception.area import Area
-from cleancli.perception.frame import Frame
 from cleancli.perception.perceive import Observation
 from cleancli.perception.pictures import outline, words
 

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.frame import Frame
 from cleancli.perception.geometry import Plane, PlaneView, Points
 from cleancli.scene import model as scene_model
 from cleancli.scene.calibration import Thresholds

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations, permutations
 from math import hypot
 
-from cleancli.language.diagnostics import Diagnostic, Refused
+from cleancli.geometry.ellipse import Ellipse, extent, gap
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.ellipses import extent, gap
+from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds
 
 AREA = "area"

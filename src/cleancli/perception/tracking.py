@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from cleancli.perception.area import Area, Ellipse
-from cleancli.perception.ellipses import Points, contains, gap, points_within
+from cleancli.geometry.ellipse import Ellipse, Points, contains, gap, points_within
+from cleancli.perception.area import Area
 
 NEAR, FAR = 0.01, 0.03
 """Metres around an area's ellipse in which dirt found later may be its own: noise, a flap's touch."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from cleancli.compiler.transition import SupportTooLargeError
-from cleancli.planning.evaluate import Sampled, exact, sampled
+from cleancli.compiler.semantics import SupportTooLargeError
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.evaluation.value import Sampled, exact, sampled
 from cleancli.planning.plan import Options, Plan, PlanningRefused
-from cleancli.planning.prepared import Prepared
-from cleancli.planning.table import PLANNERS
+from cleancli.planning.registry import PLANNERS
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ class Options:
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
     depend on them. `previous`: what is left of the last plan, to start from. `counted`: a problem in which
-    the reward counts more objects is made smaller before it is grounded (planning/fewer.py).
+    the reward counts more objects is made smaller before it is grounded (planning/reductions/subproblem.py).
 
     prada, aprada: a plan must be worth `margin` more than doing nothing; rules less likely than
     `rule_threshold` are taken not to apply; `compat` computes literally as libPRADA does. prada+: solved

@@ -1,7 +1,7 @@
 """Which of two ways to go on is preferred (docs/decisions/0009).
 
 First the one of greater value. Of equals the one whose success comes sooner, by its earliness: the expected
-sum over its steps of their progress (compiler/transition.py), not discounted, times the steps that are left
+sum over its steps of their progress (compiler/semantics.py), not discounted, times the steps that are left
 when the step begins. Of equals in both, whoever asks keeps what he has: stopping before acting, then the
 first."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cleancli.execution.journal import Looked
+from cleancli.recording.journal import Looked
 from cleancli.report.run import Run, Truth
 from cleancli.report.timeline import KINDS, in_order
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import jinja2
 
-from cleancli.execution.journal import Planned
-from cleancli.language.plural import plural
+from cleancli.language.diagnostics.plural import plural
+from cleancli.recording.journal import Planned
 from cleancli.report.account import Row, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import Run

@@ -8,8 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from cleancli.language.plain import NotPlain, TooLarge, read_plain
-from cleancli.language.untrusted import is_whole_png, png_size
+from cleancli.files.plain import NotPlain, TooLarge, read_plain
+from cleancli.files.untrusted import is_whole_png, png_size
 
 WIDEST = 1200
 """Pixels; wider pictures are made smaller. Chosen: the page shows them at most so wide."""

@@ -13,10 +13,10 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from cleancli.execution.folder import EXPERIENCE, JOURNAL, RUN, check_folder, read_text, videos
-from cleancli.execution.journal import Acted, Count, Failed, Metres, Record, Seconds, Spent, read_journal
-from cleancli.language.diagnostics import Diagnostic, Refused
-from cleancli.language.untrusted import decoded
+from cleancli.files.untrusted import decoded
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN, check_folder, read_text, videos
+from cleancli.recording.journal import Acted, Count, Failed, Metres, Record, Seconds, Spent, read_journal
 
 FORMAT = 1
 """Of run.json and of the journal: what this version writes, and the latest that it reads."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.execution.journal import (
+from cleancli.recording.journal import (
     Acted,
     AreaEntry,
     Chance,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from cleancli.execution.journal import Acted, Failed, Looked, Record, Spent
+from cleancli.recording.journal import Acted, Failed, Looked, Record, Spent
 
 KINDS = ("planning", "transits", "actions", "perceiving", "extra_perceptions", "learning")
 """What time is spent on, in the order in which it is told; a record may know others."""

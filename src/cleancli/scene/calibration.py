@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TypeGuard
 
-from cleancli.language.plain import read_plain
+from cleancli.files.plain import read_plain
 
 FORMAT = "cleancli calibration 1"
 """What the file's key `format` says; another number means other keys."""

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cleancli.language.diagnostics import Refused, Source
-from cleancli.language.findings import Findings
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import parse_as
 from cleancli.language.syntax import SceneNode, Section
 from cleancli.scene.calibration import file_content

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from cleancli.language.findings import Findings
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.scene.calibration import BadCalibration, Calibration, decode
 from cleancli.scene.model import CameraSetup, Surface
 from cleancli.scene.settings import SLACK, Settings, centimetres

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cleancli.language.findings import Findings
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.syntax import Name, Section
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Surface
 from cleancli.scene.settings import SLACK, Settings, centimetres

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cleancli.language.format import print_float
+from cleancli.language.printing.printer import print_float
 from cleancli.scene.model import Colour, Dirt, Grasp, Group, Ink, Scattered, Scene
 
 

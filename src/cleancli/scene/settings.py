@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from cleancli.language.diagnostics import Span
-from cleancli.language.findings import Findings
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.syntax import (
     Call,
     ImageSize,

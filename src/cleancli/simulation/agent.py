@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Assignment, by_time
 from cleancli.language.model import Domain, Object, Problem, State
-from cleancli.planning.fewer import fewer
+from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.prepared import Prepared, prepare
-from cleancli.planning.table import Planner
-from cleancli.simulation.world import assignment_of, unchanging_facts
+from cleancli.planning.reductions.subproblem import fewer
+from cleancli.planning.registry import Planner
+from cleancli.simulation.symbolic_world import assignment_of, unchanging_facts
 
 
 @dataclass(frozen=True, slots=True)

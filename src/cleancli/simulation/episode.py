@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cleancli.compiler.semantics import idle_worth, standing
 from cleancli.compiler.task import Assignment, GroundAction
-from cleancli.compiler.transition import idle_worth, standing
 from cleancli.planning.plan import Options
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.world import Step, World, do, succeeded
+from cleancli.simulation.symbolic_world import Step, World, do, succeeded
 
 
 class Reason(enum.Enum):
@@ -100,7 +100,7 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: L
 
 def returns(world: World, steps: Sequence[Step], last: Assignment, length: int) -> tuple[float, float]:
     """The discounted and the plain return of `length` steps, in which nothing is done after those given; as
-    `exact_value` of compiler/transition.py counts."""
+    `exact_value` of compiler/semantics.py counts."""
     discounted, plain, factor = 0.0, 0.0, 1.0
     for step in steps:
         discounted += factor * step.payment * step.reward

@@ -10,10 +10,10 @@ from math import atan, cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.perception.frame import Camera, Frame
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.scene.model import CameraSetup, Light, Surface
-from cleancli.world import parameters as par
-from cleancli.world.finish import Finish
+from cleancli.world import constants as par
+from cleancli.world.image_effects import Finish
 from cleancli.world.physics import Engine
 
 _Image = NDArray[np.uint8]

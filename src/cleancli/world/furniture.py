@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sin, sqrt
 
 from cleancli.scene.model import Container, Scene, Surface
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.physics import Engine
 
 _Triple = tuple[float, float, float]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.scene.model import Ink, Scene, Surface
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.scene.model import Colour, Dirt, Group, Ink, Scattered
-from cleancli.world import parameters as par
+from cleancli.world import constants as par
 from cleancli.world.physics import Engine
 
 _Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ import sys
 from functools import partial
 from typing import Any
 
-from cleancli.world import parameters as par
-from cleancli.world.missing import MissingPhysics
+from cleancli.world import constants as par
+from cleancli.world.errors import MissingPhysics
 
 
 class Engine:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.scene.model import Grasp, Rag
-from cleancli.world import parameters as par
-from cleancli.world.links import Link
+from cleancli.world import constants as par
+from cleancli.world.multibody import Link
 from cleancli.world.physics import Engine
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import enum
 from typing import Protocol
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath
-from cleancli.perception.frame import Frame
 
 
 class Status(enum.Enum):

@@ -11,17 +11,18 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath, Unreachable
-from cleancli.perception.frame import Frame
 from cleancli.scene.model import Ink, Scene
-from cleancli.world import camera, furniture, particles, robots
-from cleancli.world import parameters as par
-from cleancli.world.drive import Drive
-from cleancli.world.drives import ROBOTS
-from cleancli.world.finish import Finish
+from cleancli.world import camera, furniture, particles
+from cleancli.world import constants as par
+from cleancli.world.image_effects import Finish
 from cleancli.world.ink import InkLayer
 from cleancli.world.physics import Engine
 from cleancli.world.robot import Status
+from cleancli.world.robots import constants
+from cleancli.world.robots.drive import Drive
+from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.state import TableState, bodies, put
 
 _Array = NDArray[np.float64]
@@ -142,7 +143,7 @@ class PybulletTable:
             return self._status
         now, self._ahead = self._ahead[: par.STEPS_PER_PERIOD], self._ahead[par.STEPS_PER_PERIOD :]
         self._follow(now)
-        if self._drive.stray() > robots.TRACKING_LIMIT:
+        if self._drive.stray() > constants.TRACKING_LIMIT:
             self._status, self._failure = Status.FAILED, BLOCKED
         elif not len(self._ahead):
             self._status = Status.DONE

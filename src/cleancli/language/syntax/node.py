@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from cleancli.language.diagnostics import Span
+from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.record import Record
 
 

@@ -1,0 +1,109 @@
+"""`cleancli calibrate`: adjust perception to a clean surface, and keep what was found (§3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import click
+import numpy as np
+
+from cleancli.cli.completion import problems
+from cleancli.cli.echo import echo
+from cleancli.cli.progress import counted, working
+from cleancli.execution.seeds import Stream, derived
+from cleancli.files.replace import write_atomically
+from cleancli.geometry.rgbd import Frame
+from cleancli.language.diagnostics.diagnostic import Level, Refused
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.find import find
+from cleancli.language.load import parse_as, read_source
+from cleancli.language.syntax import SceneNode
+from cleancli.perception.calibrate import NotClean, calibrate
+from cleancli.perception.perceive import BadFrame
+from cleancli.perception.recorded import BadRecording, load_frames
+from cleancli.perception.surface import NoSurface
+from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
+from cleancli.scene.check import check_scene
+from cleancli.scene.model import Scene
+
+_FILE = click.Path(path_type=Path, dir_okay=False)
+_FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
+
+
+@click.command("calibrate", short_help="Adjust perception to a clean surface.")
+@click.argument("scene", shell_complete=problems)
+@click.option("--out", type=_FILE, required=True, help="Write the calibration to this file.")
+@click.option("--frames", "recorded", type=_FOLDER, help="Use recorded frames of the clean surface.")
+@click.option("--count", type=click.IntRange(1, 100), default=10, show_default=True, help="Simulated frames.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the frames' noise. [default: the scene's]")
+@click.option("--json", "as_data", is_flag=True, help="Print the calibration as JSON.")
+def command(
+    scene: str, out: Path, recorded: Path | None, count: int, seed: int | None, as_data: bool
+) -> None:
+    """Adjust perception's thresholds to the surface of SCENE in its light, seen without its dirt.
+
+    Each is set to the smallest value for which the whole surface is seen as clean, and a quarter more. Scenes
+    refer to the file with `camera { calibration = "FILE" }`.
+    """
+    setting = _scene_to_calibrate(scene)
+    seed = setting.seed if seed is None else seed
+    before = _calibration_to_replace(out)
+    frames = load_frames(recorded) if recorded else tuple(_photographed(setting, seed, count))
+    rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
+    try:
+        with working("lowering the thresholds"):
+            found = calibrate(frames, setting, str(out), rng)
+    except (BadFrame, NoSurface, NotClean) as error:
+        raise BadRecording(f"{recorded or 'the camera'}: {error}") from error
+    write_atomically(out, as_text(found), before)
+    echo(as_text(found).rstrip() if as_data else _printed(found, len(frames), out))
+
+
+def _scene_to_calibrate(name_or_path: str) -> Scene:
+    """The scene, whether the calibration that it may already name can be read or not. Raises Refused."""
+    source = read_source(find(name_or_path, "problems"))
+    root, findings = parse_as(source, "scene")
+    setting = check_scene(root, findings) if isinstance(root, SceneNode) else None
+    mistakes = [found for found in findings.sorted if found.code not in ("E516", "E517")]
+    if setting is None or any(found.level is Level.ERROR for found in mistakes):
+        raise Refused(mistakes, [source])
+    return replace(setting, calibration=None)
+
+
+def _calibration_to_replace(out: Path) -> str | None:
+    """The text of the file as it is, None where there is none yet. What is no calibration is hardly meant to
+    be replaced by one."""
+    if not out.resolve().parent.is_dir():
+        raise click.BadParameter(f"there is no folder `{out.parent}`", param_hint="--out")
+    if out.exists():
+        try:
+            read_calibration(out, str(out))
+        except BadCalibration as error:
+            message = f"`{out}` exists, and is no calibration: {error}"
+            raise click.BadParameter(message, param_hint="--out") from error
+    return read_source(out).text if out.exists() else None
+
+
+def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
+    """Frames of the table without its dirt, and without the tool. pybullet is needed here alone."""
+    from cleancli.world.robot import Status
+    from cleancli.world.table import PybulletTable
+
+    with closing(PybulletTable(replace(setting, dirt=()), derived(seed, Stream.WORLD))) as table:
+        table.withdraw()
+        while table.poll() is Status.RUNNING:
+            pass
+        yield from counted("frames", (table.observe() for _ in range(count)), count)
+
+
+def _printed(found: Calibration, frames: int, out: Path) -> str:
+    default, thresholds = asdict(Thresholds()), asdict(found.thresholds)
+    lines = [
+        f"{out}: the surface is clean in {plural(frames, 'frame')} with",
+        "threshold        value  default",
+    ]
+    lines += [f"{name:14} {value:7.3g}  {default[name]:7.3g}" for name, value in thresholds.items()]
+    return "\n".join([*lines, f'refer to it in a scene: camera {{ calibration = "{out.name}" }}'])

@@ -1,0 +1,233 @@
+"""`cleancli plan`: the best sequence of actions found for a problem, or for a scene after one look at it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from cleancli.cli.action_syntax import Call, read_actions
+from cleancli.cli.completion import domains, problems
+from cleancli.cli.inputs import located_in, open_domain, open_problem
+from cleancli.cli.observe import Seen, look
+from cleancli.cli.plan_job import Job, numbered
+from cleancli.cli.plan_options import planner_named, planner_options, planners_named
+from cleancli.cli.progress import working
+from cleancli.cli.refusal import planning_refused
+from cleancli.cli.unreached import tell_unreached
+from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, echo_plan
+from cleancli.cli.views.plan_picture import check_picture, draw_picture
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import by_time
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
+from cleancli.language.load import read_source
+from cleancli.language.model import Domain
+from cleancli.planning.compare import compared
+from cleancli.planning.compiled_task import prepare
+from cleancli.planning.evaluation.forecast import Forecast, forecast
+from cleancli.planning.evaluation.value import evaluate
+from cleancli.planning.plan import Options
+from cleancli.planning.reductions.subproblem import Fewer, fewer
+from cleancli.planning.registry import PLANNERS
+from cleancli.scene.model import Scene
+
+_DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"
+_PLANNING = "planning (the planner is loaded first, or compiled, once after installation)"
+
+_APART = (
+    ("planner", "compare", "evaluate"),
+    ("compare", "explain"),
+    ("compare", "plot"),
+    *(("compat", name) for name in ("compare", "explain", "plot")),
+)
+"""Options of which one at most makes sense. What libPRADA grounds has rules that overlap, so its tasks have
+beliefs, but no exact meaning."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """What the answer holds besides the plan, and how it is given."""
+
+    explain: bool
+    plot: Path | None
+    as_data: bool
+
+
+@click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
+@click.argument("domain", shell_complete=domains)
+@click.argument("problem", shell_complete=problems)
+@click.option("--planner", type=click.Choice(list(PLANNERS)), help="[default: the problem's, or prada+]")
+@click.option("--compare", metavar="PLANNERS", help="Plan with each of these, like prada,prada+.")
+@click.option("--evaluate", metavar="ACTIONS", help='Plan nothing; value a sequence like "a(x) b(y, z)".')
+@click.option("--explain", is_flag=True, help="Say what is expected of each step, and by which rule.")
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Draw what is believed after each step, as .png or .svg (needs matplotlib).",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(min=1),
+    help="Action sequences to draw (n in eq. 3). [default: the problem's, or 10000]",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    help="Seed of all randomness. [default: the problem's or the scene's, or 1]",
+)
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0, min_open=True), help="Seconds for the search; see the docs."
+)
+@click.option("--threads", type=click.IntRange(min=1), help="Threads at most. [default: 2]")
+@click.option(
+    "--objective",
+    type=click.Choice(["reward", "time"]),
+    default="reward",
+    show_default=True,
+    help="What discounts later rewards: the number of actions before, or their duration.",
+)
+@click.option(
+    "--compat",
+    type=click.Choice(["libprada"]),
+    help="Ground and plan as libPRADA does, to compare; with prada or aprada.",
+)
+@click.option("--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated.")
+@click.option("--json", "as_data", is_flag=True, help="Print everything as JSON.")
+def command(
+    domain: str,
+    problem: str,
+    planner: str | None,
+    compare: str | None,
+    evaluate: str | None,
+    explain: bool,
+    plot: Path | None,
+    samples: int | None,
+    seed: int | None,
+    time_limit: float | None,
+    threads: int | None,
+    objective: str,
+    compat: str | None,
+    named: tuple[str, ...],
+    as_data: bool,
+) -> None:
+    """Plan with the rules of DOMAIN for PROBLEM.
+
+    For a scene, the simulated camera looks at the table once, and the plan is for what perception reports.
+    """
+    _refuse_together()
+    check_picture(plot)
+    planners = () if compare is None else planners_named(compare)
+    seconds: dict[str, float] = {}
+    _, sources, model = open_domain(domain, compat=compat is not None)
+    sources = (*sources, read_source(find(problem, "problems")))
+    seen, seed = _seen(model, problem, sources, seed, seconds)
+    model, given = seen.domain, seen.problem
+    tell_unreached(sources, model, given)
+    options = planner_options(
+        given,
+        samples=samples,
+        seed=seed,
+        time_limit=time_limit,
+        threads=threads,
+        compat=compat is not None,
+        named=named,
+    )
+    planners = planners or (planner_named(planner, given, compat is not None),)
+    calls = None if evaluate is None else read_actions(evaluate, model, given)
+    wanted = _Wanted(explain, plot, as_data)
+    with located_in(*sources), planning_refused(sources):
+        job = _job(seen, calls, options, objective == "time", seconds)
+        if calls is not None:
+            _evaluate(job, calls, wanted, seconds)
+        elif compare is not None:
+            with working(_PLANNING):
+                rows = list(compared(planners, job.prepared, options))
+            echo_comparison(job, rows, as_data)
+        else:
+            _plan(job, planners[0], wanted, seconds)
+
+
+def _refuse_together() -> None:
+    """Raises UsageError where two options are given that do not go together."""
+    given = {name for name, value in click.get_current_context().params.items() if value not in (None, False)}
+    for group in _APART:
+        together = [f"--{name}" for name in group if name in given]
+        if len(together) > 1:
+            raise click.UsageError(f"{together[0]} and {together[1]} do not go together")
+
+
+def _seen(
+    model: Domain, problem: str, sources: Sequence[Source], seed: int | None, seconds: dict[str, float]
+) -> tuple[Seen, int | None]:
+    """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
+    given = open_problem(problem, model)
+    if not isinstance(given, Scene):
+        return Seen(model, given, ()), seed
+    seed = given.seed if seed is None else seed
+    with _timed(seconds, "look"), located_in(*sources), working("looking at the table"):
+        return look(model, given, seed), seed
+
+
+def _job(
+    seen: Seen,
+    calls: Sequence[Call] | None,
+    options: Options,
+    time_discounts: bool,
+    seconds: dict[str, float],
+) -> Job:
+    """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
+    name or libPRADA is followed."""
+    model, smaller = seen.domain, Fewer(seen.problem)
+    with _timed(seconds, "ground"):
+        if calls is None and not options.compat:
+            smaller = fewer(model, seen.problem, options.counted)
+        task = ground(model, smaller.problem, compat=options.compat, named=calls or ())
+        prepared = prepare(by_time(task) if time_discounts else task)
+    return Job(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
+
+
+def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:
+    with working(_PLANNING):
+        plan = PLANNERS[planner](job.prepared, job.options)
+    seconds |= plan.seconds
+    calls = [(action.name, action.objects) for action in plan.actions]
+    expected = _expected(job, numbered(job.task, calls), wanted, seconds)
+    echo_plan(job, plan, expected, seconds, wanted.as_data)
+
+
+def _evaluate(job: Job, calls: Sequence[Call], wanted: _Wanted, seconds: dict[str, float]) -> None:
+    actions = numbered(job.task, calls)
+    with (
+        _timed(seconds, "evaluate"),
+        working(_DRAWING),
+    ):
+        found = evaluate(job.prepared, actions, job.options)
+    expected = _expected(job, actions[: max(job.task.horizon, 0)], wanted, seconds)
+    echo_evaluation(job, actions, found, expected, seconds, wanted.as_data)
+
+
+def _expected(
+    job: Job, actions: Sequence[int], wanted: _Wanted, seconds: dict[str, float]
+) -> Forecast | None:
+    """What the answer explains, if it is to; draws what the picture shows."""
+    if not wanted.explain and wanted.plot is None:
+        return None
+    with _timed(seconds, "explain"):
+        expected = forecast(job.prepared, actions, job.options.seed)
+    if wanted.plot is not None:
+        with _timed(seconds, "plot"):
+            draw_picture(job, actions, expected, wanted.plot)
+    return expected if wanted.explain else None
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
+    started = time.perf_counter()
+    yield
+    seconds[phase] = time.perf_counter() - started

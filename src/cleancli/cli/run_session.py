@@ -1,0 +1,135 @@
+"""What a new run and one that goes on share: what goes in, where it takes place, and who may disturb it."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import click
+
+from cleancli import __version__
+from cleancli.cli.inputs import located_in
+from cleancli.cli.refusal import planning_refused
+from cleancli.execution.episode_state import World
+from cleancli.execution.session import Site, symbolic_site, table_site
+from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.strategies import STRATEGIES
+from cleancli.files.interrupt import ENDING
+from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.recording.journal import Started, read_journal
+from cleancli.scene.model import Scene
+
+LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
+"""Those that results depend on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last."""
+
+    domain: Domain
+    given: Problem | Scene
+    sources: tuple[Source, ...]
+    options: EpisodeOptions
+    job: Job | None
+
+
+class OtherWorld(ValueError):
+    """A checkpoint is not one of the world that the run's files describe; the message says why."""
+
+
+def versions() -> dict[str, str]:
+    """What a run may depend on, with its version; a library that is not installed is not among it."""
+    found = {"cleancli": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        with suppress(PackageNotFoundError):
+            found[library] = version(library)
+    return found
+
+
+def open_site(inputs: Inputs, world: World | None = None) -> Site:
+    """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
+
+    Raises UsageError for what it has not, OtherWorld where the checkpoint is another one's.
+    """
+    given, options, job = inputs.given, inputs.options, inputs.job
+    with located_in(*inputs.sources), planning_refused(inputs.sources):
+        try:
+            if isinstance(given, Scene):
+                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
+                return table_site(inputs.domain, given, options, job, world)
+            if STRATEGIES[options.strategy].needs_places:
+                raise click.UsageError(
+                    f"--strategy {options.strategy} goes by places, which only a scene has"
+                )
+            return symbolic_site(inputs.domain, given, options, world)
+        except (KeyError, TypeError, ValueError) as error:
+            if world is None:
+                raise
+            reason = f"it has no {error}" if isinstance(error, KeyError) else str(error)
+            raise OtherWorld(f"it is not one of this world: {reason}") from None
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Keep other processes from working on the same run. Raises UsageError where one does already."""
+    try:
+        import fcntl  # not on Windows, where two at once are the user's own concern
+    except ImportError:
+        yield
+        return
+    # The folder itself: its files are replaced by others while the run goes on.
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise click.UsageError(f"another process works on {folder}") from None
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def none_left_where_refused(folder: Path) -> Iterator[None]:
+    """Remove the folder of a run that is refused before its first action: it would tell nothing."""
+    try:
+        yield
+    except (Refused, click.UsageError):
+        if not any(isinstance(record, Started) for record in read_journal(folder).records):
+            shutil.rmtree(folder)
+        raise
+
+
+@contextmanager
+def interruptions() -> Iterator[list[int]]:
+    """What Ctrl-C, TERM and HUP add to, for a loop to look at where it may end; a library would swallow an
+    exception, or be left half done by it. The third interrupts at once."""
+    pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
+
+    def press(number: int, _: object) -> None:
+        pressed.append(number)
+        if len(pressed) > 2:
+            raise KeyboardInterrupt
+
+    before = {n: signal.signal(n, press) for n in ENDING if signal.getsignal(n) is not signal.SIG_IGN}
+    try:
+        yield pressed
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

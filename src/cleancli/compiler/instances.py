@@ -1,0 +1,124 @@
+"""Instances: the rules of a domain for each tuple of objects that the unchangeable facts allow.
+
+Guaranteed by the checker: names, arities and types fit, and every variable is bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.compiler.fluents import Binding, Key
+from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
+from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Span
+from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
+
+Changes = Mapping[Key, frozenset[Value]]
+"""The values that an outcome assigns; more than one value for a key is a conflict (E602)."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateEffect:
+    """An effect of an outcome (its position in the rule) that depends on the state before the action: whether
+    it happens (`when`), or, if it shifts a number, what it is after that."""
+
+    outcome: int
+    key: Key
+    effect: Assign | Shift
+    when: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """A rule (its index in the domain) for some objects and one binding of its references.
+
+    `changes` has one entry per outcome, of what does not depend on the state; `effects` is the rest. An
+    outcome of probability 0 never happens, and so changes nothing.
+    """
+
+    rule: int
+    objects: tuple[str, ...]
+    condition: Formula
+    changes: tuple[Changes, ...]
+    effects: tuple[StateEffect, ...]
+
+
+_NONE: frozenset[Value] = frozenset()
+
+
+def instances(domain: Domain, conditions: Conditions, *, compat: bool = False) -> tuple[Instance, ...]:
+    """Every instance whose condition the unchangeable facts do not rule out, by rule and objects.
+
+    With `compat`, a binding of the references need not be the only one that fits. Raises `Refused` (E606)
+    where a closure has too many paths.
+    """
+    found: list[Instance] = []
+    for index, rule in enumerate(domain.rules):
+        try:
+            found += _instances_of(index, rule, conditions, compat)
+        except ClosureTooLargeError as error:
+            raise Refused([closure_refused(error, rule.span, f"in rule `{rule.name}`")]) from None
+    return tuple(sorted(found, key=lambda instance: (instance.rule, instance.objects)))
+
+
+def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) -> Diagnostic:
+    """E606, with the objects that too many paths lie between."""
+    return Diagnostic(
+        "E606",
+        f"there are too many ways in which `{error}` may come to hold",
+        span,
+        label=label,
+        help="a closure over what rules can change is written out path by path: take fewer objects",
+    )
+
+
+def _instances_of(index: int, rule: Rule, conditions: Conditions, compat: bool) -> Iterator[Instance]:
+    for binding, formula in conditions.extensions(rule.variables, rule.condition, {}):
+        objects = tuple([binding[variable] for variable in rule.variables])
+        for bound, whole in _references(rule.references, binding, formula, conditions, compat):
+            changes: list[Changes] = []
+            effects: list[StateEffect] = []
+            for position, outcome in enumerate(rule.outcomes):
+                assigned: dict[Key, frozenset[Value]] = {}
+                for key, effect, when in _effects(outcome, bound, conditions):
+                    if isinstance(effect, Assign) and when is ALWAYS:
+                        assigned[key] = assigned.get(key, _NONE) | {effect.value}
+                    else:
+                        effects.append(StateEffect(position, key, effect, when))
+                changes.append(assigned)
+            yield Instance(index, objects, whole, tuple(changes), tuple(effects))
+
+
+def _references(
+    references: Sequence[Reference], binding: Binding, formula: Formula, conditions: Conditions, compat: bool
+) -> Iterator[tuple[Binding, Formula]]:
+    """Every binding of the references, with the condition that it fits, and alone unless `compat`."""
+    if not references:
+        yield binding, formula
+        return
+    first, *others = references
+    fitting = list(conditions.extensions(first.variables, first.condition, binding))
+    for index, (extended, fits) in enumerate(fitting):
+        rivals = (rival for place, (_, rival) in enumerate(fitting) if place != index and not compat)
+        alone = (negation(rival, conditions.all_values) for rival in rivals)
+        whole = conjunction((formula, fits, *alone))
+        if whole is not None:
+            yield from _references(others, extended, whole, conditions, compat)
+
+
+def _effects(
+    outcome: Outcome, binding: Binding, conditions: Conditions
+) -> Iterator[tuple[Key, Assign | Shift, Formula]]:
+    if outcome.probability == 0:
+        return
+    for effect in outcome.effects:
+        match effect:
+            case ForAll(variables, condition, effects):
+                for extended, formula in conditions.extensions(variables, condition, binding):
+                    for inner in effects:
+                        key = conditions.universe.key(inner.symbol, inner.terms, extended)
+                        yield key, inner, ALWAYS if formula.always else formula
+            case _:
+                key = conditions.universe.key(effect.symbol, effect.terms, binding)
+                yield key, effect, ALWAYS

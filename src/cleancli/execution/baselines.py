@@ -1,0 +1,124 @@
+"""The strategies that planning is compared with (§6): reactive, a fixed wipe, and Hess et al. (2013).
+
+They know where areas are, and nothing of what actions do. What is excluded they leave out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, dist
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.execution.episode_state import Move
+from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions, Job
+from cleancli.execution.tsp import shortest_path
+from cleancli.geometry.ellipse import Ellipse, boundary
+from cleancli.motion.actions import gathering, into_container, path_along
+from cleancli.motion.path import ToolPath
+from cleancli.motion.pick_up import pick_up
+from cleancli.perception.area import Area
+from cleancli.perception.symbols import place_at_mouth
+from cleancli.scene.model import Scene
+
+OVERLAP = 0.02
+"""Metres by which neighbouring lines of the wipe overlap: more than the tool's error. Chosen."""
+
+
+def nearest_first(now: Circumstances, options: EpisodeOptions) -> Decision:
+    """Reactive (§6): clean the area farthest from the goal, then always the one nearest to the arm."""
+    scene = _scene(now)
+    for action in now.job.cleaning:
+        left = [area for area in now.situation.areas if (action, (area.name,)) not in now.excluded]
+        if left and now.number == 0:
+            return _clean(action, max(left, key=lambda area: _to_goal(area, scene)))
+        if left:
+            here = now.tool or (0.0, 0.0)
+            return _clean(action, min(left, key=lambda area: dist(area.ellipse.centre, here)))
+    return Decision(())
+
+
+def gather_all(now: Circumstances, options: EpisodeOptions) -> Decision:
+    """Hess et al. (2013) as §6 does it: push all along the shortest path through all areas, then clean once.
+
+    The path ends at the area nearest to the goal, where one cleaning action is then due. What is left is
+    gathered again.
+    """
+    scene = _scene(now)
+    areas = now.situation.areas
+    if len(areas) > 1:
+        points = np.array([area.ellipse.centre for area in areas])
+        end = min(range(len(areas)), key=lambda index: _to_goal(areas[index], scene))
+        order = tuple(areas[index] for index in shortest_path(points, end, now.seed))
+        names = tuple(area.name for area in order)
+        if ("gather", names) not in now.excluded:
+            path = path_along(gathering(tuple(area.ellipse for area in order)), scene)
+            return Decision((Move("gather", names, path), Move(now.job.cleaning[0], names[-1:])))
+    return nearest_first(now, options)
+
+
+def wipe_all(now: Circumstances, options: EpisodeOptions) -> Decision:
+    """A fixed program (§6): straight lines over the bounding box of the dirt, one beside the other.
+
+    To the container each line leads from the far end of the box; lines beside the mouth bend before the edge.
+    The first is the one on the right of the robot, which looks at the surface from behind the container. With
+    a dustpan, each line leads from right to left, where the dustpan waits; the first is the farthest.
+    """
+    if not now.situation.areas:
+        return Decision(())
+    scene = _scene(now)
+    out = np.array(scene.outwards())
+    left = np.array((out[1], -out[0]))
+    points = np.concatenate([boundary(area.ellipse) for area in now.situation.areas])
+    if now.job is Job.DUSTPAN:
+        rows = _rows(points @ out, scene.rag.width)
+        begin, end = (points @ left).min(), (points @ left).max()
+        paths = [_to_dustpan(row * out + begin * left, row * out + end * left, scene) for row in rows]
+    else:
+        far = (points @ out).min()
+        paths = [
+            _line_out(far * out + row * left, row * left, scene)
+            for row in _rows(points @ left, scene.rag.width)
+        ]
+    return Decision(tuple(Move("wipe", (), path) for path in paths))
+
+
+def _rows(places: NDArray[np.float64], width: float) -> list[float]:
+    """The middles of as few lines of some width as cover all places (n,) with an overlap, in order."""
+    low, high = float(places.min()), float(places.max())
+    pitch = max(width - OVERLAP, width / 2)
+    number = max(1, ceil((high - low - width) / pitch) + 1)
+    middle = (low + high) / 2
+    return [middle + pitch * (index - (number - 1) / 2) for index in range(number)]
+
+
+def _line_out(start: NDArray[np.float64], row: NDArray[np.float64], scene: Scene) -> ToolPath:
+    """Straight on until a rag's width before the edge, and from there into the container."""
+    out = np.array(scene.outwards())
+    edge = float(np.array(scene.mouth()[0]) @ out)
+    before = max(edge - scene.rag.width, float(start @ out)) * out + row
+    return path_along((_pair(start), *into_container(_pair(before), scene)), scene)
+
+
+def _to_dustpan(begin: NDArray[np.float64], end: NDArray[np.float64], scene: Scene) -> ToolPath:
+    middle, half = (begin + end) / 2, (end - begin) / 2
+    angle = float(np.arctan2(half[1], half[0]))
+    return pick_up(Ellipse(_pair(middle), (float(np.linalg.norm(half)), 1e-3), angle), scene)
+
+
+def _clean(action: str, area: Area) -> Decision:
+    return Decision((Move(action, (area.name,)),))
+
+
+def _to_goal(area: Area, scene: Scene) -> float:
+    return dist(area.ellipse.centre, place_at_mouth(area.ellipse.centre, scene))
+
+
+def _scene(now: Circumstances) -> Scene:
+    assert now.scene is not None, "strategies that need places are not offered without"
+    return now.scene
+
+
+def _pair(point: Sequence[float] | NDArray[np.float64]) -> tuple[float, float]:
+    return float(point[0]), float(point[1])

@@ -1,0 +1,183 @@
+"""What an episode has come to, as one value: nothing that decides what happens next is kept anywhere else.
+
+An `EpisodeState` with the workcell as it was then is all that it takes to go on; each step of the loop makes
+a new one. Random numbers need no state: each use has a seed of its own, made of the run's seed, what it is
+for, and how many there were before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import dist
+from typing import Any
+
+from numpy.typing import NDArray
+
+from cleancli.compiler.task import GroundAction
+from cleancli.language.model import Object, State
+from cleancli.motion.path import ToolPath
+from cleancli.perception.area import Area
+
+Key = tuple[str, tuple[str, ...]]
+"""An action's name and what it acts upon."""
+
+SAME_PLACE = 0.01
+"""Metres by which the middle and the axes of an ellipse may differ while nothing there has changed: the error
+of perception stays below (docs/perception.md)."""
+
+PATIENCE = 4
+"""Times in a row that an action may change nothing before it is not tried there any more. Chosen."""
+
+FULLY_SEEN = 0.02
+"""Share of the surface that may be hidden in a look that counts as full. Chosen: hardly a lentil."""
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What is believed after a look: the areas, and what they mean in the domain's words.
+
+    `unseen` names the areas of which something hid the most, and that are believed to be as they were.
+    `hidden`: share of the surface about which the look said nothing. `left_out` names the areas that plans
+    leave for later (§4.2.1). The symbolic world has no areas.
+    """
+
+    areas: tuple[Area, ...]
+    objects: tuple[Object, ...]
+    state: State
+    unseen: frozenset[str] = frozenset()
+    hidden: float = 0.0
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def shows_nothing(self) -> bool:
+        """Whether all that is believed to be there is out of sight."""
+        return bool(self.unseen) and len(self.unseen) == len(self.areas)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether everything was seen."""
+        return not self.unseen and self.hidden <= FULLY_SEEN
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Something to carry out: an action of the domain on some objects, or a tool path that a strategy made.
+
+    `path` is None for actions: theirs is made when they begin, from where the areas are seen then. A move
+    begins only while all its `objects` are there.
+    """
+
+    action: str
+    objects: tuple[str, ...]
+    path: ToolPath | None = None
+
+    @property
+    def key(self) -> Key:
+        """What the move is remembered by."""
+        return self.action, self.objects
+
+    def __str__(self) -> str:
+        return f"{self.action}({', '.join(self.objects)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Vain:
+    """A move that was tried in vain, so many `times` in a row, and what its objects looked like: until that
+    changes it is of no use. `reason`: why the robot failed, or nothing."""
+
+    key: Key
+    areas: tuple[Area, ...]
+    facts: State
+    times: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """Seconds that whoever waits for the robot has waited, by what they were spent on (Fig. 8b, Fig. 10b).
+
+    `planning` and `perceiving` are real time, all else is the robot's clock; `extra_perceptions` and
+    `learning` hold both: moving the arm out of view, and the look that this was for (§4.2.3, §5.2). Looks
+    that nobody waited for, because the arm was moving meanwhile, are not in it.
+    """
+
+    planning: float = 0.0
+    perceiving: float = 0.0
+    extra_perceptions: float = 0.0
+    transits: float = 0.0
+    actions: float = 0.0
+    learning: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """All of it."""
+        return sum(self.by_kind().values())
+
+    def by_kind(self) -> dict[str, float]:
+        """The seconds by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeState:
+    """Everything an episode knows.
+
+    `situation` is None before the first look. `looks` taken and areas `named` so far; `actions` begun.
+    `clear_looks`: looks in a row since the last move for which the tool was out of view. `queue`: moves
+    decided upon and not yet begun; `rest`: what is left of the plan beyond them. `examples`: pairs (rule's
+    index, times it was carried out and seen), sorted. `loading`: seconds that numba took to load, once.
+    `reason`: why the episode is over, empty while it is not.
+    """
+
+    situation: Situation | None = None
+    looks: int = 0
+    named: int = 0
+    actions: int = 0
+    clear_looks: int = 0
+    queue: tuple[Move, ...] = ()
+    rest: tuple[GroundAction, ...] = ()
+    vain: tuple[Vain, ...] = ()
+    examples: tuple[tuple[int, int], ...] = ()
+    spent: Account = Account()
+    loading: float = 0.0
+    reason: str = ""
+
+    @property
+    def excluded(self) -> frozenset[Key]:
+        """Moves that are of no use as things stand."""
+        if self.situation is None:
+            return frozenset()
+        return frozenset(
+            vain.key for vain in self.vain if vain.times >= PATIENCE and unchanged(vain, self.situation)
+        )
+
+
+def unchanged(vain: Vain, situation: Situation) -> bool:
+    """Whether the objects of a move look as they did when it was tried in vain."""
+    areas, facts = about(vain.key[1], situation)
+    return (
+        facts == vain.facts
+        and len(areas) == len(vain.areas)
+        and all(_alike(old, new) for old, new in zip(vain.areas, areas, strict=True))
+    )
+
+
+def about(objects: tuple[str, ...], situation: Situation) -> tuple[tuple[Area, ...], State]:
+    """The areas of these names, in their order, and the facts that speak of them alone."""
+    areas = {area.name: area for area in situation.areas}
+    facts = frozenset(fact for fact in situation.state if set(fact.objects) <= set(objects))
+    return tuple(areas[name] for name in objects if name in areas), facts
+
+
+def _alike(old: Area, new: Area) -> bool:
+    """Whether an area may be the other one, seen again: where it was, as long and wide, and as dirty."""
+    return (
+        dist(old.ellipse.centre, new.ellipse.centre) <= SAME_PLACE
+        and dist(old.ellipse.axes, new.ellipse.axes) <= SAME_PLACE
+        and abs(old.covered - new.covered) <= 0.2 * max(old.covered, new.covered)
+    )
+
+
+World = Mapping[str, NDArray[Any]]
+"""What the world is like, as arrays by name."""

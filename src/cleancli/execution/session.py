@@ -1,0 +1,121 @@
+"""Where an episode takes place: the workcell for the loop, and beside it what only reports may ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.compiler.task import Assignment, Task
+from cleancli.execution.episode_state import World
+from cleancli.execution.seeds import Stream, derived
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, Setup, within_reach
+from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.execution.table_cell import TableCell
+from cleancli.execution.workcell import Workcell
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.model import Domain, Problem
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.scene.model import Scene
+from cleancli.simulation.symbolic_world import world_of
+from cleancli.world.robot import Status
+from cleancli.world.state import from_arrays
+from cleancli.world.table import PybulletTable, Truth
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """`picture(width, height)` shows an onlooker's view, RGB; None where there is nothing to see. `truth()`
+    tells how things truly are: for reports alone. `save()` gives what a site of the same kind goes on from as
+    its `world`; `stop()` ends a motion with the tool raised. `close()` it."""
+
+    setup: Setup
+    cell: Workcell
+    picture: Callable[[int, int], NDArray[np.uint8]] | None
+    truth: Callable[[], Mapping[str, object]]
+    save: Callable[[], World]
+    stop: Callable[[], None]
+    close: Callable[[], None]
+
+
+def table_site(
+    domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None, world: World | None = None
+) -> Site:
+    """A simulated table; the robot cleans with its dustpan if it has one, unless told otherwise.
+
+    Raises what `PybulletTable` does, what `from_arrays` does of `world`, and ValueError where that is in the
+    middle of a motion: a run is saved between motions.
+    """
+    job = usual_job(scene) if job is None else job
+    state = None if world is None else from_arrays(world)
+    if state is not None and Status(state.status) is Status.RUNNING:
+        raise ValueError("the saved state is of a motion under way")
+    table = PybulletTable(scene, derived(options.seed, Stream.WORLD), state=state)
+    return Site(
+        Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        TableCell(domain, scene, table, options.seed),
+        table.picture,
+        lambda: truth_of(table.truth()),
+        lambda: table.save().arrays(),
+        table.stop,
+        table.close,
+    )
+
+
+def usual_job(scene: Scene) -> Job:
+    """What the scene's robot does unless told otherwise."""
+    return Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
+
+
+def symbolic_site(
+    domain: Domain, problem: Problem, options: EpisodeOptions, world: World | None = None
+) -> Site:
+    """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), `NoDurationError` where time is
+    to discount, KeyError and ValueError where `world` is another one's."""
+    rules = world_of(domain, problem, options.by_time)
+    cell = SymbolicCell(rules, problem, options.seed)
+    if world is not None:
+        cell.assignment, cell.clock = _assignment(world["assignment"], rules.task), _clock(world["clock"])
+    setup = Setup(domain, domain, None, Job.CONTAINER, options)
+    return Site(
+        setup,
+        cell,
+        None,
+        lambda: {"facts": len(rules.facts(cell.assignment))},
+        lambda: {"assignment": np.array(cell.assignment), "clock": np.array(cell.clock)},
+        lambda: None,
+        lambda: None,
+    )
+
+
+def _assignment(saved: NDArray[Any], task: Task) -> Assignment:
+    sizes = [len(variable.values) for variable in task.variables]
+    # An array of no numbers has the type of others.
+    if saved.shape != (len(sizes),) or (sizes and saved.dtype.kind != "i"):
+        raise ValueError(f"it is not of {plural(len(sizes), 'fact')} that can change")
+    values = tuple(map(int, saved.tolist()))
+    if any(not 0 <= value < size for value, size in zip(values, sizes, strict=True)):
+        raise ValueError("a fact has a value that it cannot have")
+    return values
+
+
+def _clock(saved: NDArray[Any]) -> float:
+    if saved.shape != () or saved.dtype.kind not in "fi" or not 0 <= saved <= MOST:
+        raise ValueError("its clock is none")
+    return float(saved)
+
+
+def truth_of(truth: Truth) -> Mapping[str, object]:
+    """Where the dirt of a table truly is."""
+    return {
+        "particles": truth.total,
+        "in_container": truth.in_container,
+        "on_table": truth.on_table,
+        "in_dustpan": truth.in_dustpan,
+        "on_floor": truth.on_floor,
+        "ink_left": round(truth.ink_left, 4),
+        "left_on_table_at": [[round(float(x), 4), round(float(y), 4)] for x, y, _ in truth.left],
+    }

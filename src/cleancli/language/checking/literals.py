@@ -1,0 +1,125 @@
+"""Whether literals can hold together (§3.3.2: the rules of one action have disjoint preconditions).
+
+Guaranteed before: the literals of each condition are well typed. The test is sound and complete, because
+objects are not known yet: a problem may add as many of each type as it likes. If conditions hold in any
+state, they also hold where only those terms are one object that an equality makes one; every other
+coincidence adds constraints and removes none. So one way of identifying terms decides: none are enumerated.
+
+Quantified parts of a condition and the definitions of derived predicates are not looked at here: literals
+that cannot hold together decide alone, and where they can, `satisfiable` decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from cleancli.language.checking.declarations import Declarations
+from cleancli.language.model import (
+    Condition,
+    Equality,
+    Literal,
+    Object,
+    Quantified,
+    Rule,
+    Symbol,
+    Term,
+    Value,
+    Variable,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A state in which conditions hold: terms that are one object, and the values that symbols may have."""
+
+    equal: tuple[tuple[Term, Term], ...]
+    allowed: tuple[Literal, ...]
+
+
+def witness(conditions: Iterable[Condition], declared: Declarations) -> Witness | None:
+    """A state in which the literals of all conditions (over the same variables) hold, None if none is."""
+    parts = [part for condition in conditions for part in condition]
+    equalities = [part for part in parts if isinstance(part, Equality)]
+    stands = leaders(equalities)
+    for one, leader in stands.items():
+        if not _can_be_one(one, leader, stands, declared):
+            return None
+    if any(not e.equal and _leader(e.left, stands) == _leader(e.right, stands) for e in equalities):
+        return None
+    allowed: dict[tuple[str, tuple[Term, ...]], frozenset[Value]] = {}
+    for part in parts:
+        if isinstance(part, Literal):
+            symbol = declared.symbols[part.symbol]
+            key = (part.symbol, canonical(symbol, tuple(_leader(t, stands) for t in part.terms)))
+            allowed[key] = allowed.get(key, frozenset(symbol.values)) & part.values
+    if not all(allowed.values()):
+        return None
+    literals = tuple(Literal(name, terms, values) for (name, terms), values in allowed.items())
+    return Witness(tuple((one, leader) for one, leader in stands.items() if one != leader), literals)
+
+
+def canonical(symbol: Symbol, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms in one order where the symbol is symmetric."""
+    return tuple(sorted(terms, key=lambda t: (isinstance(t, Object), t.name))) if symbol.symmetric else terms
+
+
+def _leader(term: Term, leaders: Mapping[Term, Term]) -> Term:
+    return leaders.get(term, term)
+
+
+def leaders(equalities: Iterable[Equality]) -> dict[Term, Term]:
+    """Each term of an equality with the term that stands for its class: an object if there is one."""
+    found: dict[Term, Term] = {}
+    for equality in equalities:
+        if not equality.equal:
+            continue
+        left, right = _leader(equality.left, found), _leader(equality.right, found)
+        kept, gone = (right, left) if isinstance(right, Object) else (left, right)
+        found |= {equality.left: left, equality.right: right}
+        found = {term: kept if leader == gone else leader for term, leader in found.items()}
+    return found
+
+
+def _can_be_one(one: Term, leader: Term, leaders: Mapping[Term, Term], declared: Declarations) -> bool:
+    for other, its_leader in leaders.items():
+        if its_leader != leader or other == one:
+            continue
+        if isinstance(one, Object) and isinstance(other, Object):
+            return False
+        meet = declared.meet(one.type, other.type)
+        if meet is None or (isinstance(one, Object) and not declared.is_a(one.type, other.type)):
+            return False
+    return True
+
+
+def renamed(rule: Rule, variables: tuple[Variable, ...]) -> Condition:
+    """The literals of the rule's condition over other names of its action's parameters."""
+    names: dict[Term, Term] = dict(zip(rule.variables, variables, strict=True))
+    return tuple(with_terms(part, names) for part in rule.condition if not isinstance(part, Quantified))
+
+
+def with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
+    """The literal with other terms in place of some."""
+    if isinstance(part, Literal):
+        return Literal(part.symbol, tuple(names.get(t, t) for t in part.terms), part.values)
+    return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
+
+
+def separating(one: Condition, other: Condition, declared: Declarations) -> Literal | Equality | None:
+    """A part of `one` whose opposite, added to `other`, would tell the two apart; None if there is none."""
+    for part in one:
+        if isinstance(part, Quantified):
+            continue
+        opposite = negated(part, declared)
+        if witness([other, (opposite,)], declared) is not None:
+            return part
+    return None
+
+
+def negated(part: Literal | Equality, declared: Declarations) -> Literal | Equality:
+    """The opposite of a literal."""
+    if isinstance(part, Equality):
+        return Equality(part.left, part.right, not part.equal)
+    values = frozenset(declared.symbols[part.symbol].values)
+    return Literal(part.symbol, part.terms, values - part.values)

@@ -1,0 +1,245 @@
+"""From syntax to the checked model of a problem, given the domain it is for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from itertools import product
+
+from cleancli.language import syntax
+from cleancli.language.checking.conditions import (
+    Scope,
+    check_condition,
+    resolve_application,
+    resolve_value,
+    shown_values,
+    wants_function,
+    wants_predicate,
+)
+from cleancli.language.checking.declarations import (
+    Once,
+    read_objects,
+    refuse_repeated,
+    sections_of,
+    without_point,
+)
+from cleancli.language.checking.domain import known_counts, scope_of
+from cleancli.language.checking.planner_block import PlannerOptions, check_planner
+from cleancli.language.checking.unreachable import warn_impossible
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.model import (
+    Condition,
+    Domain,
+    Fact,
+    Horizon,
+    Object,
+    Problem,
+    RewardKind,
+    State,
+    Symbol,
+    Value,
+    wanted_decreased,
+)
+
+_SECTIONS: Mapping[type[syntax.Node], str] = {
+    syntax.DomainName: "domain",
+    syntax.Objects: "objects",
+    syntax.Init: "init",
+    syntax.Goal: "goal",
+    syntax.HorizonNode: "horizon",
+    syntax.Discount: "discount",
+    syntax.Planner: "planner",
+}
+_OF_DOMAIN = re.compile(r"E20[135789]|E21[01]|E221|E306|E40[24]|E410|W20[24]|W401")
+"""What is wrong with a problem only because of what its domain declares."""
+_MOST_NAMED = 3
+_LONGEST = 1000
+"""Actions in a plan: far beyond any table, near enough that a slip of the pen is caught."""
+
+
+def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> Problem:
+    """The model of a problem; it may only be used if `findings` holds no error."""
+    refuse_repeated(node.sections, _SECTIONS, frozenset(), findings)
+    scope = scope_of(domain, findings)
+    objects = _objects(node, domain, scope)
+    everything = {**scope.objects, **{o.name: o for o in objects}}
+    scope = Scope(scope.declared, everything, {}, findings)
+    state = _state(node, domain, scope)
+    discounts = sections_of(node.sections, syntax.Discount)
+    planners = sections_of(node.sections, syntax.Planner)
+    options = check_planner(planners[0], findings) if planners else PlannerOptions()
+    problem = Problem(
+        node.name.text,
+        domain.name,
+        objects,
+        state,
+        _horizon(node, domain, scope),
+        _discount(discounts[0], findings) if discounts else 0.95,
+        _goal(node, domain, scope),
+        options.name,
+        options.samples,
+        options.seed,
+    )
+    _check_domain_name(node, domain, findings)
+    if not findings.errors:
+        warn_impossible(problem, domain, _place_of_init(node), findings)
+    return problem
+
+
+def _check_domain_name(node: syntax.ProblemNode, domain: Domain, findings: Findings) -> None:
+    named = sections_of(node.sections, syntax.DomainName)
+    if not named and "domain" not in findings.broken:
+        findings.error(
+            "E407",
+            f"the problem `{node.name.text}` names no domain",
+            node.name.span,
+            help=f"add `domain = {domain.name}`",
+        )
+    for section in named:
+        if section.name.text != domain.name:
+            folded = findings.fold(_OF_DOMAIN)
+            help = f"name the domain `{section.name.text}` instead"
+            if folded:
+                verb = "is" if folded == 1 else "are"
+                help += f"; {plural(folded, 'message')} that may follow from this {verb} left out"
+            message = f"this problem is for the domain `{section.name.text}`, not `{domain.name}`"
+            findings.error("E401", message, section.name.span, help=help)
+
+
+def _objects(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> tuple[Object, ...]:
+    once = Once(scope.findings)
+    groups = [g for s in sections_of(node.sections, syntax.Objects) for g in s.groups]
+    objects = read_objects(groups, scope.declared, once, "object", scope.findings)
+    constants = {c.name for c in domain.constants}
+    for name in (name for group in groups for name in group.names):
+        if name.text in constants:
+            scope.findings.error(
+                "E402",
+                f"`{name.text}` is already a constant of the domain",
+                name.span,
+                help="leave it out here: constants are objects of every problem",
+            )
+    return tuple(objects.values())
+
+
+def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
+    inits = sections_of(node.sections, syntax.Init)
+    values: dict[tuple[str, tuple[str, ...]], Value] = {}
+    clean = True
+    for item in (fact for init in inits for fact in init.facts):
+        fact = _fact(item, scope)
+        if fact is None:
+            clean = False
+            continue
+        key = (fact.symbol, fact.objects)
+        if values.setdefault(key, fact.value) != fact.value:
+            scope.findings.error(
+                "E405",
+                f"`{fact.symbol}` has another value for these objects above",
+                item.span,
+                help=f"there it is `{values[key]}`",
+            )
+    if clean and not scope.findings.broken & {"init", "objects"}:
+        where = _place_of_init(node)
+        for symbol in domain.symbols:
+            if not symbol.is_predicate:
+                _refuse_missing(symbol, values.keys(), where, scope)
+    return frozenset(Fact(symbol, objects, value) for (symbol, objects), value in values.items())
+
+
+def _place_of_init(node: syntax.ProblemNode) -> Span:
+    for init in sections_of(node.sections, syntax.Init):
+        return Span(init.span.path, init.span.start, init.span.start + len("init"))
+    return node.name.span
+
+
+def _goal(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Condition:
+    """The goal; W401 where only the reward speaks of one."""
+    for section in sections_of(node.sections, syntax.Goal):
+        return check_condition(section.condition, scope)
+    paid = any(term.kind is RewardKind.GOAL for term in domain.reward)
+    if paid and "goal" not in scope.findings.broken:
+        scope.findings.warning(
+            "W401",
+            "the domain's reward pays for a goal, and this problem has none",
+            node.name.span,
+            help="add for example `goal { not dirt(a1) }`",
+        )
+    return ()
+
+
+def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
+    before = scope.findings.errors
+    for term in node.application.terms:
+        if term.is_variable:
+            scope.findings.error(
+                "E409", f"`?{term.name}` is a variable", term.span, help="a fact names objects"
+            )
+    if scope.findings.errors != before:
+        return None
+    resolved = resolve_application(node.application, scope)
+    if resolved is None:
+        return None
+    symbol, terms = resolved
+    if symbol.name in scope.declared.derived:
+        message = f"`{symbol.name}` is derived and cannot be stated"
+        scope.findings.error("E221", message, node.span, help="state what it follows from")
+        return None
+    objects = symbol.canonical(tuple(term.name for term in terms))
+    if node.value is None:
+        return Fact(symbol.name, objects) if wants_predicate(symbol, node, scope) else None
+    if not wants_function(symbol, node, scope):
+        return None
+    value = resolve_value(node.value, symbol, scope)
+    return None if value is None else Fact(symbol.name, objects, value)
+
+
+def _refuse_missing(
+    symbol: Symbol, given: Collection[tuple[str, tuple[str, ...]]], where: Span, scope: Scope
+) -> None:
+    known = [o for o in scope.objects.values() if o.type in scope.declared.types]
+    fitting = [
+        sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
+        for parameter in symbol.parameters
+    ]
+    missing = [objects for objects in product(*fitting) if (symbol.name, objects) not in given]
+    if missing:
+        shown = [f"`{symbol.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED]]
+        more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
+        verb = "has" if len(missing) == 1 else "have"
+        scope.findings.error(
+            "E404",
+            f"{', '.join(shown)}{more} {verb} no value",
+            where,
+            help=f"add a value: {shown_values(symbol)}",
+        )
+
+
+def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | None:
+    for section in sections_of(node.sections, syntax.HorizonNode):
+        constant = section.constant
+        if section.count is not None:
+            known_counts([count.name for count in domain.counts], section.count, scope)
+        if constant is not None:
+            low = 1 if section.count is None else 0
+            if not constant.is_whole or not low <= constant.value <= _LONGEST:
+                message = f"the horizon is a whole number of actions from {low} to {_LONGEST}"
+                scope.findings.error("E406", message, constant.span, help=without_point(constant))
+        count = None if section.count is None else section.count.text
+        return Horizon(0 if constant is None else int(constant.value), count)
+    if wanted_decreased(domain) is None and domain.reward and "horizon" not in scope.findings.broken:
+        scope.findings.error(
+            "E410",
+            "this problem needs a horizon",
+            node.name.span,
+            help="the reward wants no count decreased, to take it from: add for example `horizon = 10`",
+        )
+    return None
+
+
+def _discount(node: syntax.Discount, findings: Findings) -> float:
+    if node.value.value > 1:
+        findings.error("E406", "the discount lies between 0 and 1", node.value.span)
+    return float(node.value.value)

@@ -1,0 +1,225 @@
+"""Whether formulas can hold together in some state of some problem, by search; exact within a stated effort.
+
+A formula of `formula` asks for finitely many objects to exist and says the rest about every object. If it
+holds in any state, it also holds among the constants and those objects alone, because what is said of every
+object stays true of fewer (the finite models of the Bernays-Schönfinkel class). So the search is over the
+ways in which these objects may be the same, and over the values of their finitely many facts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from cleancli.language.checking.declarations import Declarations
+from cleancli.language.checking.first_order import Both, Either, Every, Formula, Reading
+from cleancli.language.checking.literals import Witness, canonical
+from cleancli.language.model import Equality, Literal, Object, Term, Value, Variable
+
+_EFFORT = 20_000
+"""Parts of formulas looked at before the search gives up: about 0.1 s."""
+
+_MOST_OBJECTS = 40
+
+_Binding = Mapping[Term, Term | None]
+_Facts = dict[tuple[str, tuple[Term, ...]], frozenset[Value]]
+
+
+class TooHard(Exception):
+    """The search has looked at so much that it gave up."""
+
+
+@dataclass(slots=True)
+class _Effort:
+    left: int = _EFFORT
+
+    def spend(self) -> None:
+        self.left -= 1
+        if self.left < 0:
+            raise TooHard
+
+
+def satisfy(formulas: Sequence[Formula], reading: Reading, declared: Declarations) -> Witness | None:
+    """A state in which all formulas hold, None if there is none; raises TooHard."""
+    if len(reading.variables) > _MOST_OBJECTS:
+        raise TooHard
+    effort = _Effort()
+    top = [f for f in _flat(formulas) if isinstance(f, Equality)]
+    several = bool(reading.optional) or any(_compares(f) for f in formulas if not isinstance(f, Equality))
+    for binding in _bindings(reading, top, declared, effort):
+        search = _Search(binding, declared, effort)
+        facts = search.hold([(formula, binding) for formula in formulas], {})
+        if facts is not None:
+            return _witness(binding, facts, reading)
+        if not several:
+            return None
+    return None
+
+
+def _flat(formulas: Sequence[Formula]) -> Iterator[Formula]:
+    for formula in formulas:
+        if isinstance(formula, Both):
+            yield from _flat(formula.parts)
+        else:
+            yield formula
+
+
+def _compares(formula: Formula) -> bool:
+    """Whether it can matter which objects are the same, beyond what must hold anyway."""
+    match formula:
+        case Both(parts):
+            return any(_compares(p) for p in parts if not isinstance(p, Equality))
+        case Either(parts):
+            return any(isinstance(p, Equality) or _compares(p) or _has_equality(p) for p in parts)
+        case Every(_, body):
+            return _has_equality(body)
+    return False
+
+
+def _has_equality(formula: Formula) -> bool:
+    match formula:
+        case Equality():
+            return True
+        case Both(parts) | Either(parts):
+            return any(map(_has_equality, parts))
+        case Every(_, body):
+            return _has_equality(body)
+    return False
+
+
+def _bindings(
+    reading: Reading, equalities: Sequence[Equality], declared: Declarations, effort: _Effort
+) -> Iterator[_Binding]:
+    """Every way in which variables can be the same objects, those with the most objects first.
+
+    An object is the constant or the first variable that stands for it; None stands for an object that is not
+    needed.
+    """
+    variables = reading.variables
+    binding: dict[Term, Term | None] = {c: c for c in declared.constants.values()}
+
+    def fits(variable: Variable, chosen: Term) -> bool:
+        same = [term for term, stands in binding.items() if stands == chosen]
+        if any(declared.meet(variable.type, term.type) is None for term in same):
+            return False
+        return not isinstance(chosen, Object) or declared.is_a(chosen.type, variable.type)
+
+    def right(term: Term) -> bool:
+        bound = [e for e in equalities if term in (e.left, e.right) and {e.left, e.right} <= binding.keys()]
+        return all((binding[e.left] == binding[e.right]) == e.equal for e in bound)
+
+    def extend(at: int) -> Iterator[_Binding]:
+        effort.spend()
+        if at == len(variables):
+            yield dict(binding)
+            return
+        variable = variables[at]
+        chosen = [*dict.fromkeys(t for t in binding.values() if t is not None and fits(variable, t))]
+        options: list[Term | None] = [variable, *chosen]
+        for option in [*options, None] if variable in reading.optional else options:
+            binding[variable] = option
+            if right(variable):
+                yield from extend(at + 1)
+            del binding[variable]
+
+    yield from extend(0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """A tableau over the facts of fixed objects."""
+
+    objects: _Binding
+    declared: Declarations
+    effort: _Effort
+
+    def hold(self, todo: list[tuple[Formula, _Binding]], facts: _Facts) -> _Facts | None:
+        """The values that facts may have where all of `todo` hold, None if they cannot."""
+        facts, todo = dict(facts), list(todo)
+        choices: list[tuple[Either, _Binding]] = []
+        while todo:
+            formula, binding = todo.pop(0)
+            self.effort.spend()
+            match formula:
+                case Both(parts):
+                    todo += [(part, binding) for part in parts]
+                case Every(variables, body):
+                    todo += [(body, inner) for inner in self._instances(variables, binding)]
+                case Either():
+                    choices.append((formula, binding))
+                case _:
+                    if not self._take(formula, binding, facts):
+                        return None
+        return self._choose(choices, facts)
+
+    def _choose(self, choices: list[tuple[Either, _Binding]], facts: _Facts) -> _Facts | None:
+        """Settle the choices that the facts decide; of the others, try the narrowest in every way."""
+        open_choices = []
+        for formula, binding in choices:
+            self.effort.spend()
+            states = [(self._state(part, binding, facts), part) for part in formula.parts]
+            if not any(state is True for state, _ in states):
+                open_choices.append(([part for state, part in states if state is None], binding))
+        if not open_choices:
+            return facts
+        at = min(range(len(open_choices)), key=lambda index: len(open_choices[index][0]))
+        parts, binding = open_choices.pop(at)
+        rest: list[tuple[Formula, _Binding]] = [(Either(tuple(p)), b) for p, b in open_choices]
+        for part in parts:
+            found = self.hold([(part, binding), *rest], facts)
+            if found is not None:
+                return found
+        return None
+
+    def _state(self, formula: Formula, binding: _Binding, facts: _Facts) -> bool | None:
+        """Whether a literal or equality holds or fails already."""
+        match formula:
+            case Equality(left, right, equal):
+                one, other = binding.get(left), binding.get(right)
+                return None not in (one, other) and (one == other) == equal
+            case Literal(symbol, _, values):
+                key = self._key(formula, binding)
+                if key is None:
+                    return False
+                now = facts.get(key, frozenset(self.declared.symbols[symbol].values))
+                return True if now <= values else (None if now & values else False)
+        return None
+
+    def _take(self, formula: Literal | Equality, binding: _Binding, facts: _Facts) -> bool:
+        state = self._state(formula, binding, facts)
+        if isinstance(formula, Literal) and state is not False:
+            key = self._key(formula, binding)
+            assert key is not None
+            all_values = frozenset(self.declared.symbols[formula.symbol].values)
+            facts[key] = facts.get(key, all_values) & formula.values
+        return state is not False
+
+    def _key(self, literal: Literal, binding: _Binding) -> tuple[str, tuple[Term, ...]] | None:
+        terms = tuple(t for term in literal.terms if (t := binding.get(term)) is not None)
+        if len(terms) < len(literal.terms):
+            return None
+        return literal.symbol, canonical(self.declared.symbols[literal.symbol], terms)
+
+    def _instances(self, variables: tuple[Variable, ...], binding: _Binding) -> Iterator[_Binding]:
+        there = {stands for stands in self.objects.values() if stands is not None}
+        candidates = [
+            sorted((o for o in there if self._belongs(o, variable)), key=lambda o: o.name)
+            for variable in variables
+        ]
+        for chosen in product(*candidates):
+            yield {**binding, **dict(zip(variables, chosen, strict=True))}
+
+    def _belongs(self, chosen: Term, variable: Variable) -> bool:
+        """Whether an object is of a type: it is of the lowest of those of all that stand for it."""
+        same = [term for term, stands in self.objects.items() if stands == chosen]
+        return any(self.declared.is_a(term.type, variable.type) for term in same)
+
+
+def _witness(binding: _Binding, facts: _Facts, reading: Reading) -> Witness:
+    equal = tuple(
+        (term, stands)
+        for term, stands in binding.items()
+        if stands is not None and stands != term and term in reading.variables
+    )
+    return Witness(equal, tuple(Literal(symbol, terms, values) for (symbol, terms), values in facts.items()))

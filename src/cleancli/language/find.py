@@ -1,0 +1,40 @@
+"""Finds the file that is meant by a path or by the name of a shipped one."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.resources import shipped, shipped_names
+
+
+def find(name_or_path: str, *kinds: str) -> Path:
+    """A file that exists as it is given, else the shipped file of that name, with or without `.nid`.
+
+    `kinds` are the folders to seek a bare name in, in order. A folder that happens to have the name of a
+    shipped file does not hide it. Raises Refused (E001) that lists near names and all shipped ones.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    bare = name_or_path.removesuffix(".nid")
+    for kind in kinds:
+        if bare in shipped_names(kind):
+            return shipped(kind) / f"{bare}.nid"
+    if path.exists():
+        return path
+    names = [name for kind in kinds for name in shipped_names(kind)]
+    near = difflib.get_close_matches(path.stem, names, n=3, cutoff=0.5)
+    meant = f"did you mean {' or '.join(f'`{name}`' for name in near)}? " if near else ""
+    what = " or ".join(kind.removesuffix("s") for kind in kinds)
+    raise Refused(
+        [
+            Diagnostic(
+                "E001",
+                f"no file `{name_or_path}`, and no shipped {what} of that name",
+                None,
+                help=f"{meant}shipped: {', '.join(names)}",
+            )
+        ]
+    )

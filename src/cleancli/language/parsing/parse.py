@@ -1,0 +1,122 @@
+"""Text to syntax tree: parse, and where that fails blank the block at fault and parse again.
+
+Every block is so parsed on its own: one mistake is reported for each, however many there are.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import gc
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import cast
+
+from lark import UnexpectedInput
+from lark.lexer import PatternStr
+
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.parsing.ast_builder import Builder
+from cleancli.language.parsing.errors import Reader
+from cleancli.language.parsing.grammar import grammar
+from cleancli.language.parsing.recovery import Block, blank, outline
+from cleancli.language.record import Record
+from cleancli.language.syntax import Root
+
+KINDS = ("domain", "problem", "scene")
+_MOST_ERRORS = 20
+_SETTING = re.compile(r"\b(?:include|domain|horizon|discount)\b|\w+(?=\s*[=:])")
+"""What can stand between the sections of a file."""
+
+
+class Parsed(Record):
+    """What could be read of a text. `broken` names the sections that were left out because of mistakes (by
+    the first word of their headers); `root` is None where not even the outermost block could be read."""
+
+    root: Root | None
+    broken: frozenset[str]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+@functools.cache
+def _keywords() -> dict[str, str]:
+    return {
+        terminal.name: terminal.pattern.value
+        for terminal in grammar().terminals
+        if isinstance(terminal.pattern, PatternStr)
+    }
+
+
+@contextmanager
+def _nothing_to_collect() -> Iterator[None]:
+    """Pause the collection of cycles: trees have none, and searching growing trees takes half of the time."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+def kind_of(source: Source) -> str:
+    """Whether the text is a "domain", a "problem" or a "scene"; raises Refused (E105) for anything else."""
+    match = re.match(r"(?:[\s\ufeff]|#[^\r\n]*)*(?P<word>\w+|\S)?", source.text)
+    assert match is not None
+    word = match["word"]
+    if word in KINDS:
+        return cast(str, word)
+    forms = "a file holds one block: `domain NAME { ... }`, `problem NAME { ... }` or `scene NAME { ... }`"
+    if word is None:
+        raise Refused(
+            [Diagnostic("E105", "the file is empty", Span(source.path, 0, 0), help=forms)], [source]
+        )
+    near = difflib.get_close_matches(word, KINDS, n=1)
+    span = Span(source.path, match.start("word"), match.end("word"))
+    message = f"a file cannot begin with `{word}`"
+    advice = f"did you mean `{near[0]}`?" if near else forms
+    raise Refused([Diagnostic("E105", message, span, help=advice)], [source])
+
+
+@_nothing_to_collect()
+def parse(source: Source) -> Parsed:
+    """The syntax tree with every syntax error found (E101 to E107); raises Refused if it is no .nid text."""
+    kind_of(source)
+    shape = outline(source)
+    diagnostics = list(shape.diagnostics[:_MOST_ERRORS])
+    broken = {block.name for block in shape.blocks if shape.body[block.start : block.end].isspace()}
+    text = shape.body
+    while len(diagnostics) < _MOST_ERRORS:
+        reader = Reader(source.path, text, len(source.text), _keywords())
+        try:
+            tree = grammar().parse(text)
+        except UnexpectedInput as error:
+            diagnostics.append(reader.diagnose(error))
+            place = min(error.pos_in_stream or 0, len(text) - 1)
+            in_block = any(block.start <= place < block.end for block in shape.blocks)
+            shorter, names = _without_fault(text, place, shape.blocks)
+            if shorter in (text, "") or shorter.isspace() or (not in_block and shape.diagnostics):
+                return Parsed(None, frozenset(broken), tuple(diagnostics))
+            broken |= names
+            text = shorter
+        else:
+            return Parsed(cast(Root, Builder(source.path).build(tree)), frozenset(broken), tuple(diagnostics))
+    return Parsed(None, frozenset(broken), tuple(diagnostics))
+
+
+def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[str, frozenset[str]]:
+    """Blank the section around the mistake, or else what stands between sections in its line."""
+    for block in blocks:
+        if block.start <= place < block.end:
+            return blank(text, block.start, block.end), frozenset({block.name})
+    line_start = max(text.rfind("\n", 0, place), text.rfind("\r", 0, place)) + 1
+    line_end = re.compile(r"[^\r\n]*").match(text, place)
+    assert line_end is not None
+    start = max([line_start, *(block.end for block in blocks if block.end <= place)])
+    end = min([line_end.end(), *(block.start for block in blocks if block.start > place)])
+    between = text[start:end]
+    if "{" in between or "}" in between:
+        return text, frozenset()
+    return blank(text, start, end), frozenset(_SETTING.findall(between)[:1])

@@ -1,0 +1,75 @@
+"""The optimal policy (finite-horizon value iteration; Bellman 1957), over all states that can be reached."""
+
+from __future__ import annotations
+
+import time
+from types import ModuleType
+
+import numpy as np
+
+from cleancli.compiler.task import Assignment
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.planners import rational
+from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
+
+
+def exact(prepared: Prepared, options: Options) -> Plan:
+    """What acting best on what is seen is worth, and its likeliest course.
+
+    Raises `TooManyStatesError` where more than `options.states` states can be reached within the horizon.
+    """
+    times = [time.perf_counter()]
+    known = prepared.forgetful
+    if options.arithmetic == "rational":
+        times += [time.perf_counter()] * 2
+        fraction, choose = rational.optimum(known.task, options.states)
+        value = float(fraction)
+    else:
+        _ = known.process
+        times.append(time.perf_counter())
+        load(known)
+        times.append(time.perf_counter())
+        value, choose = optimum(known, options.states)
+    course = likeliest_course(known.task, choose)
+    return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
+
+
+def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
+    """The optimal value of the present state, and the policy.
+
+    Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
+    """
+    task, process = prepared.task, prepared.process
+    module, horizon = _reachable(), max(task.horizon, 0)
+    enumeration = module.Enumeration(process, task.initial, limit)
+    if not enumeration.reach(horizon):
+        raise TooManyStatesError(enumeration.number, limit)
+    graph = enumeration.graph()
+    values, best = module.backward(graph, process, task.discount, horizon)
+
+    def choose(step: int, state: Assignment) -> int | None:
+        action = best[step, np.flatnonzero((graph.states == state).all(axis=1))[0]]
+        return int(action) if action >= 0 else None
+
+    return float(values[0, 0]), choose
+
+
+def few_states(prepared: Prepared, limit: int, steps: int) -> bool:
+    """Whether no more than `limit` states can be reached within so many steps."""
+    steps = min(steps, max(prepared.task.horizon, 0))
+    graph = _reachable().reachable(prepared.process, prepared.task.initial, limit, steps)
+    return graph is not None
+
+
+def load(prepared: Prepared) -> None:
+    """Makes numba load or compile what `optimum` runs."""
+    module, process = _reachable(), prepared.process
+    module.backward(module.reachable(process, prepared.task.initial, module.EDGE_LIMIT, 1), process, 1.0, 1)
+
+
+def _reachable() -> ModuleType:
+    """The one place that loads numba, which takes longer than most plans."""
+    from cleancli.planning.kernels import state_graph
+
+    return state_graph

@@ -1,0 +1,137 @@
+"""PRADA+: what PRADA finds, improved by annealing over drawn runs; small problems are solved exactly.
+
+PRADA values a sequence by a belief whose variables are independent, and only ever draws new sequences. Here a
+sequence is valued by runs of the process itself, and the next one to try is a change of a good one. Where few
+states can be reached, no sequence is sought: the best policy is calculated (docs/decisions/0008).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from types import ModuleType
+
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.planners import exact
+from cleancli.planning.planners.prada import prada
+from cleancli.planning.preference import preferred
+from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
+
+CHAINS = 4
+"""Annealings, each over runs of its own: what one overrates, the others do not. Chosen."""
+
+BELIEF_SHARE = 20
+"""PRADA draws one sequence for so many that are tried. Chosen."""
+
+FIRST_MOVES = 500
+"""Changes that the first chains try where time is limited. Chosen: milliseconds for ten areas."""
+
+WORDS, FRESH_WORDS = 4, 64
+"""A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
+
+Actions = tuple[int, ...]
+
+
+def prada_plus(prepared: Prepared, options: Options) -> Plan:
+    """The best policy where at most `solve` states can be reached, and otherwise the best of about `samples`
+    sequences, or of as many as `time_limit` allows; empty where stopping at once is preferred.
+
+    A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
+    """
+    task, times = prepared.task, [time.perf_counter()]
+    _ = prepared.tables, prepared.process
+    times.append(time.perf_counter())
+    _load(prepared)
+    times.append(time.perf_counter())
+    solved = _solved(prepared, options.solve) if options.solve else None
+    if solved is not None:
+        course, value = solved
+        times.append(time.perf_counter())
+        return course_plan("prada+", task, course, value, times=times)
+    found, tried = _annealed(prepared, options, times[-1])
+    worth, best = _annealing().worth, found[0]
+    known = worth(prepared, best, FRESH_WORDS, options.seed)
+    for actions in found[1:]:
+        other = worth(prepared, actions, FRESH_WORDS, options.seed)
+        if preferred(*other, *known):
+            best, known = actions, other
+    value, earliness = worth(prepared, best, FRESH_WORDS, options.seed + 1)
+    best = best if beats_nothing(task, value, earliness) else ()
+    times.append(time.perf_counter())
+    return course_plan("prada+", task, best, value, times=times, measure="sampled", samples=tried)
+
+
+def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
+    """The likeliest course and the value of the best policy; None where more states can be reached.
+
+    More within two steps are enough to know, before time is spent on what could be forgotten.
+    """
+    if not exact.few_states(prepared, limit, 2):
+        return None
+    known = prepared.forgetful
+    try:
+        value, choose = exact.optimum(known, limit)
+    except TooManyStatesError:
+        return None
+    return likeliest_course(known.task, choose), value
+
+
+def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[list[Actions], int]:
+    """The best sequence of each chain, and how many sequences were tried in all."""
+    deadline = None if options.time_limit is None else started + options.time_limit
+    few = 1 + options.samples // BELIEF_SHARE if deadline is None else FIRST_MOVES
+    number = {action: index for index, action in enumerate(prepared.task.actions)}
+    plans = (prada(prepared, replace(options, samples=few, time_limit=None)).actions, options.previous)
+    starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
+    annealing = _annealing()
+
+    def chain(index: int, moves: int) -> Actions:
+        seed = options.seed + (index + 2) * 2**32
+        best: Actions = annealing.chain(prepared, starts[index % len(starts)], moves, WORDS, seed)
+        return best
+
+    found: list[Actions] = []
+    tried = 0
+    with ThreadPoolExecutor(options.threads) as pool:
+        for together, moves in _schedule(options, deadline):
+            found += pool.map(chain, range(len(found), len(found) + together), [moves] * together)
+            tried += together * moves
+    return found, tried
+
+
+def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, int]]:
+    """How many chains to run next, and how many changes each of them is to try.
+
+    Until a deadline chains double in length, so that the last ones take about half the time; they are as
+    short as what is left of it asks for.
+    """
+    if deadline is None:
+        yield CHAINS, -(-options.samples // CHAINS)
+        return
+    together, moves, left = options.threads, FIRST_MOVES, options.samples
+    while left > 0:
+        begun = time.perf_counter()
+        yield together, min(moves, left)
+        now = time.perf_counter()
+        left -= together * moves
+        pace = moves / (now - begun)
+        moves = min(2 * moves, int(pace * (deadline - now)))
+        if moves < FIRST_MOVES:
+            return
+
+
+def _load(prepared: Prepared) -> None:
+    """Makes numba load or compile what will run."""
+    _annealing().chain(prepared, (), 0, WORDS, 0)
+    prada(prepared, Options(samples=1))
+    exact.load(prepared)
+
+
+def _annealing() -> ModuleType:
+    """The one place that loads numba for the annealing."""
+    from cleancli.planning.kernels import annealing
+
+    return annealing

@@ -1,0 +1,53 @@
+"""Sparse sampling trees (Kearns, Mansour and Ng 2002): look a few steps ahead at a few drawn results."""
+
+from __future__ import annotations
+
+import time
+from types import ModuleType
+
+from cleancli.compiler.task import Assignment
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.plan import Options, Plan
+from cleancli.planning.trajectory import course_plan, likeliest_course
+
+
+def sst(prepared: Prepared, options: Options) -> Plan:
+    """The action that looks best from `branching` results of each, `depth` steps deep, and its course.
+
+    Each further action of the course looks from the likeliest result, to the same depth. The value is that of
+    stopping after `depth` steps.
+    """
+    times = [time.perf_counter()]
+    task, process = prepared.task, prepared.process
+    times.append(time.perf_counter())
+    sparse_sampling = _sampling()
+
+    def look(step: int, state: Assignment, depth: int) -> tuple[float, int]:
+        value, action = sparse_sampling.look_ahead(
+            process,
+            state,
+            task.discount,
+            horizon=task.horizon - step,
+            depth=depth - step,
+            branching=max(options.branching, 1),
+            seed=options.seed,
+        )
+        return float(value), int(action)
+
+    def choose(step: int, state: Assignment) -> int | None:
+        action = look(step, state, options.depth)[1]
+        return action if action >= 0 else None
+
+    look(0, task.initial, 0)  # makes numba load or compile what it will run
+    times.append(time.perf_counter())
+    value = look(0, task.initial, options.depth)[0]
+    course = likeliest_course(task, choose)
+    times.append(time.perf_counter())
+    return course_plan("sst", task, course, value, times=times)
+
+
+def _sampling() -> ModuleType:
+    """The one place that loads numba, which takes longer than most plans."""
+    from cleancli.planning.kernels import sparse_sampling
+
+    return sparse_sampling

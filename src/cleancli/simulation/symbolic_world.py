@@ -1,0 +1,119 @@
+"""The symbolic world: what truly happens to the facts of a problem when an action is done.
+
+Its rules may be other than a planner's. All that is paid, lasts or discounts is the world's too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cleancli.compiler.fluents import Key, values_of
+from cleancli.compiler.ground import ground
+from cleancli.compiler.rewards import costs_of
+from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
+from cleancli.compiler.task import Assignment, GroundAction, Task, by_time, held
+from cleancli.language.model import Domain, Fact, Problem, State
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """A problem under the rules that hold. After the grounded actions, `task` lists each declared action once
+    more, without rules: it stands for the groundings that can change nothing, and says what they cost.
+    `numbers` are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the
+    facts that never change."""
+
+    task: Task
+    rest: State
+    numbers: Mapping[tuple[str, tuple[str, ...]], int]
+    idle: Mapping[str, int]
+    has_goal: bool
+
+    def facts(self, assignment: Assignment) -> State:
+        """All facts of a state."""
+        return self.rest | changing_facts(self.task, assignment)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An action done: its `reward` (eq. 2 and what else is paid), `payment` and `discount` as in the task,
+    and its duration in seconds where the world's domain declares one."""
+
+    action: GroundAction
+    reward: float
+    payment: float
+    discount: float
+    seconds: float | None
+
+
+def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
+    """The world of a problem by the rules of `domain`; where `timed`, time discounts and not steps.
+
+    Raises `Refused` (E6xx) and `NoDurationError`.
+    """
+    grounded, costs = ground(domain, problem), costs_of(domain)
+    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name]) for a in domain.actions)
+    actions = grounded.actions + idle
+    task = replace(grounded, actions=actions, discounts=(grounded.discount,) * len(actions))
+    return World(
+        by_time(task) if timed else task,
+        unchanging_facts(task, problem.state),
+        {(action.name, action.objects): index for index, action in enumerate(grounded.actions)},
+        {action.name: index for index, action in enumerate(idle, start=len(grounded.actions))},
+        bool(problem.goal),
+    )
+
+
+def changing_facts(task: Task, assignment: Assignment) -> State:
+    """The facts that the variables of a state stand for."""
+    return frozenset(
+        Fact(variable.symbol, variable.objects, variable.values[value])
+        for variable, value in zip(task.variables, assignment, strict=True)
+        if variable.values[value] is not False
+    )
+
+
+def unchanging_facts(task: Task, facts: State) -> State:
+    """Those of the facts that no variable of the task stands for."""
+    variables: set[Key] = {(variable.symbol, variable.objects) for variable in task.variables}
+    return frozenset(fact for fact in facts if (fact.symbol, fact.objects) not in variables)
+
+
+def assignment_of(task: Task, facts: State) -> Assignment | None:
+    """The state of the task that the facts say; None where a variable's value is not one of the task's."""
+    values = values_of(facts)
+    found = []
+    for variable in task.variables:
+        value = values.get((variable.symbol, variable.objects), False)
+        if value not in variable.values:
+            return None
+        found.append(variable.values.index(value))
+    return tuple(found)
+
+
+def do(
+    world: World, state: Assignment, action: GroundAction, rng: np.random.Generator
+) -> tuple[Step, Assignment]:
+    """Draws what comes of an action; each call takes one number from `rng`, so that the n-th action of an
+    episode meets the same luck whoever planned it."""
+    number = world.numbers.get((action.name, action.objects))
+    if number is None:
+        number = world.idle[action.name]
+    task = world.task
+    drawn, after = sample(task, state, number, rng)
+    if drawn is None:
+        rng.random()
+    paid = reward(task, state, number, after)
+    seconds = task.actions[number].duration
+    return Step(action, paid, payment(task, number), task.discounts[number], seconds), after
+
+
+def succeeded(world: World, state: Assignment) -> bool | None:
+    """Whether the goal holds; without a goal, whether nothing is left of the count that the reward wants
+    decreased; None where there is neither."""
+    if world.has_goal:
+        return reaches_goal(world.task, state)
+    counted = world.task.counted
+    return None if counted is None else held(counted, state) == 0

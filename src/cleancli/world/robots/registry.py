@@ -1,0 +1,48 @@
+"""The table of robots: a scene's `robot` is the name of a row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.motion.joint_path import reached
+from cleancli.scene.model import Scene
+from cleancli.world.physics import Engine
+from cleancli.world.robots import wam
+from cleancli.world.robots.arm_drive import ArmDrive, rag_for
+from cleancli.world.robots.drive import Drive
+from cleancli.world.robots.gantry import Gantry, within_reach
+from cleancli.world.robots.reem import Reem
+from cleancli.world.robots.reem import arm_for as reem_arm
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """How a robot is built, and which tool poses (n, 4) it can bring the rag to."""
+
+    build: Callable[[Engine, Scene, np.random.Generator], Drive]
+    reaches: Callable[[_Array, Scene], NDArray[np.bool_]]
+
+
+def _wam(engine: Engine, scene: Scene, rng: np.random.Generator) -> Drive:
+    arm = wam.arm_for(scene)
+    return ArmDrive(engine, arm, wam.BUILD, rag_for(engine, arm, scene.rag, rng))
+
+
+def _wam_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+    return reached(wam.arm_for(scene), points)
+
+
+def _reem_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+    return reached(reem_arm(scene, 1), points)
+
+
+ROBOTS: Mapping[str, Row] = MappingProxyType(
+    {"gantry": Row(Gantry, within_reach), "wam": Row(_wam, _wam_reaches), "reem": Row(Reem, _reem_reaches)}
+)
