@@ -64,7 +64,7 @@ class Case:
 
 def cases() -> dict[str, Case]:
     """The writers of texts."""
-    starter = ROOT / "src" / "cleancli" / "cli" / "starter"
+    starter = ROOT / "src" / "cleancli" / "cli" / "commands" / "starter"
     domain, problem = ((starter / name).read_bytes() for name in ("wiping.nid", "two_stains.nid"))
     golden = ROOT / "tests" / "golden"
     learned = {name: (golden / name).read_bytes() for name in ("domain.nid", "experience.jsonl")}
@@ -208,6 +208,12 @@ def run_kills(number: int, rng: random.Random, folder: Path) -> Iterator[tuple[s
     while done < number:
         shutil.rmtree(folder / "runs", ignore_errors=True)
         code = killed(words, rng.uniform(0, seconds), which, folder)
+        if hidden := [path.name for path in folder.glob("runs/.*")]:
+            assert ended(started(words, folder)) == 0
+            stay = [path.name for path in folder.glob("runs/.*")]
+            if which is not signal.SIGKILL or stay:
+                yield which.name, f"left over: {hidden}"
+            continue
         if code is None or not where.exists():
             continue
         yield which.name, run_harm(where, folder, whole)
@@ -221,7 +227,7 @@ def actions(folder: Path) -> list[str]:
 def run_harm(where: Path, folder: Path, whole: list[str]) -> str:
     """What is wrong with a run after a kill, and after it has gone on."""
     if not (where / "run.json").exists():
-        return "not begun"  # in the instant between the folder and its first file
+        return "it has a name, and no run.json"
     code = ended(started(["execute", "--resume", str(where), "--quiet"], folder))
     if code not in (0, 2):  # 2: it had ended
         return f"--resume ends with {code}"
@@ -285,8 +291,8 @@ def races(case: Case, number: int, rng: random.Random, folder: Path) -> Iterator
 # ---- figures
 
 
-HARMLESS = ("", "left", "not begun")
-"""`left`: a file that the next command removed; `not begun`: a run's folder that holds no run yet."""
+HARMLESS = ("", "left")
+"""`left`: a file that the next command removed."""
 
 
 def told(title: str, found: Iterator[tuple[str, str]], number: int) -> bool:

@@ -32,7 +32,7 @@ planning.kernels.belief_search.PORTION | planning.md | every {:,} samples of eac
 planning.planners.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
 cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
-recording.run_folder.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
+recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})
 language.parsing.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
 language.checking.symbols._MOST_VALUES | diagnostics.md | at most {} values

@@ -114,6 +114,23 @@ def test_mistakes_come_while_typing(tmp_path: Path) -> None:
     talk(tmp_path, say)
 
 
+def test_of_very_many_mistakes_as_many_are_told_as_by_check(tmp_path: Path) -> None:
+    unknown = " ".join(f"dirt(b{number})," for number in range(150))
+    text = PROBLEM.replace("dirt(a1),", f"dirt(a1), {unknown}", 1)
+
+    async def say(client: Client) -> None:
+        client.open(tmp_path / "tables.nid", DOMAIN)
+        problem = client.open(tmp_path / "two.nid", text)
+        *told, more = await client.mistakes(problem.uri)
+        assert len(told) == 100
+        assert {each.code for each in told} == {"E205"}
+        assert more.message.startswith("50 more mistakes")
+        assert more.severity is lsp.DiagnosticSeverity.Information
+        assert more.range == told[-1].range
+
+    talk(tmp_path, say)
+
+
 @pytest.mark.parametrize(("encodings", "units"), [((), 6), (("utf-16",), 6), (("utf-8", "utf-16"), 9)])
 def test_places_are_counted_as_the_editor_counts(
     encodings: tuple[str, ...], units: int, tmp_path: Path

@@ -23,7 +23,7 @@ from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.experience import decode
 from cleancli.recording.journal_writer import Entries
-from cleancli.recording.run_folder import Recorder, free_folder
+from cleancli.recording.run_folder import Recorder
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.table import PybulletTable
@@ -44,7 +44,7 @@ def episode(
     domain: Domain, scene: Scene, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[list[Event], Mapping[str, object], Path]:
     """The events of one run, where the lentils were after it, and its folder."""
-    folder = free_folder(tmp_path_factory.mktemp("runs"), "run")
+    folder = tmp_path_factory.mktemp("run")
     events = []
     with closing(table_site(domain, scene, EpisodeOptions(samples=2000))) as site:
         entries = Entries(site.setup.domain, lambda: site.cell.clock)
@@ -151,8 +151,3 @@ def test_a_job_leaves_out_the_other_way_of_cleaning(domain: Domain) -> None:
     pushes = {"moveToContainerFast", "moveToContainerStraight"}
     assert {a.name for a in within_reach(domain, "reem", Job.DUSTPAN).actions} == everything - pushes
     assert {a.name for a in within_reach(domain, "reem", Job.CONTAINER).actions} == everything - {"pickUp"}
-
-
-def test_no_run_overwrites_another(tmp_path: Path) -> None:
-    folders = [free_folder(tmp_path / "runs", "run") for _ in range(3)]
-    assert [folder.name for folder in folders] == ["run-001", "run-002", "run-003"]

@@ -7,6 +7,7 @@ import dataclasses
 import gc
 import os
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -129,3 +130,14 @@ def test_kind() -> None:
     with pytest.raises(Refused) as refused:
         kind_of(Source("x", "  problm p {}"))
     assert refused.value.diagnostics[0].span == Span("x", 2, 8)
+
+
+@pytest.mark.parametrize("line", ["a {", "a {\n", "rule {\n", "}\n"])
+@pytest.mark.parametrize("kind", ["domain", "scene"])
+def test_very_many_braces_are_refused_soon(kind: str, line: str) -> None:
+    """Of those that follow from one another nobody reads more than a few, and no more are looked at."""
+    text = f"{kind} d {{\n" + line * (4_000_000 // len(line))
+    begun = time.process_time()
+    found = parse(Source("many.nid", text)).diagnostics
+    assert 1 <= len(found) <= 100
+    assert time.process_time() - begun < 5

@@ -30,6 +30,7 @@ from cleancli.editor.navigation import CannotRename, definition, references, ren
 from cleancli.editor.positions import UTF_16, Positions
 from cleancli.editor.symbols import Entry, symbols
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.messages import Excerpt, excerpt
 from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.refactoring.name_index import Kind
 
@@ -198,7 +199,10 @@ def _publish(ls: Server, uri: str) -> None:
             other for other in ls.workspace.text_documents if _is_for(ls.document(other), asked, library)
         ]
     for text in texts:
-        found = [_diagnostic(ls, text, d) for d in mistakes(ls.document(text), library)]
+        part = excerpt(mistakes(ls.document(text), library))
+        found = [_diagnostic(ls, d) for d in part.shown]
+        if part.left_out:
+            found.append(_more(part, found[-1].range))
         ls.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(text, found))
 
 
@@ -212,7 +216,13 @@ def _is_for(other: Document, domain: Document, library: Library) -> bool:
     return other.source.path != domain.source.path and (found is None or is_needed)
 
 
-def _diagnostic(ls: Server, uri: str, found: Diagnostic) -> lsp.Diagnostic:
+def _more(part: Excerpt, place: lsp.Range) -> lsp.Diagnostic:
+    """Says, where the last mistake of those that are told stands, how many are not."""
+    message = f"{part.note}: `cleancli check --all` shows all"
+    return lsp.Diagnostic(place, message, lsp.DiagnosticSeverity.Information, source="cleancli")
+
+
+def _diagnostic(ls: Server, found: Diagnostic) -> lsp.Diagnostic:
     place = (
         ls.range(found.span) if found.span is not None else lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0))
     )

@@ -84,6 +84,23 @@ def overwrite(path: Path, content: bytes, mode: int | None) -> None:
         sync_folder(path.parent)
 
 
+@contextmanager
+def written_by_another(path: Path) -> Iterator[Path]:
+    """As `overwrite`, for what a library writes, which wants a path: that of an empty file, which takes the
+    place of the one at `path` once it is filled."""
+    remove_leftovers(path.parent)
+    with _about(path):
+        beside = Beside(path, None)
+        try:
+            yield beside.name
+            with undisturbed():
+                beside.sync()
+                beside.replace(None)
+        finally:
+            beside.discard()
+        sync_folder(path.parent)
+
+
 def _put_all(beside: Sequence[Beside]) -> None:
     try:
         for each in beside:
@@ -121,6 +138,15 @@ class Beside:
         self.is_leased = self._is_in = self._is_exchanged = False
         self._handle, self._name = _created(path.parent, 0o666 if original is None else 0o600)
         self._status = os.fstat(self._handle)
+
+    @property
+    def name(self) -> Path:
+        """Where it is until it takes the place of the other."""
+        return self._name
+
+    def sync(self) -> None:
+        """Have what others have written into it on the disk."""
+        os.fsync(self._handle)
 
     def write(self, content: bytes) -> None:
         """Fill it, onto the disk, and make its owner, group and mode those of the file it replaces."""
@@ -270,6 +296,18 @@ def _renamed(name: Path, other: Path, how: int) -> bool:
     if number in _CANNOT:
         return False
     raise OSError(number, os.strerror(number), str(name), None, str(other))
+
+
+def took_free_name(name: Path, path: Path) -> bool:
+    """Whether a folder got another name, which nothing had. Raises OSError."""
+    try:
+        if _renamed(name, path, _NO_REPLACE):
+            return True
+        path.mkdir()
+    except FileExistsError:
+        return False
+    name.rename(path)  # in the place of an empty folder
+    return True
 
 
 _renameat2 = (

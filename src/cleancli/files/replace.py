@@ -5,10 +5,11 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from cleancli.files.exchange import New, overwrite, put_in_place
+from cleancli.files.exchange import New, overwrite, put_in_place, written_by_another
 from cleancli.files.lease import Meanwhile, Original, locked
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 
@@ -75,6 +76,12 @@ def _refuse_unwritable(path: Path, status: os.stat_result) -> None:
     if status.st_nlink > 1:
         told = "it has several names (hard links), which would be parted, and so nothing was written"
         raise OSError(errno.EMLINK, told, str(path))
+
+
+def replaced_by(path: Path | str) -> AbstractContextManager[Path]:
+    """As `replace_file`, for a file that a library writes: the path that it is to write to. Nothing is
+    replaced where this is left by an exception."""
+    return written_by_another(Path(os.path.realpath(path)))
 
 
 def replace_file(path: Path | str, content: str | bytes, mode: int | None = None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+import zlib
 from typing import TypeVar
 
 import msgspec
@@ -25,6 +26,21 @@ def png_size(data: bytes) -> tuple[int, int] | None:
         return None
     width, height = struct.unpack(">II", data[16:24])
     return width, height
+
+
+def is_whole_png(data: bytes) -> bool:
+    """Whether a PNG picture has all its parts up to the last, each with the checksum that it names: of one
+    that has not, the library that reads it prints lines of its own."""
+    at = len(PNG)
+    while at + 12 <= len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        end = at + 12 + length
+        if data[end - 4 : end] != struct.pack(">I", zlib.crc32(data[at + 4 : end - 4])):
+            return False
+        if kind == b"IEND":
+            return True
+        at = end
+    return False
 
 
 def decoded(source: Source, kind: type[_Data], code: str, what: str) -> _Data:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.files.plain import read_plain
 from cleancli.files.replace import replace_file
-from cleancli.files.untrusted import png_size
+from cleancli.files.untrusted import is_whole_png, png_size
 from cleancli.geometry.rgbd import Camera, Frame
 
 CAMERA = "camera.json"
@@ -129,7 +129,8 @@ def _read_image(
     size = png_size(data)
     if size is not None and size != (shape[1], shape[0]):
         raise BadRecording(f"{path}: a picture of {size[0]} x {size[1]} pixels, but {wanted}")
-    image = None if size is None else cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    is_whole = size is not None and is_whole_png(data)
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if is_whole else None
     if image is None:
         raise BadRecording(f"{path}: no PNG picture")
     if image.shape != shape or image.dtype != kind:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.files.replace import replaced_by
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import State
 from cleancli.perception.area import Area
@@ -56,17 +57,12 @@ def find_rerun() -> Any:
 def write_recording(path: Path, looks: Iterable[Look], name: str) -> None:
     """Write a .rrd file, which holds all looks or is not there. Raises MissingRerun, OSError."""
     rerun = find_rerun()
-    part = path.with_name(f".{path.name}.part")
-    part.touch()
-    stream = rerun.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
-    try:
+    with replaced_by(path) as part:
+        stream = rerun.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
         stream.save(part)
         for number, look in enumerate(looks):
             _log(rerun, stream, number, look)
         stream.disconnect()
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _log(rerun: Any, stream: Any, number: int, look: Look) -> None:

@@ -7,10 +7,8 @@ so that a folder which cannot be written is met early.
 
 from __future__ import annotations
 
-import errno
 import json
 import os
-import shutil
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -46,28 +44,10 @@ STEP_SIZE = (640, 480)
 VIDEO_SIZE = (400, 300)
 """Width and height of the room in a step's picture and in the video, which needs many more of them."""
 
-ROOM = 64 << 20
-"""Bytes that a long run takes: 60 actions with a picture of two thirds of a megabyte each, and a video."""
 
-
-def free_folder(parent: Path, stem: str) -> Path:
-    """Make and return a folder in `parent` named after `stem`, numbered so that nothing is overwritten.
-
-    Raises OSError where it cannot be made, or has less room than a long run takes.
-    """
-    parent.mkdir(parents=True, exist_ok=True)
-    free = shutil.disk_usage(parent).free
-    if free < ROOM:
-        told = f"a run needs up to {ROOM >> 20} MB here, and {free >> 20} MB are free"
-        raise OSError(errno.ENOSPC, told, str(parent))
-    for number in range(1, 1_000_000):
-        folder = parent / f"{stem}-{number:03d}"
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            continue
-        return folder
-    raise FileExistsError(f"{parent} holds a million runs of {stem}")
+def write_run(folder: Path, fields: Mapping[str, object]) -> None:
+    """Write what went into a run, and what came out as far as that is known."""
+    replace_file(folder / RUN, json.dumps(dict(fields), indent=2, ensure_ascii=False) + "\n")
 
 
 def _free_video(folder: Path) -> Path:
@@ -193,5 +173,4 @@ class Recorder:
         return "looking" if self._started is None else f"{self._started.number}. {self._started.move}"
 
     def _write_run(self) -> None:
-        text = json.dumps({**self._header, **self._totals}, indent=2, ensure_ascii=False) + "\n"
-        replace_file(self._folder / RUN, text)
+        write_run(self._folder, {**self._header, **self._totals})

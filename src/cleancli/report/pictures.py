@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cleancli.files.plain import NotPlain, TooLarge, read_plain
-from cleancli.files.untrusted import png_size
+from cleancli.files.untrusted import is_whole_png, png_size
 
 WIDEST = 1200
 """Pixels; wider pictures are made smaller. Chosen: the page shows them at most so wide."""
@@ -18,8 +18,9 @@ LARGEST = 64 << 20
 """Bytes of a picture."""
 
 MOST_PIXELS = 64 << 20
-"""Of a picture, which its header tells before memory is taken. Chosen: a scene's camera has at most 4096 a
-side, and beside what it saw stands the room."""
+"""Of a picture, which its header tells before memory is taken. Chosen: more than twice what a run writes. A
+scene's image has at most as many as 1920 x 1080 and is at most 4096 high, and the room beside it is as high
+and a third wider than that."""
 
 QUALITY = 80
 """Of WebP, out of 100. Chosen: text in the pictures stays clear, and one takes some 40 kB."""
@@ -31,7 +32,7 @@ def data_uri(path: Path) -> str | None:
     try:
         content = read_plain(path, LARGEST, follow=False)
         width, height = png_size(content) or (0, 0)
-        if not 0 < width * height <= MOST_PIXELS:
+        if not 0 < width * height <= MOST_PIXELS or not is_whole_png(content):
             return None
         picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
     except (FileNotFoundError, NotPlain, TooLarge, cv2.error):

@@ -9,6 +9,7 @@ import click
 
 from cleancli.cli.completion import check_files
 from cleancli.cli.echo import echo, wants_colour
+from cleancli.cli.elsewhere import without_used_elsewhere
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
@@ -36,6 +37,7 @@ def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
     names = tuple(expanded(files))
     found = [_found(name) for name in names]
     diagnostics = distinct(diagnostic for some, _ in found for diagnostic in some)
+    diagnostics = without_used_elsewhere(diagnostics, (some for _, some in found))
     sources = tuple(dict.fromkeys(source for _, some in found for source in some))
     levels = [diagnostic.level for diagnostic in diagnostics]
     part = excerpt(diagnostics, None if is_all else MOST)

@@ -44,11 +44,12 @@ from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.registry import PLANNERS
+from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back
 from cleancli.recording.folder import FILES
 from cleancli.recording.journal import Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
-from cleancli.recording.run_folder import Recorder, free_folder
+from cleancli.recording.run_folder import Recorder, write_run
 from cleancli.report.run import FORMAT
 from cleancli.scene.calibration import as_text
 
@@ -180,10 +181,11 @@ def command(
         known,
     )
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
-    with closing(open_site(inputs)) as site:
-        folder = free_folder(runs, f"{given.name}-seed{options.seed}")
-        with alone_in(folder), none_left_where_refused(folder):
-            header = _header(options, site.setup.job, _copied(inputs, folder))
+    with closing(open_site(inputs)) as site, begun_folder(runs) as begun:
+        header = _header(options, site.setup.job, _copied(inputs, begun))
+        write_run(begun, header)
+        folder = named(begun, f"{given.name}-seed{options.seed}")
+        with none_left_where_refused(folder):
             return _carry_out(inputs, site, folder, header, video, said)
 
 

@@ -115,13 +115,15 @@ def _print_difference(sources: Sequence[Source], texts: Mapping[str, Source]) ->
 
 
 def _print(model: Domain, learned: Sequence[Learned], transitions: int) -> None:
-    examples = sum(sum(entry.seen) + entry.unexplained for entry in learned)
+    has_default = all(map(is_written, model.default))
+    of_rules = [entry for entry in learned if entry.rule is not None or has_default]
+    examples = sum(sum(entry.seen) + entry.unexplained for entry in of_rules)
     echo(
         f"{plural(transitions, 'transition')}, {plural(examples, 'example')}"
-        f" for {len(learned)} of {plural(len(model.rules) + 1, 'rule')}"
+        f" for {len(of_rules)} of {plural(len(model.rules) + has_default, 'rule')}"
     )
     for entry in learned:
-        if entry.rule is None and not all(map(is_written, model.default)):
+        if entry.rule is None and not has_default:
             uncovered = sum(entry.seen) + entry.unexplained
             echo(
                 f"{plural(uncovered, 'transition')} that no rule covers: the domain has no `default`, and so"

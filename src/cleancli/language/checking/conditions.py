@@ -28,6 +28,7 @@ from cleancli.language.record import Record
 _SYMBOLS = ("predicate", "function", "derived predicate")
 _EXISTS_LEFT = "put all that it is about in parentheses, `exists ?m - type: (p(?m), q(?m))`"
 _EVERY_LEFT = "write a second `forall` for this literal"
+_NO_COUNT = "say what holds instead, as in `not exists ?a - area: dirt(?a)`"
 
 
 class Scope(Record):
@@ -127,8 +128,10 @@ def _fits(term: Term | None, parameter: Variable, place: syntax.TermNode, name: 
     return False
 
 
-def resolve_value(node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scope) -> Value | None:
-    """A value of a function; E210 for an unknown one."""
+def resolve_value(
+    node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scope, instead: str = ""
+) -> Value | None:
+    """A value of a function; E210 for an unknown one. `instead`: what to write in place of a count."""
     if isinstance(node, syntax.Name):
         value: Value | None = node.text
         shown = node.text
@@ -138,7 +141,10 @@ def resolve_value(node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scop
         shown = f"{float(node.value):g}{point}" if value is None else str(value)
     if value is not None and value in symbol.values:
         return value
-    if isinstance(node, syntax.Number) and is_integer(symbol) and without_point(node):
+    if shown in scope.declared.counts:
+        meant = instead or f"the values of `{symbol.name}` are {shown_values(symbol)}"
+        help = f"`{shown}` is a count, and counts are for rewards and horizons only: {meant}"
+    elif isinstance(node, syntax.Number) and is_integer(symbol) and without_point(node):
         help = without_point(node)
     elif is_integer(symbol) or isinstance(node, syntax.Number):
         help = f"its values are {shown_values(symbol)}"
@@ -202,7 +208,7 @@ def _comparison(node: syntax.Comparison, scope: Scope) -> Literal | None:
     if resolved is None or not wants_function(resolved[0], node, scope):
         return None
     symbol, terms = resolved
-    value = resolve_value(node.value, symbol, scope)
+    value = resolve_value(node.value, symbol, scope, _NO_COUNT)
     if value is None:
         return None
     values = _compared(symbol, node.relation, value)

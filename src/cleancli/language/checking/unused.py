@@ -29,9 +29,13 @@ def warn_unused(node: syntax.DomainNode, findings: Findings) -> None:
                 f"{name.text}(...) {{ ... }}`, or leave it out",
             )
         else:
-            findings.warning(
-                "W201", f"the {what} `{name.text}` is never used", name.span, help="leave it out"
-            )
+            findings.warning("W201", f"the {what} `{name.text}` is never used", name.span, help=_help(kind))
+
+
+def _help(kind: str) -> str:
+    if kind == "parameter":
+        return "leave it out, unless a domain that includes this one uses it"
+    return "leave it out, unless a problem's goal or a domain that includes this one uses it"
 
 
 def _declared(node: syntax.DomainNode) -> Iterator[tuple[str, str, syntax.Name]]:

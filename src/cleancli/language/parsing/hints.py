@@ -91,6 +91,8 @@ def _function_or_count(at: Misplaced) -> str:
         return "a function says which values it has: `load(?a - area): 0..10`, or `: low < high`"
     if "TO" in at.accepted and at.token == "-":
         return "a range is written `0..10`"
+    if at.kind == "VARIABLE" and re.search(r"[<>=]\s*count$", at.before):
+        return "nothing is counted here: say what holds instead, as in `not exists ?a - area: dirt(?a)`"
     if at.accepted == {"COUNT"}:
         return "objects are all that can be counted: `n := count ?a - area: dirt(?a)`"
     if at.token == "(" and re.search(r"\bdecrease\s*\(\s*\w+$", at.before):
@@ -115,6 +117,21 @@ def _name_or_number(at: Misplaced) -> str:
     is_in_name = at.is_glued and re.search(r"\w$", at.before) and re.match(r"\w", at.after)
     if at.token == "-" and is_in_name and "MINUS" not in at.accepted:
         return "names have no `-`: use `_`"
+    return ""
+
+
+def _braces(at: Misplaced) -> str:
+    """Braces in a rule, which has none but its own."""
+    if at.token != "{":
+        return ""
+    if at.word_before == "then":
+        return "outcomes stand without braces: `then 0.8: wet(?a)  rest: nothing`"
+    if at.word_before in ("when", "with"):
+        return f"what follows `{at.word_before}` stands without braces"
+    if at.before.endswith("=>"):
+        return "several effects stand in parentheses: `forall ?m - area: wet(?m) => (p(?m), q(?m))`"
+    if at.before.endswith(":"):
+        return "effects stand without braces, joined by commas: `0.8: wet(?a), not dirt(?a)`"
     return ""
 
 
@@ -395,6 +412,7 @@ _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     _function_or_count,
     _habit_word,
     _setting,
+    _braces,
     _negation_of_group,
     _two_functions,
     _value_first,

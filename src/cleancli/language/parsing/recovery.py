@@ -40,15 +40,21 @@ def blank(text: str, start: int, end: int) -> str:
     return text[:start] + _LETTER.sub(" ", text[start:end]) + text[end:]
 
 
+_BEFORE_LOOSE = frozenset({"then", "when", "with", ":", ">"})
+"""What stands in rules before a brace that belongs to no block, but is written there by habit."""
+
+
 @dataclass(slots=True)
 class _Open:
     name: str
     start: int
     brace: int
+    is_loose: bool = False
 
 
 class _Scan:
-    """One pass over the tokens of a text; `stack` holds the blocks that are open.
+    """One pass over the tokens of a text, up to the most mistakes that are reported; `stack` holds the blocks
+    that are open.
 
     With `by_margin`, a section of a scene that is not indented deeper than the open one stands beside it.
     """
@@ -68,6 +74,8 @@ class _Scan:
             token = match.group()
             if token.startswith("#"):
                 continue
+            if len(self.diagnostics) >= _MOST_REPORTED:
+                break
             if self.root_end is not None:
                 self._report_after_end(match)
                 return
@@ -81,11 +89,23 @@ class _Scan:
             self._leave_unclosed(self.stack.pop(), len(self.source.text))
 
     def _open(self, match: re.Match[str]) -> None:
+        if self._is_loose():
+            # The parser says what is wrong with it.
+            self.stack.append(_Open("", match.start(), match.start(), is_loose=True))
+            self.words.clear()
+            return
         header = self._header(match)
         while len(self.stack) > 1 and self._cannot_hold(self.stack[-1], header):
             self._leave_unclosed(self.stack.pop(), header.start)
         self.stack.append(header)
         self.words.clear()
+
+    def _is_loose(self) -> bool:
+        """Whether a brace that follows is one around outcomes, conditions or effects of a rule."""
+        in_rule = len(self.stack) > 1 and (
+            self.stack[-1].is_loose or self.stack[-1].name in ("rule", "default")
+        )
+        return in_rule and bool(self.words) and self.words[-1].group() in _BEFORE_LOOSE
 
     def _cannot_hold(self, outer: _Open, inner: _Open) -> bool:
         """Only scenes have sections within sections."""
@@ -128,6 +148,8 @@ class _Scan:
             self.root_end = match.end()
 
     def _leave_unclosed(self, block: _Open, end: int) -> None:
+        if block.is_loose:
+            return
         name = f"the `{block.name}` block" if block.name else "this block"
         self._report(
             "E102",
