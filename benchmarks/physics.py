@@ -27,7 +27,7 @@ from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
 from cleancli.cli.commands.act import COUNTED, in_order
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.trials import Outcome, attempt
+from cleancli.execution.trials import TrialResult, attempt
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, tool_path
@@ -269,7 +269,7 @@ def _done(row: Row) -> bool:
     return row["outcome"] in [outcome.value for outcome in COUNTED]
 
 
-def _number(rows: Sequence[Row], outcome: Outcome) -> int:
+def _number(rows: Sequence[Row], outcome: TrialResult) -> int:
     return sum(row["outcome"] == outcome.value for row in rows)
 
 

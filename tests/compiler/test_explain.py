@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from handmade import JOIN_DRAGS, A, B, M, drags_problem, true
 
-from cleancli.compiler.explain import Change, Failure, UnclearReference, explain
+from cleancli.compiler.explain import FactChange, Failure, UnclearReference, explain
 from cleancli.language.model import DerivedPredicate, Fact, Quantified
 
 
@@ -16,9 +16,9 @@ def test_the_covering_rule_with_its_reference_bound() -> None:
     assert (found.covering.name, found.attempts, found.default) == ("join_drags", (), ())
     assert found.covering.binding == (("a", "a"), ("b", "b"), ("m", "m"))
     assert found.covering.outcomes[0].changes == (
-        Change(Fact("dirt", ("a",), False), True),
-        Change(Fact("dirt", ("m",), False), True),
-        Change(Fact("size", ("b",), "big"), "small"),
+        FactChange(Fact("dirt", ("a",), False), True),
+        FactChange(Fact("dirt", ("m",), False), True),
+        FactChange(Fact("size", ("b",), "big"), "small"),
     )
 
 

@@ -16,7 +16,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.ragged import Ints
 from cleancli.compiler.semantics import covering_rule, sample
-from cleancli.compiler.task import Assignment, GroundRule, Task
+from cleancli.compiler.task import GroundRule, GroundState, Task
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
@@ -56,7 +56,7 @@ def crowded_task(name: str, seed: int) -> Task:
     return ground(DOMAINS[name], crowded(DOMAINS[name], seed))
 
 
-def covered(name: str, rule: int) -> tuple[Task, GroundRule, Assignment]:
+def covered(name: str, rule: int) -> tuple[Task, GroundRule, GroundState]:
     """The first task in which a rule has a grounding, that grounding, and a state that it covers."""
     task, found = next(
         (task, each)
@@ -85,10 +85,10 @@ def drawn_states(p: Process, state: Ints, action: int, afters: Ints, draws: int,
 
 
 def declared_afters(
-    domain: Domain, rule: GroundRule, state: Assignment
-) -> tuple[tuple[Assignment, ...], list[Fraction]]:
+    domain: Domain, rule: GroundRule, state: GroundState
+) -> tuple[tuple[GroundState, ...], list[Fraction]]:
     """The states that may follow and the sum of what the domain declares of the outcomes that lead there."""
-    shares: dict[Assignment, Fraction] = {}
+    shares: dict[GroundState, Fraction] = {}
     for outcome, declared in zip(rule.outcomes, domain.rules[rule.rule].outcomes, strict=True):
         effects = dict(outcome.effects)
         after = tuple(effects.get(variable, value) for variable, value in enumerate(state))

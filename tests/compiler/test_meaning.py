@@ -12,11 +12,11 @@ from handmade import JOIN_DRAGS, drags_problem
 from random_domains import NAMES, Generator
 from scipy import stats
 
-from cleancli.compiler.fluents import Key
+from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.semantics import covering_rule, reaches_goal, reward, sample, successors
-from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.task import GroundState, Task
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
 
@@ -24,9 +24,9 @@ STATES = 40
 """Visited per domain."""
 
 
-def state_of(task: Task, problem: Problem, assignment: Assignment) -> State:
+def state_of(task: Task, problem: Problem, assignment: GroundState) -> State:
     """The initial facts, with the variables' present values."""
-    values: dict[Key, Value] = {(fact.symbol, fact.objects): fact.value for fact in problem.state}
+    values: dict[Fluent, Value] = {(fact.symbol, fact.objects): fact.value for fact in problem.state}
     for variable, value in zip(task.variables, assignment, strict=True):
         values[variable.symbol, variable.objects] = variable.values[value]
     return frozenset(Fact(*key, value) for key, value in values.items() if value is not False)
@@ -50,7 +50,7 @@ def lifted_successors(
     return found[0], after
 
 
-def reached(task: Task) -> list[Assignment]:
+def reached(task: Task) -> list[GroundState]:
     seen, queue = {task.initial}, deque([task.initial])
     while queue and len(seen) < STATES:
         state = queue.popleft()
@@ -116,7 +116,7 @@ def test_rewards_are_what_the_domain_says(seed: int) -> None:
         pytest.skip("too many cases")
     domain, problem, task = found
 
-    def measure(assignment: Assignment) -> dict[str, int]:
+    def measure(assignment: GroundState) -> dict[str, int]:
         view = StateView(domain, problem.objects, state_of(task, problem, assignment))
         counts = {c.name: len(list(view.extensions(c.variables, c.condition, {}))) for c in domain.counts}
         return {**counts, "goal": int(view.holds(problem.goal, {}))}

@@ -21,7 +21,7 @@ from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Fact, Problem, State, Value
 from cleancli.learning.experience import Transition
-from cleancli.learning.match import explain as match
+from cleancli.learning.match import matched as match
 
 TEXT = """\
 domain shifts {{

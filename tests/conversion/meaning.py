@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Assignment, GroundRule, Task, holds
+from cleancli.compiler.task import GroundRule, GroundState, Task, holds
 from cleancli.conversion.check import check, constants_of
 from cleancli.conversion.convert import Wishes, convert
 from cleancli.conversion.read import read
@@ -67,20 +67,20 @@ def _summed(pairs: list[tuple[State, float]]) -> Outcomes:
 
 
 def _ours(
-    rule: GroundRule, state: Assignment, task: Task, library: Library, members: dict[str, tuple[str, ...]]
+    rule: GroundRule, state: GroundState, task: Task, library: Library, members: dict[str, tuple[str, ...]]
 ) -> Outcomes:
     after = [(_changed(state, o.effects), float(o.probability)) for o in rule.outcomes]
     return _summed([(_facts(task, s, library, members), p) for s, p in after])
 
 
-def _changed(state: Assignment, effects: tuple[tuple[int, int], ...]) -> Assignment:
+def _changed(state: GroundState, effects: tuple[tuple[int, int], ...]) -> GroundState:
     values = list(state)
     for variable, value in effects:
         values[variable] = value
     return tuple(values)
 
 
-def _facts(task: Task, state: Assignment, library: Library, members: dict[str, tuple[str, ...]]) -> State:
+def _facts(task: Task, state: GroundState, library: Library, members: dict[str, tuple[str, ...]]) -> State:
     """An assignment as libPRADA's facts: the initial ones, with those that can change as they are."""
     facts = {(f.symbol, f.terms): f.value for f in library.facts if f.value is not False}
     for variable, index in zip(task.variables, state, strict=True):

@@ -24,7 +24,7 @@ from cleancli.cli.main import run
 from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, exact_value, reaches_goal, reward, standing
-from cleancli.compiler.task import Assignment, Task, by_time
+from cleancli.compiler.task import GroundState, Task, by_time
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
@@ -33,7 +33,7 @@ from cleancli.learning.learn import learn
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.symbolic_world import Step, World, do, world_of
+from cleancli.simulation.symbolic_world import DrawnStep, World, do, world_of
 
 DOMAIN, PROBLEM = "drawn.nid", "drawn_problem.nid"
 
@@ -93,7 +93,7 @@ class Grounded:
     world: World
     numbers: dict[Call, int]
 
-    def assignment(self, task: Task, state: State) -> Assignment | None:
+    def assignment(self, task: Task, state: State) -> GroundState | None:
         """The task's state; None where it has no variable for what has changed, or not this value."""
         meaning = self.loaded.meaning
         found = []
@@ -110,14 +110,14 @@ class Grounded:
             return None
         return tuple(found)
 
-    def state(self, task: Task, assignment: Assignment) -> State:
+    def state(self, task: Task, assignment: GroundState) -> State:
         meaning = self.loaded.meaning
         state = list(meaning.initial())
         for variable, value in zip(task.variables, assignment, strict=True):
             state[meaning.place[meaning.key(variable.symbol, variable.objects)]] = variable.values[value]
         return tuple(state)
 
-    def successors(self, assignment: Assignment, number: int) -> tuple[str | None, dict[State, Fraction]]:
+    def successors(self, assignment: GroundState, number: int) -> tuple[str | None, dict[State, Fraction]]:
         """The covering rule's name, and what may follow by the ground rule, in exact numbers."""
         rule = covering_rule(self.task, assignment, number)
         if rule is None:
@@ -131,16 +131,16 @@ class Grounded:
                 after[state] = after.get(state, Fraction(0)) + outcome.probability
         return self.loaded.domain.rules[rule.rule].name, after
 
-    def reward(self, before: Assignment, number: int, after: Assignment) -> float:
+    def reward(self, before: GroundState, number: int, after: GroundState) -> float:
         return reward(self.task, before, number, after)
 
-    def standing(self, state: Assignment) -> float:
+    def standing(self, state: GroundState) -> float:
         return standing(self.task, state)
 
-    def goal(self, state: Assignment) -> bool:
+    def goal(self, state: GroundState) -> bool:
         return reaches_goal(self.task, state)
 
-    def draws(self, state: State, asked: Call, number: int, seed: int) -> Iterator[tuple[Step, State]]:
+    def draws(self, state: State, asked: Call, number: int, seed: int) -> Iterator[tuple[DrawnStep, State]]:
         """So many draws of what the symbolic world makes of an action."""
         rng = np.random.default_rng(seed)
         assignment = self.assignment(self.world.task, state)

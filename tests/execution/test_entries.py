@@ -6,8 +6,8 @@ import pytest
 from scripted import Scripted
 
 from cleancli.execution.loop import clean
-from cleancli.execution.session import Site, symbolic_site
-from cleancli.execution.setup import EpisodeOptions, Job, Setup
+from cleancli.execution.session import Session, symbolic_session
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -21,14 +21,14 @@ PROBLEM = load_problem(read_source(find("three_areas", "problems")), DOMAIN)
 SCENE = load_scene(read_source(find("two_groups", "problems")))
 
 
-def lines(site: Site) -> list[journal.Record]:
-    entries = Entries(DOMAIN, lambda: site.cell.clock)
-    return [record for event in clean(site.setup, site.cell) for record in entries.of(event)]
+def lines(session: Session) -> list[journal.Record]:
+    entries = Entries(DOMAIN, lambda: session.cell.clock)
+    return [record for event in clean(session.setup, session.cell) for record in entries.of(event)]
 
 
 @pytest.fixture(scope="module")
 def symbolic() -> list[journal.Record]:
-    return lines(symbolic_site(DOMAIN, PROBLEM, EpisodeOptions(samples=200, seed=2)))
+    return lines(symbolic_session(DOMAIN, PROBLEM, EpisodeOptions(samples=200, seed=2)))
 
 
 def test_what_was_spent_adds_up_to_what_the_end_tells(symbolic: list[journal.Record]) -> None:
@@ -68,9 +68,11 @@ def test_a_plan_expects_of_each_step_what_the_likeliest_ones_before_leave() -> N
 
 def test_a_failure_is_told_with_its_reason_and_rivals_expect_nothing() -> None:
     robot = Scripted(SCENE, lambda strokes: [(0.0, 0.1)], lambda strokes: Status.FAILED)
-    setup = Setup(DOMAIN, DOMAIN, SCENE, Job.CONTAINER, EpisodeOptions(strategy="reactive", max_actions=2))
+    setup = EpisodeSetup(
+        DOMAIN, DOMAIN, SCENE, Job.CONTAINER, EpisodeOptions(strategy="reactive", max_actions=2)
+    )
     cell = TableCell(DOMAIN, SCENE, robot, 1)
-    records = lines(Site(setup, cell, None, dict, dict, robot.stop, lambda: None))
+    records = lines(Session(setup, cell, None, dict, dict, robot.stop, lambda: None))
     failed = [record for record in records if isinstance(record, journal.Failed)]
     assert failed
     assert failed[0].reason == "something holds the tool back"

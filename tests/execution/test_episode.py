@@ -14,7 +14,7 @@ import pytest
 from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, Looked, Moved
 from cleancli.execution.loop import clean
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.session import table_site
+from cleancli.execution.session import table_session
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.table_cell import look_once
 from cleancli.language.diagnostics.diagnostic import Source
@@ -46,13 +46,13 @@ def episode(
     """The events of one run, where the lentils were after it, and its folder."""
     folder = tmp_path_factory.mktemp("run")
     events = []
-    with closing(table_site(domain, scene, EpisodeOptions(samples=2000))) as site:
-        entries = Entries(site.setup.domain, lambda: site.cell.clock)
-        with Recorder(folder, {"seed": 1}, site.picture, True, entries, site.save) as recorder:
-            for event in clean(site.setup, site.cell):
+    with closing(table_session(domain, scene, EpisodeOptions(samples=2000))) as session:
+        entries = Entries(session.setup.domain, lambda: session.cell.clock)
+        with Recorder(folder, {"seed": 1}, session.picture, True, entries, session.save) as recorder:
+            for event in clean(session.setup, session.cell):
                 recorder.write(event)
                 events.append(event)
-        truth = site.truth()
+        truth = session.truth()
         recorder.finish({"in_container": truth["in_container"]})
     return events, truth, folder
 

@@ -11,7 +11,7 @@ from scripted import STROKE, WITHDRAWAL, Points, Scripted
 from cleancli.execution.episode_state import PATIENCE
 from cleancli.execution.events import Acted, Decided, Ended, Event, Failed, Looked, Purpose, Started
 from cleancli.execution.loop import clean
-from cleancli.execution.setup import EpisodeOptions, Job, Setup, within_reach
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.find import find
@@ -41,7 +41,7 @@ def run(domain: Domain, scene: Scene) -> Callable[..., list[Event]]:
     def events(robot: Scripted, rules: Domain = domain, **options: object) -> list[Event]:
         chosen = EpisodeOptions(samples=200, **options)  # type: ignore[arg-type]
         feasible = within_reach(rules, scene.robot, Job.CONTAINER)
-        setup = Setup(rules, feasible, scene, Job.CONTAINER, chosen)
+        setup = EpisodeSetup(rules, feasible, scene, Job.CONTAINER, chosen)
         return list(clean(setup, TableCell(rules, scene, robot, chosen.seed)))
 
     return events

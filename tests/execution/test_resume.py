@@ -21,7 +21,7 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.cli.run_session import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation, Vain
+from cleancli.execution.episode_state import Account, EpisodeState, FailedAttempt, Move, Situation
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.language.model import Fact, Object
@@ -275,7 +275,7 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
         clear_looks=1,
         queue=(Move("sweep", ("a1",), path), Move("join2", ("a1", "a2"))),
         rest=(GroundAction("join2", ("a1", "a2"), 7.5, Fraction(1, 3)), GroundAction("push", (), None)),
-        vain=(Vain(("push", ("a1",)), (area,), facts, 4, "out of reach"),),
+        vain=(FailedAttempt(("push", ("a1",)), (area,), facts, 4, "out of reach"),),
         examples=((0, 3),),
         spent=Account(planning=0.25, actions=3.5),
         loading=1.0,

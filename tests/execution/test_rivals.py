@@ -11,7 +11,7 @@ import pytest
 
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Situation
-from cleancli.execution.setup import Circumstances, EpisodeOptions, Job
+from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.find import find
@@ -31,7 +31,7 @@ def scene() -> Scene:
 
 def now(
     scene: Scene, *places: tuple[float, float], number: int = 0, job: Job = Job.CONTAINER
-) -> Circumstances:
+) -> DecisionContext:
     """Small areas a1, a2, ... at these places; the tool is above the container."""
     areas = tuple(
         Area(Ellipse(place, (0.02, 0.01), 0.0), 1e-4, f"a{index}") for index, place in enumerate(places, 1)
@@ -40,7 +40,7 @@ def now(
     domain = load_domain(read_source(find("cleaning", "domains")))
     problem = Problem("here", "cleaning", (), frozenset())
     tool = (0.45, 0.0)
-    return Circumstances(domain, problem, scene, job, situation, tool, frozenset(), (), number, 1)
+    return DecisionContext(domain, problem, scene, job, situation, tool, frozenset(), (), number, 1)
 
 
 def test_reactive_begins_farthest_from_the_goal_and_goes_on_nearest_to_the_arm(scene: Scene) -> None:

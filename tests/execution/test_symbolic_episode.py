@@ -9,18 +9,18 @@ import pytest
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Acted, Checkpoint, Ended, Event, Started
 from cleancli.execution.loop import clean
-from cleancli.execution.session import Site, symbolic_site
+from cleancli.execution.session import Session, symbolic_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 
 
-def site(seed: int = 1, **options: object) -> Site:
+def session(seed: int = 1, **options: object) -> Session:
     domain = load_domain(read_source(find("cleaning", "domains")))
     problem = load_problem(read_source(find("three_areas", "problems")), domain)
     chosen = EpisodeOptions(samples=200, seed=seed, by_time=True, **options)  # type: ignore[arg-type]
-    return symbolic_site(domain, problem, chosen)
+    return symbolic_session(domain, problem, chosen)
 
 
 def moves(events: list[Event]) -> list[tuple[int, str]]:
@@ -34,7 +34,7 @@ def end_of(events: list[Event]) -> Ended:
 
 
 def test_the_symbolic_world_gets_clean() -> None:
-    here = site()
+    here = session()
     events = list(clean(here.setup, here.cell))
     ended = end_of(events)
     assert ended.clean
@@ -47,7 +47,7 @@ def test_the_symbolic_world_gets_clean() -> None:
 @pytest.mark.parametrize("strategy", ["plan-1", "plan-2", "plan-3", "plan-all", "determinized"])
 def test_the_same_seed_does_the_same(strategy: str) -> None:
     def once(seed: int) -> list[tuple[int, str]]:
-        here = site(seed, strategy=strategy)
+        here = session(seed, strategy=strategy)
         return moves(list(clean(here.setup, here.cell)))
 
     assert once(3) == once(3)
@@ -55,7 +55,7 @@ def test_the_same_seed_does_the_same(strategy: str) -> None:
 
 
 def test_a_run_goes_on_from_every_checkpoint_as_if_never_stopped() -> None:
-    here = site(2)
+    here = session(2)
     assert isinstance(here.cell, SymbolicCell)
     points: list[tuple[EpisodeState, object, float]] = []
     events: list[Event] = []
@@ -64,7 +64,7 @@ def test_a_run_goes_on_from_every_checkpoint_as_if_never_stopped() -> None:
         if isinstance(event, Checkpoint):
             points.append((copy.deepcopy(event.state), here.cell.assignment, here.cell.clock))
     for state, assignment, clock in points:
-        again = site(2)
+        again = session(2)
         assert isinstance(again.cell, SymbolicCell)
         again.cell.assignment, again.cell.clock = assignment, clock  # type: ignore[assignment]
         rest = list(clean(again.setup, again.cell, state))
@@ -74,6 +74,6 @@ def test_a_run_goes_on_from_every_checkpoint_as_if_never_stopped() -> None:
 
 
 def test_the_limit_of_actions_holds() -> None:
-    here = site(1, max_actions=1)
+    here = session(1, max_actions=1)
     ended = end_of(list(clean(here.setup, here.cell)))
     assert (ended.clean, ended.actions) == (False, 1)

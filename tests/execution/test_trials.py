@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from cleancli.execution.trials import Outcome, Trial, attempt, extent, judge, linked, wilson
+from cleancli.execution.trials import Trial, TrialResult, attempt, extent, judge, linked, wilson
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.recording.overlay import BORDER, SCALE, overlay
 from cleancli.scene.check import load_scene
@@ -25,18 +25,18 @@ def table(dirt: str) -> Scene:
 @pytest.mark.parametrize(
     ("after", "gathering", "areas", "outcome"),
     [
-        (NOTHING, False, 1, Outcome.NONE_LEFT),
-        (HEAP, False, 1, Outcome.SOME_LEFT),
-        (np.concatenate((HEAP, HEAP + 0.3)), False, 1, Outcome.SPREAD_OUT),
-        (np.concatenate((HEAP, HEAP + 0.3)), True, 2, Outcome.SOME_LEFT),
-        (HEAP, True, 2, Outcome.NONE_LEFT),
-        (NOTHING, True, 2, Outcome.NONE_LEFT),
-        (np.concatenate((HEAP, HEAP + 0.3, HEAP - 0.3)), True, 2, Outcome.SPREAD_OUT),
-        (HEAP / 2, True, 1, Outcome.NONE_LEFT),
-        (HEAP * 1.5, True, 1, Outcome.SOME_LEFT),
+        (NOTHING, False, 1, TrialResult.NONE_LEFT),
+        (HEAP, False, 1, TrialResult.SOME_LEFT),
+        (np.concatenate((HEAP, HEAP + 0.3)), False, 1, TrialResult.SPREAD_OUT),
+        (np.concatenate((HEAP, HEAP + 0.3)), True, 2, TrialResult.SOME_LEFT),
+        (HEAP, True, 2, TrialResult.NONE_LEFT),
+        (NOTHING, True, 2, TrialResult.NONE_LEFT),
+        (np.concatenate((HEAP, HEAP + 0.3, HEAP - 0.3)), True, 2, TrialResult.SPREAD_OUT),
+        (HEAP / 2, True, 1, TrialResult.NONE_LEFT),
+        (HEAP * 1.5, True, 1, TrialResult.SOME_LEFT),
     ],
 )
-def test_an_end_is_judged(after: np.ndarray, gathering: bool, areas: int, outcome: Outcome) -> None:
+def test_an_end_is_judged(after: np.ndarray, gathering: bool, areas: int, outcome: TrialResult) -> None:
     assert judge(HEAP, after, gathering, areas, 0.05) is outcome
 
 
@@ -71,25 +71,25 @@ def test_a_trial_moves_the_area_that_was_asked_for_and_tells_all_particles() -> 
                   "group { count = 6  at = (30 cm, 0 cm)  radius = 2 cm }")  # fmt: skip
     trial = attempt(scene, "moveToContainerFast", ("a2",), 4)
     assert trial.targets == 6
-    assert trial.outcome in (Outcome.NONE_LEFT, Outcome.SOME_LEFT, Outcome.SPREAD_OUT)
+    assert trial.outcome in (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
     assert len(trial.before) == 14
     assert len(trial.after) == 8 + trial.left
     assert trial.seconds > 2
-    assert (trial.left == 0) == (trial.outcome is Outcome.NONE_LEFT)
+    assert (trial.left == 0) == (trial.outcome is TrialResult.NONE_LEFT)
 
 
 def test_an_area_that_is_not_seen_is_not_acted_on() -> None:
     scene = table("group { count = 8  at = (0 cm, 0 cm)  radius = 2 cm }")
     small = replace(scene, camera=replace(scene.camera, image_width=320, image_height=240, focal=262.5))
     trial = attempt(small, "join2", (), 1)
-    assert trial.outcome is Outcome.NOT_TRIED
+    assert trial.outcome is TrialResult.NOT_TRIED
     assert trial.seconds == 0
 
 
 def test_the_map_shows_before_and_after_where_they_are() -> None:
     scene = table("ink { along = (0 m, 0 m) }")
     before, after = np.array([(0.1, 0.2)]), np.array([(-0.3, -0.1)])
-    picture = overlay(scene, [("one", [Trial(1, Outcome.SOME_LEFT, 1, 1, 0, 1.0, before, after)])])
+    picture = overlay(scene, [("one", [Trial(1, TrialResult.SOME_LEFT, 1, 1, 0, 1.0, before, after)])])
     for (x, y), red in (((0.1, 0.2), False), ((-0.3, -0.1), True)):
         column, row = round((x + 0.45) * SCALE) + BORDER, round((0.35 - y) * SCALE) + BORDER
         patch = picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3).astype(int)

@@ -7,7 +7,14 @@ from dataclasses import replace
 import pytest
 from numpy import pi
 
-from cleancli.execution.episode_state import PATIENCE, EpisodeState, Situation, Vain, about, unchanged
+from cleancli.execution.episode_state import (
+    PATIENCE,
+    EpisodeState,
+    FailedAttempt,
+    Situation,
+    about,
+    unchanged,
+)
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
 from cleancli.perception.area import Area
@@ -22,7 +29,7 @@ def area(
 AREAS = (area("a1", 0.0, 0.0), area("a2", 0.2, 0.1), area("a3", -0.2, 0.1))
 STATE = frozenset({Fact("dirt", ("a1",)), Fact("dirt", ("a2",)), Fact("near", ("a1", "a2"))})
 BEFORE = Situation(AREAS, tuple(Object(each.name, "area") for each in AREAS), STATE)
-JOINED = Vain(("join2", ("a1", "a2")), *about(("a1", "a2"), BEFORE), times=PATIENCE)
+JOINED = FailedAttempt(("join2", ("a1", "a2")), *about(("a1", "a2"), BEFORE), times=PATIENCE)
 CHANGES = {
     "moved": (0.211, 0.1),
     "moved aside": (0.2, 0.089),

@@ -12,7 +12,7 @@ from random import Random
 
 import pytest
 
-from cleancli.compiler.fluents import Key
+from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.lifted_state import ConflictError, StateView
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.load import checked_domain, load_domain
@@ -185,7 +185,7 @@ def random_state(rng: Random) -> State:
     return frozenset([*facts, *(Fact("load", (name,), rng.randint(0, 2)) for name in NAMES)])
 
 
-def does(domain: Domain, state: State, arguments: tuple[str, str]) -> dict[Key, Value] | str:
+def does(domain: Domain, state: State, arguments: tuple[str, str]) -> dict[Fluent, Value] | str:
     """What the first outcome changes, or that it does not apply or conflicts."""
     view = StateView(domain, OBJECTS, state)
     found = view.covering("act", arguments)

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cleancli.files.replace import Change, replace_file, write_all, write_atomically
+from cleancli.files.replace import Replacement, replace_file, write_all, write_atomically
 from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import load_domain, read_source
@@ -110,10 +110,10 @@ def test_several_files_change_together_or_not_at_all(tmp_path: Path) -> None:
     one.write_text("1")
     other.write_text("2, but another has been here")
     with pytest.raises(Refused) as refused:
-        write_all([Change(one, "one", "1"), Change(other, "two", "2"), Change(one, "", "x")])
+        write_all([Replacement(one, "one", "1"), Replacement(other, "two", "2"), Replacement(one, "", "x")])
     assert [d.message.split("`")[1] for d in refused.value.diagnostics] == [str(other), str(one)]
     assert one.read_text() == "1"
-    write_all([Change(one, "one", "1"), Change(new, "three", None)])
+    write_all([Replacement(one, "one", "1"), Replacement(new, "three", None)])
     assert (one.read_text(), new.read_text()) == ("one", "three")
 
 
@@ -122,13 +122,13 @@ def test_an_obstacle_to_one_file_spares_all(obstacle: str, tmp_path: Path) -> No
     one, other = tmp_path / "one.nid", tmp_path / "other.nid"
     one.write_text("1")
     other.write_text("2")
-    last = Change(other, "two", "2")
+    last = Replacement(other, "two", "2")
     if obstacle == "read-only":
         other.chmod(0o444)
     else:
-        last = Change(tmp_path / "none" / "new.nid", "two", None)
+        last = Replacement(tmp_path / "none" / "new.nid", "two", None)
     with pytest.raises(OSError, match=r"read-only|No such file"):
-        write_all([Change(one, "one", "1"), last])
+        write_all([Replacement(one, "one", "1"), last])
     assert (one.read_text(), other.read_text()) == ("1", "2")
     assert sorted(os.listdir(tmp_path)) == ["one.nid", "other.nid"]
 

@@ -25,7 +25,7 @@ import pytest
 
 from cleancli.files import exchange as swap
 from cleancli.files import lease
-from cleancli.files.replace import Change, replace_file, write_all, write_atomically
+from cleancli.files.replace import Replacement, replace_file, write_all, write_atomically
 from cleancli.language.diagnostics.diagnostic import Refused
 
 TRACED = {lease.__file__, swap.__file__}
@@ -68,7 +68,7 @@ def moments(happens: Callable[[], None], work: Callable[[], None]) -> Iterator[i
         yield number
 
 
-def quietly(*changes: Change) -> list[str]:
+def quietly(*changes: Replacement) -> list[str]:
     """Write, and return the codes of what was refused."""
     try:
         write_all(changes)
@@ -131,7 +131,7 @@ def test_who_replaces_the_file_meanwhile_keeps_what_he_wrote(tmp_path: Path) -> 
     def work() -> None:
         nonlocal refused
         path.write_text(OLD)
-        refused += quietly(Change(path, NEW, OLD)) == ["E006"]
+        refused += quietly(Replacement(path, NEW, OLD)) == ["E006"]
 
     for number in moments(lambda: replaced(path, THEIRS), work):
         assert path.read_text() == THEIRS, f"at line {number}"
@@ -149,7 +149,7 @@ def test_who_writes_into_the_file_meanwhile_keeps_what_he_wrote(
 
     def work() -> None:
         path.write_text(OLD)
-        quietly(Change(path, NEW, OLD))
+        quietly(Replacement(path, NEW, OLD))
 
     for number in moments(lambda: save(path), work):
         assert is_done(), f"at line {number}, the editor waits for ever"
@@ -167,7 +167,9 @@ def test_of_several_files_all_are_written_or_none_whoever_comes_when(tmp_path: P
         one.write_text(OLD)
         other.write_text(OLD)
         made.unlink(missing_ok=True)
-        codes[:] = quietly(Change(one, NEW, OLD), Change(made, NEW, None), Change(other, NEW, OLD))
+        codes[:] = quietly(
+            Replacement(one, NEW, OLD), Replacement(made, NEW, None), Replacement(other, NEW, OLD)
+        )
 
     for number in moments(lambda: replaced(other, THEIRS), work):
         assert other.read_text() == THEIRS
@@ -182,7 +184,7 @@ def test_a_file_that_another_makes_meanwhile_is_his(tmp_path: Path) -> None:
 
     def work() -> None:
         path.unlink(missing_ok=True)
-        quietly(Change(path, NEW, None))
+        quietly(Replacement(path, NEW, None))
 
     for number in moments(lambda: replaced(path, THEIRS), work):
         assert path.read_text() == THEIRS, f"at line {number}"
@@ -211,7 +213,7 @@ def test_a_newer_edit_goes_before_an_older_one(tmp_path: Path) -> None:
                 return exchange(name, other, how)
 
             patched.setattr(swap, "_renamed", exchanged)
-            quietly(Change(path, NEW, OLD))
+            quietly(Replacement(path, NEW, OLD))
 
     for number in moments(lambda: save("second"), work):
         assert path.read_text() == saved[-1], f"at line {number}"
@@ -230,7 +232,7 @@ def test_who_dies_anywhere_leaves_each_file_whole_and_nothing_that_the_next_does
     left = 0
 
     def work() -> None:
-        write_all([Change(one, NEW, OLD), Change(made, NEW, None)])
+        write_all([Replacement(one, NEW, OLD), Replacement(made, NEW, None)])
 
     for number in itertools.count():
         one.write_text(OLD)
@@ -293,7 +295,7 @@ def test_a_signal_waits_until_files_have_changed_places(tmp_path: Path) -> None:
         one.write_text(OLD)
         other.write_text(OLD)
         with suppress(Ended):
-            write_all([Change(one, NEW, OLD), Change(other, NEW, OLD)])
+            write_all([Replacement(one, NEW, OLD), Replacement(other, NEW, OLD)])
 
     before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     try:

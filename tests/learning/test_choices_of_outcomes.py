@@ -10,7 +10,7 @@ from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.experience import Transition
 from cleancli.learning.learn import edits, learn
-from cleancli.learning.match import Explanation, explain
+from cleancli.learning.match import Match, matched
 
 TEXT = """domain tidy {
   types { box }
@@ -51,12 +51,12 @@ def wiped(*after: str) -> Transition:
 def test_of_outcomes_that_fit_the_likeliest_before_learning_counts_and_of_equals_the_first(
     outcomes: str, chosen: int
 ) -> None:
-    assert explain(tidy(outcomes), wiped()) == Explanation(0, chosen)
+    assert matched(tidy(outcomes), wiped()) == Match(0, chosen)
 
 
 def test_without_noise_what_no_outcome_explains_counts_as_none() -> None:
     domain = tidy(f"0.6: {BOTH} 0.4: nothing")
-    assert explain(domain, wiped("dirty", "wet")) == Explanation(0, None)
+    assert matched(domain, wiped("dirty", "wet")) == Match(0, None)
     (found,) = learn(domain, [wiped("dirty", "wet")] * 3 + [wiped("wet")] * 2)
     assert (found.seen, found.unexplained) == ((2, 0), 3)
     (found,) = learn(domain, [wiped("wet")] * 2)

@@ -13,7 +13,7 @@ from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.experience import Transition, decode, encode
 from cleancli.learning.learn import edits, learn
-from cleancli.learning.match import Explanation, explain
+from cleancli.learning.match import Match, matched
 
 TEXT = """\
 domain tidy {
@@ -71,17 +71,17 @@ def wiped(after: State, before: State | None = None, box: str = "b1") -> Transit
     ids=["gone with its neighbour", "shrunk", "wet", "neighbour stays", "no change", "gone but wet"],
 )
 def test_outcome_that_explains(domain: Domain, after: State, outcome: int) -> None:
-    assert explain(domain, wiped(after)) == Explanation(0, outcome)
+    assert matched(domain, wiped(after)) == Match(0, outcome)
 
 
 def test_what_changes_elsewhere_does_not_count(domain: Domain) -> None:
-    assert explain(domain, wiped(state(small=("b3",)))) == Explanation(0, 0)
+    assert matched(domain, wiped(state(small=("b3",)))) == Match(0, 0)
 
 
 def test_no_covering_rule_is_the_default_rule(domain: Domain) -> None:
     before = state("b2")
-    assert explain(domain, wiped(before, before)) == Explanation(None, 0)
-    assert explain(domain, wiped(state("b1", "b2"), before)) == Explanation(None, 1)
+    assert matched(domain, wiped(before, before)) == Match(None, 0)
+    assert matched(domain, wiped(state("b1", "b2"), before)) == Match(None, 1)
 
 
 def test_noise_takes_what_no_outcome_explains(domain: Domain) -> None:

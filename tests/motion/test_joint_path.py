@@ -18,7 +18,7 @@ from cleancli.motion.joint_path import AIR, air_course, course, nearest_pose, st
 from cleancli.motion.legs import Leg, legs
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.search import way
-from cleancli.motion.timing import Limits, timed
+from cleancli.motion.timing import SpeedLimits, timed
 from cleancli.scene.model import Scene
 from cleancli.world.robots.wam import BUILD, arm_for
 
@@ -49,7 +49,7 @@ def between_samples(arm: Arm, joints: _Array, parts: tuple[Leg, ...]) -> _Array:
         if leg.level:
             timing = timed(
                 course(arm, joints[begin : begin + len(leg.points)], leg.speeds),
-                Limits(arm.speed, arm.acceleration),
+                SpeedLimits(arm.speed, arm.acceleration),
                 STEP,
             )
             return forward(arm, timing)[:, :3, 3]
@@ -118,7 +118,7 @@ def test_ways_through_the_air_keep_clear_and_high(arm: Arm) -> None:
             dense = begin + np.linspace(0, 1, 200)[:, None] * (end - begin)
             assert clear(arm, dense).all()
             assert forward(arm, dense)[:, 2, 3].min() > AIR - 2e-3
-            timing = timed(air_course(arm, begin, end, 0.25), Limits(arm.speed, arm.acceleration), STEP)
+            timing = timed(air_course(arm, begin, end, 0.25), SpeedLimits(arm.speed, arm.acceleration), STEP)
             speeds = np.abs(np.diff(timing, axis=0)) / STEP
             assert (speeds <= 1.02 * np.array(arm.speed)).all()
         here = there

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from cleancli.motion.legs import Leg, legs, lengths
 from cleancli.motion.path import Waypoint
-from cleancli.motion.timing import Course, Limits, timed
+from cleancli.motion.timing import Course, SpeedLimits, timed
 
-LIMITS = Limits((0.6, 0.6, 0.4, 3.0), (2.0, 2.0, 1.5, 10.0))
+LIMITS = SpeedLimits((0.6, 0.6, 0.4, 3.0), (2.0, 2.0, 1.5, 10.0))
 STEP = 1 / 240
 STILL = np.zeros(4)
 

@@ -14,7 +14,7 @@ from cleancli.compiler.semantics import (
     standing,
     successors,
 )
-from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.task import GroundState, Task
 
 SAME = 1e-9
 
@@ -22,11 +22,11 @@ Best = tuple[float, float, int | None]
 """A value, its earliness, and what is done first; None: stop."""
 
 
-def optimum(task: Task) -> Callable[[Assignment, int], Best]:
+def optimum(task: Task) -> Callable[[GroundState, int], Best]:
     """What is best in a state with so many steps left."""
 
     @cache
-    def best(state: Assignment, left: int) -> Best:
+    def best(state: GroundState, left: int) -> Best:
         options = [stop(state, left)]
         for action in range(len(task.actions)):
             if left > 0 and covering_rule(task, state, action) is not None:
@@ -36,7 +36,7 @@ def optimum(task: Task) -> Callable[[Assignment, int], Best]:
         soonest = max(earliness for _, earliness, _ in good)
         return next(option for option in good if option[1] >= soonest - SAME)  # stopping first, then in order
 
-    def stop(state: Assignment, left: int) -> Best:
+    def stop(state: GroundState, left: int) -> Best:
         paid = standing(task, state)
         return (
             sum(paid * task.discount**k for k in range(left)),
@@ -44,7 +44,7 @@ def optimum(task: Task) -> Callable[[Assignment, int], Best]:
             None,
         )
 
-    def act(state: Assignment, left: int, action: int) -> Best:
+    def act(state: GroundState, left: int, action: int) -> Best:
         value = earliness = 0.0
         for chance, after in successors(task, state, action):
             later, late, _ = best(after, left - 1)

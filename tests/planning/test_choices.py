@@ -13,7 +13,7 @@ from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, Task
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
-from cleancli.planning.evaluation.forecast import Step, forecast
+from cleancli.planning.evaluation.forecast import ForecastStep, forecast
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
 
@@ -149,7 +149,7 @@ def two_ways() -> Task:
     )  # fmt: skip
 
 
-def second(make: Callable[[], Task]) -> Step:
+def second(make: Callable[[], Task]) -> ForecastStep:
     return forecast(prepare(make()), [0, 1], 1).steps[1]
 
 

@@ -20,7 +20,7 @@ from cleancli.compiler.semantics import (
     forward,
     standing,
 )
-from cleancli.compiler.task import Assignment, Task, held
+from cleancli.compiler.task import GroundState, Task, held
 from cleancli.planning.compare import compared
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.belief_value import plan_beliefs
@@ -37,8 +37,8 @@ def case(seed: int) -> tuple[Task, list[int]]:
     return task, np.random.default_rng(seed).integers(len(task.actions), size=4).tolist()
 
 
-def course(task: Task, actions: list[int]) -> list[Mapping[Assignment, float]]:
-    found: list[Mapping[Assignment, float]] = [{task.initial: 1.0}]
+def course(task: Task, actions: list[int]) -> list[Mapping[GroundState, float]]:
+    found: list[Mapping[GroundState, float]] = [{task.initial: 1.0}]
     for action in actions:
         found.append(forward(task, found[-1], action))
     return found

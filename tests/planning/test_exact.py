@@ -15,7 +15,7 @@ import pytest
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, progress, reward, successors
-from cleancli.compiler.task import Assignment, GroundCondition, Task
+from cleancli.compiler.task import GroundCondition, GroundState, Task
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
@@ -23,7 +23,7 @@ from cleancli.planning.planners import rational
 from cleancli.planning.registry import PLANNERS
 
 
-def optimum(task: Task) -> Callable[[Assignment, int], float]:
+def optimum(task: Task) -> Callable[[GroundState, int], float]:
     """The optimal value of a state with so many steps left, slowly."""
     best = optimal.optimum(task)
     return lambda state, left: best(state, left)[0]

@@ -19,7 +19,7 @@ from scipy import stats
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import payment, reward, standing, successors
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
@@ -55,7 +55,7 @@ def test_a_policys_return_is_what_recursion_says(regret: ModuleType, seed: int) 
     game = game_of(regret, seed)
     task = game.prepared.task
 
-    def step(state: Assignment, action: int, left: int, then: Any) -> float:
+    def step(state: GroundState, action: int, left: int, then: Any) -> float:
         return sum(
             p
             * (
@@ -66,7 +66,7 @@ def test_a_policys_return_is_what_recursion_says(regret: ModuleType, seed: int) 
         )
 
     @cache
-    def returned(state: Assignment, left: int) -> float:
+    def returned(state: GroundState, left: int) -> float:
         said = odd(game.prepared.at(state, left), Options()).actions
         if left == 0 or not said:
             return standing(task, state) * sum(task.discount**k for k in range(left))

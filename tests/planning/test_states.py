@@ -19,19 +19,19 @@ from cleancli.compiler.semantics import (
     standing,
     successors,
 )
-from cleancli.compiler.task import Assignment, NoDurationError, Task, by_time, holds
+from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.kernels import transitions
 
 SEEDS = range(12)
 
 
-def some_states(task: Task, seed: int, number: int) -> list[Assignment]:
+def some_states(task: Task, seed: int, number: int) -> list[GroundState]:
     rng = np.random.default_rng([seed, 7])
     return [tuple(int(rng.integers(len(v.values))) for v in task.variables) for _ in range(number)]
 
 
-def array(assignment: Assignment) -> np.ndarray:
+def array(assignment: GroundState) -> np.ndarray:
     return np.array(assignment, dtype=np.int32)
 
 
@@ -58,7 +58,7 @@ def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
     assignment = some_states(task, seed, 1)[0]
     for action in range(len(task.actions)):
         expected = {after: p for p, after in successors(task, assignment, action)}
-        seen: Counter[Assignment] = Counter()
+        seen: Counter[GroundState] = Counter()
         for k in range(draws):
             state = array(assignment)
             paid, rise = transitions.step(process, state, action, (k + 0.5) / draws)
@@ -92,7 +92,7 @@ def test_time_discounts_by_duration() -> None:
         seconds = 0.0
         for action in actions:
             seconds += task.actions[action].duration or 0.0
-            after: dict[Assignment, float] = {}
+            after: dict[GroundState, float] = {}
             paid = 0.0
             for state, mass in distribution.items():
                 for p, s in successors(task, state, action):

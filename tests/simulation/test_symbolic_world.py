@@ -20,7 +20,7 @@ from cleancli.planning.plan import Options, Plan
 from cleancli.simulation import agent as agents
 from cleancli.simulation import batch
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.episode import Episode, Limits, Reason, episode
+from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode
 from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
 
 DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
@@ -36,7 +36,7 @@ def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, *
     known = rooms.domain(text)
     given = rooms.problem(known, inside)
     who = Agent(rooms.saying(*said), known, given)
-    return episode(world_of(known, given), who, number, Options(), Limits(**limits))
+    return episode(world_of(known, given), who, number, Options(), EpisodeLimits(**limits))
 
 
 # ---- what is paid
@@ -59,7 +59,7 @@ def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], ti
     numbers = [[str(a) for a in task.actions].index(name) for name in said]
     expected = exact_value(by_time(task) if timed else task, numbers)
     world, who = world_of(known, given, timed), Agent(rooms.saying(*said), known, given, timed)
-    limits = Limits(max_actions=len(said), commit=len(said))
+    limits = EpisodeLimits(max_actions=len(said), commit=len(said))
     found = [episode(world, who, n, Options(), limits) for n in range(3000)]
     # What is paid for the state after the limit of actions is left out, so the horizon is that limit.
     expected = exact_value(replace(by_time(task) if timed else task, horizon=len(said)), numbers)
@@ -89,7 +89,7 @@ def test_actions_that_can_change_nothing_cost_and_last() -> None:
     actual = rooms.domain(without)
     given = rooms.problem(known)
     who = Agent(rooms.saying("oil(a)"), known, given)
-    found = episode(world_of(actual, given), who, 0, Options(), Limits(max_actions=3))
+    found = episode(world_of(actual, given), who, 0, Options(), EpisodeLimits(max_actions=3))
     assert (found.reason, found.success) == (Reason.LIMIT, False)
     assert found.plain == pytest.approx(-0.75)
     assert found.seconds == pytest.approx(24)
@@ -161,7 +161,7 @@ def test_an_episode_depends_on_seed_and_number_alone() -> None:
     alone = [run(rooms.DOORS, "push(a)", number=n, inside=goal).actions for n in (3, 5)]
     given = rooms.problem(DOORS, goal)
     world, who = world_of(DOORS, given), Agent(rooms.saying("push(a)"), DOORS, given)
-    together = [episode(world, who, n, Options(), Limits()).actions for n in range(6)]
+    together = [episode(world, who, n, Options(), EpisodeLimits()).actions for n in range(6)]
     assert [together[3], together[5]] == alone
     assert len({len(actions) for actions in together}) > 1
 
@@ -194,12 +194,12 @@ def test_horizons_and_rests_of_plans() -> None:
     known = rooms.domain(rooms.PAID)
     given = rooms.problem(known, f"{rooms.TWO_DOORS} {STEPS}")
     who = Agent(planner, known, given)
-    episode(world_of(known, given), who, 0, Options(), Limits(max_actions=3, horizon=3))
+    episode(world_of(known, given), who, 0, Options(), EpisodeLimits(max_actions=3, horizon=3))
     assert [horizon for horizon, _, _ in asked] == [3, 2, 1]
     assert [rest for _, _, rest in asked] == [(), ("oil(b)",), ("oil(b)",)]
     assert len({seed for _, seed, _ in asked}) == 3
     asked.clear()
-    episode(world_of(known, given), who, 0, Options(), Limits(max_actions=3, commit=2))
+    episode(world_of(known, given), who, 0, Options(), EpisodeLimits(max_actions=3, commit=2))
     assert [horizon for horizon, _, _ in asked] == [5, 5]
 
 
@@ -247,12 +247,12 @@ def test_a_world_may_do_what_the_planner_does_not_expect() -> None:
 
     given = rooms.problem(DOORS)
     own = [
-        episode(world_of(DOORS, given), Agent(pushing, DOORS, given), n, Options(), Limits())
+        episode(world_of(DOORS, given), Agent(pushing, DOORS, given), n, Options(), EpisodeLimits())
         for n in range(40)
     ]
     assert all(each.success for each in own)
     who = Agent(pushing, DOORS, given)
-    jam = [episode(world_of(JAMMING, given), who, n, Options(), Limits()) for n in range(200)]
+    jam = [episode(world_of(JAMMING, given), who, n, Options(), EpisodeLimits()) for n in range(200)]
     assert {each.reason for each in jam} == {Reason.CLEARED, Reason.IDLE}
     assert sum(bool(each.success) for each in jam) == pytest.approx(200 * 0.36, abs=30)
 
@@ -273,9 +273,11 @@ def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(batch, "PLANNERS", {"late": late})
     monkeypatch.setattr(batch, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
-    setup = batch.Setup(DOORS, DOORS, PROBLEM, ("late",), Options(), Limits(max_actions=1))
+    setup = batch.Batch(DOORS, DOORS, PROBLEM, ("late",), Options(), EpisodeLimits(max_actions=1))
     assert len(list(batch.spread(setup, 9, 2))) == 9
-    found = batch.spread(replace(setup, limits=Limits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2)
+    found = batch.spread(
+        replace(setup, limits=EpisodeLimits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2
+    )
     assert next(found)[0].number == 0
     with pytest.raises(NoDurationError) as error:
         list(found)

@@ -14,7 +14,7 @@ from cleancli.scene.model import Scene
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class ObservedProblem:
     """What one look at a table says: the actions that its robot has skills for, what there is to plan for,
     and the areas that the scene's cap leaves out of it."""
 
@@ -37,7 +37,7 @@ def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Pr
     return sources, model, given
 
 
-def look(domain: Domain, scene: Scene, seed: int) -> Seen:
+def look(domain: Domain, scene: Scene, seed: int) -> ObservedProblem:
     """What one look at the scene's table says.
 
     The world and its eyes are imported here: a written problem needs neither.
@@ -48,4 +48,4 @@ def look(domain: Domain, scene: Scene, seed: int) -> Seen:
 
     with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
         problem, left_out = look_once(domain, scene, table, seed)
-    return Seen(within_reach(domain, scene.robot), problem, left_out)
+    return ObservedProblem(within_reach(domain, scene.robot), problem, left_out)

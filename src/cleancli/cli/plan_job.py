@@ -14,7 +14,7 @@ from cleancli.planning.plan import Options
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class PlanningRequest:
     """A problem, ready for planners that are asked with these options; `ignored` are objects that it had too
     many of (§4.2.1), `left_out` the areas beyond its scene's cap."""
 

@@ -15,8 +15,8 @@ from msgspec import Meta
 
 from cleancli import __version__
 from cleancli.cli.echo import echo
-from cleancli.cli.run_session import LIBRARIES, Inputs, open_site, versions
-from cleancli.execution.session import Site
+from cleancli.cli.run_session import LIBRARIES, Inputs, open_session, versions
+from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.untrusted import decoded
@@ -89,7 +89,7 @@ def unfinished(folder: Path) -> Unfinished:
     )
 
 
-def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
+def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Session]:
     """The last checkpoint from which the run can go on, which is told if it is not the newest, and the place
     as it was then; the place as in the beginning, where the run came to no checkpoint.
 
@@ -103,7 +103,7 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
             saved = checkpoint.read(folder, path)
             try:
                 check_fits(saved.episode, begun.inputs.domain, objects)
-                site = open_site(begun.inputs, saved.world)
+                session = open_session(begun.inputs, saved.world)
             except ValueError as error:
                 raise checkpoint.refused(path, str(error)) from None
         except Refused as refusal:
@@ -113,13 +113,13 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Site]:
             continue
         for found in failed:
             echo(f"note: {found.message}; going on from the one before", err=True)
-        return saved, site
+        return saved, session
     if failed:
         raise Refused(failed)
     if begun.begun:
         message = f"`{folder}` has no checkpoint, though it had begun {plural(begun.begun, 'action')}"
         raise Refused([Diagnostic("E706", message, None, help="start a new run")])
-    return None, open_site(begun.inputs)
+    return None, open_session(begun.inputs)
 
 
 def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:

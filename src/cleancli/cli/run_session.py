@@ -19,7 +19,7 @@ from cleancli import __version__
 from cleancli.cli.inputs import located_in
 from cleancli.cli.refusal import planning_refused
 from cleancli.execution.episode_state import World
-from cleancli.execution.session import Site, symbolic_site, table_site
+from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
@@ -57,7 +57,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def open_site(inputs: Inputs, world: World | None = None) -> Site:
+def open_session(inputs: Inputs, world: World | None = None) -> Session:
     """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
 
     Raises UsageError for what it has not, OtherWorld where the checkpoint is another one's.
@@ -68,12 +68,12 @@ def open_site(inputs: Inputs, world: World | None = None) -> Site:
             if isinstance(given, Scene):
                 if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
                     raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
-                return table_site(inputs.domain, given, options, job, world)
+                return table_session(inputs.domain, given, options, job, world)
             if STRATEGIES[options.strategy].needs_places:
                 raise click.UsageError(
                     f"--strategy {options.strategy} goes by places, which only a scene has"
                 )
-            return symbolic_site(inputs.domain, given, options, world)
+            return symbolic_session(inputs.domain, given, options, world)
         except (KeyError, TypeError, ValueError) as error:
             if world is None:
                 raise

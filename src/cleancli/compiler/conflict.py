@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from cleancli.compiler.fluents import Binding, Key
+from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.lifted_state import ConflictError, StateView
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 from cleancli.language.model import (
@@ -28,12 +28,14 @@ from cleancli.language.model import (
 from cleancli.language.printing.printer import print_term
 
 
-def results(domain: Domain, view: StateView, rule: int, binding: Binding) -> tuple[Mapping[Key, Value], ...]:
+def results(
+    domain: Domain, view: StateView, rule: int, binding: Binding
+) -> tuple[Mapping[Fluent, Value], ...]:
     """What each outcome of the rule (an index) sets in a state. Raises `Refused` (E602).
 
     An outcome of probability 0 never happens: where it would give something two values, it sets nothing.
     """
-    found: list[Mapping[Key, Value]] = []
+    found: list[Mapping[Fluent, Value]] = []
     for outcome in domain.rules[rule].outcomes:
         try:
             found.append(view.changes(outcome, binding))
@@ -55,7 +57,7 @@ class _Effect(NamedTuple):
 
 
 def conflicting_effects(
-    rule: Rule, outcome: Outcome, binding: Binding, key: Key, symbols: Mapping[str, Symbol]
+    rule: Rule, outcome: Outcome, binding: Binding, key: Fluent, symbols: Mapping[str, Symbol]
 ) -> Diagnostic:
     """E602 for an outcome that gives `key` two values where the rule's variables are bound so.
 
@@ -76,7 +78,7 @@ def conflicting_effects(
 
 
 def _meeting(
-    outcome: Outcome, binding: Binding, key: Key, symbols: Mapping[str, Symbol]
+    outcome: Outcome, binding: Binding, key: Fluent, symbols: Mapping[str, Symbol]
 ) -> tuple[_Effect, _Effect]:
     """Two effects that may both be on the key and do not agree; an effect of a `forall` may meet itself."""
     found = list(_on(outcome, binding, key, symbols[key[0]]))
@@ -92,7 +94,7 @@ def _clash(one: Assign | Shift, other: Assign | Shift) -> bool:
     return not all(isinstance(each, Assign) for each in both) or one != other
 
 
-def _on(outcome: Outcome, binding: Binding, key: Key, symbol: Symbol) -> Iterator[_Effect]:
+def _on(outcome: Outcome, binding: Binding, key: Fluent, symbol: Symbol) -> Iterator[_Effect]:
     for item in outcome.effects:
         forall = item if isinstance(item, ForAll) else None
         own = {} if forall is None else dict.fromkeys(forall.variables)
@@ -103,7 +105,9 @@ def _on(outcome: Outcome, binding: Binding, key: Key, symbol: Symbol) -> Iterato
                 yield _Effect(effect, terms, forall)
 
 
-def _fitting(effect: Assign | Shift, binding: Binding, key: Key, symbol: Symbol) -> tuple[Term, ...] | None:
+def _fitting(
+    effect: Assign | Shift, binding: Binding, key: Fluent, symbol: Symbol
+) -> tuple[Term, ...] | None:
     """The effect's terms in the order in which they may stand for the key's objects; None if they can't."""
     if effect.symbol != key[0]:
         return None

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from cleancli.compiler.fluents import Key, bind, shifted
+from cleancli.compiler.fluents import Fluent, bind, shifted
 from cleancli.compiler.ground_formula import (
     ALWAYS,
     Formula,
@@ -44,7 +44,7 @@ class Case:
     objects: tuple[str, ...]
     required: Requirement
     changes: tuple[Changes, ...]
-    conflicts: tuple[tuple[int, Key], ...] = ()
+    conflicts: tuple[tuple[int, Fluent], ...] = ()
 
 
 class TooManyCases(Exception):
@@ -75,7 +75,7 @@ def _with_effects(
 ) -> Iterator[Case]:
     """The case in which just these effects happen, divided by the numbers that they shift."""
     changes = [dict(change) for change in instance.changes]
-    amounts: dict[tuple[int, Key], int] = {}
+    amounts: dict[tuple[int, Fluent], int] = {}
     for each in happening:
         place, key = each.outcome, each.key
         if isinstance(each.effect, Assign):
@@ -111,7 +111,7 @@ def _settled(instance: Instance, conditions: Conditions, known: Known) -> list[S
     return found
 
 
-_Set = tuple[int, Key, Value]
+_Set = tuple[int, Fluent, Value]
 """An outcome's position, and the value that it gives a key."""
 
 _Question = TypeVar("_Question")
@@ -132,11 +132,13 @@ def _happening(
 
 
 def _shifted(
-    required: Requirement, shifts: Sequence[tuple[int, Key, int]], conditions: Conditions, known: Known
+    required: Requirement, shifts: Sequence[tuple[int, Fluent, int]], conditions: Conditions, known: Known
 ) -> Iterator[tuple[Requirement, list[_Set]]]:
     """The requirement divided until it says what each number is after its shift (outcome, key and amount)."""
 
-    def answers(here: Requirement, shift: tuple[int, Key, int]) -> Iterator[tuple[Requirement, _Set | None]]:
+    def answers(
+        here: Requirement, shift: tuple[int, Fluent, int]
+    ) -> Iterator[tuple[Requirement, _Set | None]]:
         place, key, amount = shift
         values = here.get(key) or known(key)
         for before in sorted(values):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.compiler.fluents import Key
+from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.ground_formula import Requirement
 from cleancli.compiler.instances import Changes
 from cleancli.compiler.static_join import Universe
@@ -24,8 +24,8 @@ class _Place:
 class Numbering:
     """Numbers for the keys that can change and for their values, sorted by symbol and objects."""
 
-    def __init__(self, changing: Mapping[Key, frozenset[Value]], universe: Universe) -> None:
-        keys: Sequence[Key] = sorted(changing)
+    def __init__(self, changing: Mapping[Fluent, frozenset[Value]], universe: Universe) -> None:
+        keys: Sequence[Fluent] = sorted(changing)
         self.variables = tuple(
             StateVariable(*key, tuple(v for v in universe.symbols[key[0]].values if v in changing[key]))
             for key in keys

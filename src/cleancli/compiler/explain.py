@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Binding, Key, bind, names_of
+from cleancli.compiler.fluents import Binding, Fluent, bind, names_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.language.model import (
     Condition,
@@ -72,7 +72,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class FactChange:
     """A value that an outcome sets, and what it is before; `before` is None where the state has none."""
 
     fact: Fact
@@ -85,7 +85,7 @@ class OutcomeHere:
 
     probability: Fraction
     kind: OutcomeKind
-    changes: tuple[Change, ...]
+    changes: tuple[FactChange, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +134,9 @@ def explain(domain: Domain, problem: Problem, action: str, arguments: Sequence[s
     return Explanation(action, tuple(arguments), covering, attempts, () if covering else default)
 
 
-def _outcome_here(view: StateView, outcome: Outcome, changes: Mapping[Key, Value]) -> OutcomeHere:
+def _outcome_here(view: StateView, outcome: Outcome, changes: Mapping[Fluent, Value]) -> OutcomeHere:
     listed = tuple(
-        Change(Fact(*key, changes[key]), view.value(key))
+        FactChange(Fact(*key, changes[key]), view.value(key))
         for key in sorted(changes)
         if view.value(key) != changes[key]
     )

@@ -21,11 +21,11 @@ Binding = Mapping[Variable, str]
 """Names of the objects that variables stand for."""
 
 
-Key = tuple[str, tuple[str, ...]]
+Fluent = tuple[str, tuple[str, ...]]
 """A symbol for some objects, in canonical order: what has a value in a state."""
 
 
-def values_of(state: State) -> dict[Key, Value]:
+def values_of(state: State) -> dict[Fluent, Value]:
     """The state as a lookup; a predicate that is missing is false."""
     return {(fact.symbol, fact.objects): fact.value for fact in state}
 

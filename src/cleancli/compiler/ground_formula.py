@@ -10,13 +10,13 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from cleancli.compiler.fluents import Key
+from cleancli.compiler.fluents import Fluent
 from cleancli.language.model import Value
 
-Requirement = Mapping[Key, frozenset[Value]]
+Requirement = Mapping[Fluent, frozenset[Value]]
 """The values that a conjunction allows to each key it speaks of; no set is empty."""
 
-Known = Callable[[Key], frozenset[Value]]
+Known = Callable[[Fluent], frozenset[Value]]
 """The values that a key may have, as far as is known."""
 
 
@@ -38,7 +38,7 @@ ALWAYS = Formula()
 
 def conjunction(parts: Iterable[Formula | None]) -> Formula | None:
     """Holds where all parts do."""
-    required: dict[Key, frozenset[Value]] = {}
+    required: dict[Fluent, frozenset[Value]] = {}
     choices: list[tuple[Formula, ...]] = []
     for part in parts:
         if part is None or not _require(required, part.required):
@@ -49,7 +49,7 @@ def conjunction(parts: Iterable[Formula | None]) -> Formula | None:
 
 def disjunction(members: Iterable[Formula | None]) -> Formula | None:
     """Holds where some member does; members that speak of one and the same key become one."""
-    single: dict[Key, frozenset[Value]] = {}
+    single: dict[Fluent, frozenset[Value]] = {}
     others: list[Formula] = []
     for member in members:
         if member is None:
@@ -88,7 +88,7 @@ def can_hold(formula: Formula, known: Known) -> bool:
 
 def restricted(formula: Formula, known: Known) -> Formula | None:
     """The formula without what is known to hold; None where it is known not to."""
-    required: dict[Key, frozenset[Value]] = {}
+    required: dict[Fluent, frozenset[Value]] = {}
     for key, values in formula.required.items():
         before = known(key)
         both = values & before
@@ -118,7 +118,7 @@ def disjoint(formula: Formula, known: Known) -> Iterator[Requirement]:
 
 
 def _expanded(required: Requirement, formula: Formula, known: Known) -> Iterator[Requirement]:
-    def now(key: Key) -> frozenset[Value]:
+    def now(key: Fluent) -> frozenset[Value]:
         return required.get(key) or known(key)
 
     left = restricted(formula, now)
@@ -139,7 +139,7 @@ def _expanded(required: Requirement, formula: Formula, known: Known) -> Iterator
             yield from _expanded({**required, key: values}, open_choices, known)
 
 
-def _mentions(formula: Formula) -> Iterator[tuple[Key, frozenset[Value]]]:
+def _mentions(formula: Formula) -> Iterator[tuple[Fluent, frozenset[Value]]]:
     yield from formula.required.items()
     for choice in formula.choices:
         for member in choice:
@@ -154,7 +154,7 @@ def _indistinct(values: frozenset[Value], asked: set[frozenset[Value]]) -> list[
     return [frozenset(group) for group in groups.values()]
 
 
-def _require(required: dict[Key, frozenset[Value]], more: Requirement) -> bool:
+def _require(required: dict[Fluent, frozenset[Value]], more: Requirement) -> bool:
     """Adds a requirement in place; False where they contradict each other."""
     for key, values in more.items():
         both = required[key] & values if key in required else values

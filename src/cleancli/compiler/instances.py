@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.compiler.fluents import Binding, Key
+from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Span
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
 
-Changes = Mapping[Key, frozenset[Value]]
+Changes = Mapping[Fluent, frozenset[Value]]
 """The values that an outcome assigns; more than one value for a key is a conflict (E602)."""
 
 
@@ -24,7 +24,7 @@ class StateEffect:
     it happens (`when`), or, if it shifts a number, what it is after that."""
 
     outcome: int
-    key: Key
+    key: Fluent
     effect: Assign | Shift
     when: Formula
 
@@ -80,7 +80,7 @@ def _instances_of(index: int, rule: Rule, conditions: Conditions, compat: bool) 
             changes: list[Changes] = []
             effects: list[StateEffect] = []
             for position, outcome in enumerate(rule.outcomes):
-                assigned: dict[Key, frozenset[Value]] = {}
+                assigned: dict[Fluent, frozenset[Value]] = {}
                 for key, effect, when in _effects(outcome, bound, conditions):
                     if isinstance(effect, Assign) and when is ALWAYS:
                         assigned[key] = assigned.get(key, _NONE) | {effect.value}
@@ -109,7 +109,7 @@ def _references(
 
 def _effects(
     outcome: Outcome, binding: Binding, conditions: Conditions
-) -> Iterator[tuple[Key, Assign | Shift, Formula]]:
+) -> Iterator[tuple[Fluent, Assign | Shift, Formula]]:
     if outcome.probability == 0:
         return
     for effect in outcome.effects:

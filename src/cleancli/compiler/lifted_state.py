@@ -9,7 +9,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-from cleancli.compiler.fluents import Binding, Key, bind, name_of, names_of, parameters_of, shifted, values_of
+from cleancli.compiler.fluents import (
+    Binding,
+    Fluent,
+    bind,
+    name_of,
+    names_of,
+    parameters_of,
+    shifted,
+    values_of,
+)
 from cleancli.language.model import (
     Assign,
     Condition,
@@ -76,12 +85,12 @@ class StateView:
         self._objects = ObjectsByType(domain, everything)
         self._values = values_of(state)
 
-    def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
+    def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Fluent:
         """The symbol for the objects that `terms` stand for."""
         names = names_of(terms, binding)
         return symbol, self._symbols[symbol].canonical(names)
 
-    def value(self, key: Key) -> Value | None:
+    def value(self, key: Fluent) -> Value | None:
         """The value now; None for a function that the state gives no value."""
         default = False if self._symbols[key[0]].is_predicate else None
         return self._values.get(key, default)
@@ -162,13 +171,13 @@ class StateView:
             binding = found[0]
         return binding
 
-    def changes(self, outcome: Outcome, binding: Binding) -> dict[Key, Value]:
+    def changes(self, outcome: Outcome, binding: Binding) -> dict[Fluent, Value]:
         """What the outcome sets when its rule is applied in this state; a number without value stays so.
 
         Shifts of one number add up, and stop at its bounds after that. Raises `ConflictError`.
         """
-        changes: dict[Key, Value] = {}
-        amounts: dict[Key, int] = {}
+        changes: dict[Fluent, Value] = {}
+        amounts: dict[Fluent, int] = {}
         for effect, bound in self._happening(outcome, binding):
             key = self.key(effect.symbol, effect.terms, bound)
             if isinstance(effect, Shift):
@@ -196,6 +205,6 @@ class StateView:
 class ConflictError(ValueError):
     """An outcome gives `key` two values, or sets and shifts it."""
 
-    def __init__(self, key: Key) -> None:
+    def __init__(self, key: Fluent) -> None:
         super().__init__(f"{key[0]}({', '.join(key[1])})")
         self.key = key

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cleancli.compiler.fluents import Binding, Key, names_of
+from cleancli.compiler.fluents import Binding, Fluent, names_of
 from cleancli.compiler.ground_formula import Formula, conjunction, disjunction, negation
 from cleancli.compiler.static_join import Part, Universe, step
 from cleancli.language.model import (
@@ -41,7 +41,7 @@ class Conditions:
         self._derived: dict[tuple[str, tuple[str, ...]], Formula | None] = {}
         self._values = {name: frozenset(symbol.values) for name, symbol in universe.symbols.items()}
 
-    def all_values(self, key: Key) -> frozenset[Value]:
+    def all_values(self, key: Fluent) -> frozenset[Value]:
         """Every declared value of the key's symbol."""
         return self._values[key[0]]
 
@@ -60,7 +60,7 @@ class Conditions:
 
     def _rest(self, condition: Condition, binding: Binding) -> Formula | None:
         """What the changeable parts ask for."""
-        required: dict[Key, frozenset[Value]] = {}
+        required: dict[Fluent, frozenset[Value]] = {}
         parts: list[Formula | None] = []
         for part in condition:
             if self.universe.is_static(part):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cleancli.compiler.fluents import Key, shifted
+from cleancli.compiler.fluents import Fluent, shifted
 from cleancli.compiler.ground_formula import can_hold
 from cleancli.compiler.instances import Instance, StateEffect
 from cleancli.compiler.static_join import Universe
@@ -25,7 +25,7 @@ class Reach:
 
     def __init__(self, candidates: Sequence[Instance], universe: Universe) -> None:
         self._universe = universe
-        self._possible: dict[Key, frozenset[Value]] = {}
+        self._possible: dict[Fluent, frozenset[Value]] = {}
         self.instances: list[Instance] = []
         waiting = list(candidates)
         while True:
@@ -41,12 +41,12 @@ class Reach:
                 break
         self.instances.sort(key=lambda instance: (instance.rule, instance.objects))
 
-    def known(self, key: Key) -> frozenset[Value]:
+    def known(self, key: Fluent) -> frozenset[Value]:
         """The values that a key can ever have."""
         return self._possible.get(key) or frozenset({self._universe.initial(key)})
 
     @property
-    def changing(self) -> Mapping[Key, frozenset[Value]]:
+    def changing(self) -> Mapping[Fluent, frozenset[Value]]:
         """The keys that can ever have more than one value, with their values."""
         return {key: values for key, values in self._possible.items() if len(values) > 1}
 
@@ -61,7 +61,7 @@ class Reach:
     def _apply_effects(self, instance: Instance) -> bool:
         """Adds what the instance may do in some state; whether that is anything new."""
         grown = False
-        shifts: dict[tuple[int, Key], list[StateEffect]] = {}
+        shifts: dict[tuple[int, Fluent], list[StateEffect]] = {}
         for effect in instance.effects:
             if can_hold(effect.when, self.known):
                 if isinstance(effect.effect, Assign):
@@ -72,7 +72,7 @@ class Reach:
             grown |= self._add(key, self._shifted(key, effects, instance))
         return grown
 
-    def _shifted(self, key: Key, effects: Sequence[StateEffect], instance: Instance) -> frozenset[Value]:
+    def _shifted(self, key: Fluent, effects: Sequence[StateEffect], instance: Instance) -> frozenset[Value]:
         """What the number may be after those of the shifts that happen."""
         symbol = self._universe.symbols[key[0]]
         amounts = {0}
@@ -85,7 +85,7 @@ class Reach:
         before = self.known(key) & instance.condition.required.get(key, frozenset(symbol.values))
         return frozenset(shifted(symbol, value, amount) for value in before for amount in amounts)
 
-    def _add(self, key: Key, values: frozenset[Value]) -> bool:
+    def _add(self, key: Fluent, values: frozenset[Value]) -> bool:
         before = self.known(key)
         self._possible[key] = before | values
         return not values <= before

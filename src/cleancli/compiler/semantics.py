@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cleancli.compiler.ragged import Floats
-from cleancli.compiler.task import Assignment, GroundRule, Task, holds
+from cleancli.compiler.task import GroundRule, GroundState, Task, holds
 
 SUPPORT_LIMIT = 100_000
 """Most states that an exact distribution may have. Chosen."""
@@ -22,7 +22,7 @@ class SupportTooLargeError(ValueError):
     """An exact distribution grew beyond `SUPPORT_LIMIT` states."""
 
 
-def covering_rule(task: Task, assignment: Assignment, action: int) -> GroundRule | None:
+def covering_rule(task: Task, assignment: GroundState, action: int) -> GroundRule | None:
     """The one rule of the action (an index) that covers the state; None where the default rule does."""
     start = bisect_left(task.rules, action, key=lambda rule: rule.action)
     for rule in task.rules[start:]:
@@ -33,7 +33,7 @@ def covering_rule(task: Task, assignment: Assignment, action: int) -> GroundRule
     return None
 
 
-def successors(task: Task, assignment: Assignment, action: int) -> tuple[tuple[float, Assignment], ...]:
+def successors(task: Task, assignment: GroundState, action: int) -> tuple[tuple[float, GroundState], ...]:
     """The states that may follow, each once, with probabilities that sum to 1.
 
     Noise, nothing and the default rule leave the modelled state as it is.
@@ -41,7 +41,7 @@ def successors(task: Task, assignment: Assignment, action: int) -> tuple[tuple[f
     rule = covering_rule(task, assignment, action)
     if rule is None:
         return ((1.0, assignment),)
-    probability: dict[Assignment, float] = {}
+    probability: dict[GroundState, float] = {}
     for outcome in rule.outcomes:
         if outcome.probability > 0:
             after = _changed(assignment, outcome.effects)
@@ -50,8 +50,8 @@ def successors(task: Task, assignment: Assignment, action: int) -> tuple[tuple[f
 
 
 def sample(
-    task: Task, assignment: Assignment, action: int, rng: np.random.Generator
-) -> tuple[int | None, Assignment]:
+    task: Task, assignment: GroundState, action: int, rng: np.random.Generator
+) -> tuple[int | None, GroundState]:
     """A drawn outcome's index in its rule (None where no rule covers the state) and the state after it."""
     rule = covering_rule(task, assignment, action)
     if rule is None:
@@ -61,38 +61,38 @@ def sample(
     return drawn, _changed(assignment, rule.outcomes[drawn].effects)
 
 
-def decreasing(task: Task, assignment: Assignment) -> float:
+def decreasing(task: Task, assignment: GroundState) -> float:
     """What is paid for its decrease: the weighted number of conditions that hold (#dirt of eq. 2)."""
     return float(sum(r.decrease for r in task.rewards if holds(r.condition, assignment)))
 
 
-def standing(task: Task, assignment: Assignment) -> float:
+def standing(task: Task, assignment: GroundState) -> float:
     """What a step that ends in this state is paid for the state alone."""
     return float(task.constant_reward + sum(r.state for r in task.rewards if holds(r.condition, assignment)))
 
 
-def reward(task: Task, before: Assignment, action: int | None, after: Assignment) -> float:
+def reward(task: Task, before: GroundState, action: int | None, after: GroundState) -> float:
     """The reward of a step by an action, given by index; None for a step after the end of a plan (eq. 2, and
     what else is paid)."""
     cost = 0.0 if action is None else float(task.actions[action].cost)
     return decreasing(task, before) - decreasing(task, after) + standing(task, after) - cost
 
 
-def reaches_goal(task: Task, assignment: Assignment) -> bool:
+def reaches_goal(task: Task, assignment: GroundState) -> bool:
     """Whether the problem's goal holds; never without one."""
     return any(holds(condition, assignment) for condition in task.goal)
 
 
-def progress(task: Task, before: Assignment, after: Assignment) -> float:
+def progress(task: Task, before: GroundState, after: GroundState) -> float:
     """What a step is paid without its action's cost, and 1 if the goal comes to hold in it (-1 if it is
     lost)."""
     reached = reaches_goal(task, after) - reaches_goal(task, before)
     return reward(task, before, None, after) + reached
 
 
-def forward(task: Task, distribution: Mapping[Assignment, float], action: int) -> dict[Assignment, float]:
+def forward(task: Task, distribution: Mapping[GroundState, float], action: int) -> dict[GroundState, float]:
     """The exact distribution after an action. Raises `SupportTooLargeError` beyond `SUPPORT_LIMIT` states."""
-    after: dict[Assignment, float] = {}
+    after: dict[GroundState, float] = {}
     for assignment, mass in distribution.items():
         for probability, successor in successors(task, assignment, action):
             after[successor] = after.get(successor, 0.0) + mass * probability
@@ -109,7 +109,7 @@ def exact_value(task: Task, actions: Sequence[int]) -> float:
     nothing by stopping. Actions beyond the horizon do not count. Raises `SupportTooLargeError` where the
     states that may occur are too many."""
     actions = actions[: max(task.horizon, 0)]
-    distribution: dict[Assignment, float] = {task.initial: 1.0}
+    distribution: dict[GroundState, float] = {task.initial: 1.0}
     expected, value = decreasing(task, task.initial), 0.0
     paid, factor = standing(task, task.initial), 1.0
     for action in actions:
@@ -140,7 +140,7 @@ def idle_earliness(steps: int) -> int:
     return max(steps, 0) * (max(steps, 0) + 1) // 2
 
 
-def _changed(assignment: Assignment, effects: Sequence[tuple[int, int]]) -> Assignment:
+def _changed(assignment: GroundState, effects: Sequence[tuple[int, int]]) -> GroundState:
     values = list(assignment)
     for variable, value in effects:
         values[variable] = value

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from cleancli.compiler.fluents import (
     Binding,
-    Key,
+    Fluent,
     changeable_symbols,
     name_of,
     names_of,
@@ -56,11 +56,11 @@ class Universe:
         self._follows: dict[tuple[str, _Row], bool] = {}
         self._paths: dict[str, Paths] = {}
 
-    def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Key:
+    def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Fluent:
         """The symbol for the objects that `terms` stand for, all of them bound."""
         return symbol, self.symbols[symbol].canonical(names_of(terms, binding))
 
-    def initial(self, key: Key) -> Value:
+    def initial(self, key: Fluent) -> Value:
         """The value in the initial state; a predicate that is not listed is false."""
         return self._values[key] if not self.symbols[key[0]].is_predicate else self._values.get(key, False)
 

@@ -27,7 +27,7 @@ class StateVariable:
 GroundCondition = tuple[tuple[int, frozenset[int]], ...]
 """Pairs (variable index, indices of the values it may have), sorted by variable, one pair a variable."""
 
-Assignment = tuple[int, ...]
+GroundState = tuple[int, ...]
 """A state of the task: for each variable the index of its value."""
 
 
@@ -96,7 +96,7 @@ class Task:
     """
 
     variables: tuple[StateVariable, ...]
-    initial: Assignment
+    initial: GroundState
     actions: tuple[GroundAction, ...]
     rules: tuple[GroundRule, ...]
     rewards: tuple[RewardCondition, ...]
@@ -112,12 +112,12 @@ class Task:
     waiting: bool
 
 
-def holds(condition: GroundCondition, assignment: Assignment) -> bool:
+def holds(condition: GroundCondition, assignment: GroundState) -> bool:
     """Whether the assignment gives every variable of the condition one of the values it may have."""
     return all(assignment[variable] in allowed for variable, allowed in condition)
 
 
-def held(conditions: Sequence[GroundCondition], assignment: Assignment) -> int:
+def held(conditions: Sequence[GroundCondition], assignment: GroundState) -> int:
     """How many of the conditions hold."""
     return sum(holds(condition, assignment) for condition in conditions)
 
@@ -135,7 +135,7 @@ def advances(task: Task) -> tuple[float, ...]:
     return tuple(float(reward.decrease) - (reward.condition in goal) for reward in asked(task))
 
 
-def in_state(task: Task, assignment: Assignment) -> Task:
+def in_state(task: Task, assignment: GroundState) -> Task:
     """The same task from another state on, with the horizon that it has there."""
     change = held(task.lengthening, assignment) - held(task.lengthening, task.initial)
     return replace(task, initial=assignment, horizon=task.horizon + change)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from cleancli.compiler.fluents import Key
+from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.ground_formula import Formula, Known, restricted
 from cleancli.compiler.grounding_size import count_groundings, refuse_too_many
 from cleancli.compiler.instances import instances
@@ -111,6 +111,6 @@ def _count(count: Count, conditions: Conditions, known: Known) -> Iterator[Unrea
         yield Unreached(count.name, tuple(dict.fromkeys(never)))
 
 
-def _text(key: Key, values: frozenset[Value], conditions: Conditions) -> str:
+def _text(key: Fluent, values: frozenset[Value], conditions: Conditions) -> str:
     symbols = conditions.universe.symbols
     return print_literal(Literal(key[0], tuple(Object(name, "") for name in key[1]), values), symbols)

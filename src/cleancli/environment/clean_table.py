@@ -18,9 +18,9 @@ from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
 from cleancli.execution.episode_state import Move, Situation
-from cleancli.execution.session import Site, table_site, usual_job
+from cleancli.execution.session import Session, table_session, usual_job
 from cleancli.execution.setup import EpisodeOptions, within_reach
-from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
@@ -72,7 +72,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         self.observation_space = observation_space(self.domain, self.scene, slots, image)
         self._image, self._tells_truth = image, truth
         self._empty: Slots = (None,) * slots
-        self._site: Site | None = None
+        self._session: Session | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Arrays, Info]:
         """Lay the dirt anew and look. With a seed, the table is that of `cleancli execute --seed`; without
@@ -80,10 +80,10 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         super().reset(seed=seed)
         chosen = int(self.np_random.integers(2**31)) if seed is None else seed
         self.close()
-        self._site = table_site(self.domain, self.scene, EpisodeOptions(seed=chosen))
-        _done(self._site.cell.withdraw())
+        self._session = table_session(self.domain, self.scene, EpisodeOptions(seed=chosen))
+        _done(self._session.cell.withdraw())
         self._slots = self._empty
-        self._looks, self._sight = 0, self._site.cell.look(None, None, 0, 0)
+        self._looks, self._sight = 0, self._session.cell.look(None, None, 0, 0)
         self._tell()
         return self._observation(), self._info(0.0, "") | {"seed": chosen}
 
@@ -116,14 +116,14 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
 
     def close(self) -> None:
         """Free the simulated table; `reset` makes another one."""
-        if self._site is not None:
-            self._site.close()
-            self._site = None
+        if self._session is not None:
+            self._session.close()
+            self._session = None
 
-    def _running(self) -> Site:
-        if self._site is None:
+    def _running(self) -> Session:
+        if self._session is None:
             raise gymnasium.error.ResetNeeded("call reset() first")
-        return self._site
+        return self._session
 
     def _meant(self, action: Any) -> Move | None:
         """The move that is asked for; None for what the mask forbids."""
@@ -161,10 +161,10 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
 
     def _info(self, started: float, failure: str) -> Info:
         """What is no observation: robot time, names, and which actions make sense now."""
-        site = self._running()
+        session = self._running()
         info: Info = {
-            "seconds": site.cell.clock - started,
-            "clock": site.cell.clock,
+            "seconds": session.cell.clock - started,
+            "clock": session.cell.clock,
             "failure": failure,
             "areas": [area.name for area in self._sight.situation.areas],
             "slots": list(self._slots),
@@ -172,7 +172,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         if self.choices:
             info["action_mask"] = self._mask()
         if self._tells_truth:
-            info["truth"] = dict(site.truth())
+            info["truth"] = dict(session.truth())
         return info
 
     def _mask(self) -> NDArray[np.int8]:
@@ -206,6 +206,6 @@ def _done(motion: Motion) -> Motions:
             return went
 
 
-def _colour(sight: Sight) -> NDArray[np.uint8]:
+def _colour(sight: LookResult) -> NDArray[np.uint8]:
     assert sight.frame is not None, "a table is looked at with a camera"
     return sight.frame.colour

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.execution.episode_state import Move
-from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions, Job
+from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse, boundary
 from cleancli.motion.actions import gathering, into_container, path_along
@@ -26,7 +26,7 @@ OVERLAP = 0.02
 """Metres by which neighbouring lines of the wipe overlap: more than the tool's error. Chosen."""
 
 
-def nearest_first(now: Circumstances, options: EpisodeOptions) -> Decision:
+def nearest_first(now: DecisionContext, options: EpisodeOptions) -> Decision:
     """Reactive (§6): clean the area farthest from the goal, then always the one nearest to the arm."""
     scene = _scene(now)
     for action in now.job.cleaning:
@@ -39,7 +39,7 @@ def nearest_first(now: Circumstances, options: EpisodeOptions) -> Decision:
     return Decision(())
 
 
-def gather_all(now: Circumstances, options: EpisodeOptions) -> Decision:
+def gather_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     """Hess et al. (2013) as §6 does it: push all along the shortest path through all areas, then clean once.
 
     The path ends at the area nearest to the goal, where one cleaning action is then due. What is left is
@@ -58,7 +58,7 @@ def gather_all(now: Circumstances, options: EpisodeOptions) -> Decision:
     return nearest_first(now, options)
 
 
-def wipe_all(now: Circumstances, options: EpisodeOptions) -> Decision:
+def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     """A fixed program (§6): straight lines over the bounding box of the dirt, one beside the other.
 
     To the container each line leads from the far end of the box; lines beside the mouth bend before the edge.
@@ -115,7 +115,7 @@ def _to_goal(area: Area, scene: Scene) -> float:
     return dist(area.ellipse.centre, place_at_mouth(area.ellipse.centre, scene))
 
 
-def _scene(now: Circumstances) -> Scene:
+def _scene(now: DecisionContext) -> Scene:
     assert now.scene is not None, "strategies that need places are not offered without"
     return now.scene
 

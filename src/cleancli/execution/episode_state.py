@@ -19,7 +19,7 @@ from cleancli.language.model import Object, State
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 
-Key = tuple[str, tuple[str, ...]]
+ActionKey = tuple[str, tuple[str, ...]]
 """An action's name and what it acts upon."""
 
 SAME_PLACE = 0.01
@@ -73,7 +73,7 @@ class Move:
     path: ToolPath | None = None
 
     @property
-    def key(self) -> Key:
+    def key(self) -> ActionKey:
         """What the move is remembered by."""
         return self.action, self.objects
 
@@ -82,11 +82,11 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Vain:
+class FailedAttempt:
     """A move that was tried in vain, so many `times` in a row, and what its objects looked like: until that
     changes it is of no use. `reason`: why the robot failed, or nothing."""
 
-    key: Key
+    key: ActionKey
     areas: tuple[Area, ...]
     facts: State
     times: int
@@ -137,14 +137,14 @@ class EpisodeState:
     clear_looks: int = 0
     queue: tuple[Move, ...] = ()
     rest: tuple[GroundAction, ...] = ()
-    vain: tuple[Vain, ...] = ()
+    vain: tuple[FailedAttempt, ...] = ()
     examples: tuple[tuple[int, int], ...] = ()
     spent: Account = Account()
     loading: float = 0.0
     reason: str = ""
 
     @property
-    def excluded(self) -> frozenset[Key]:
+    def excluded(self) -> frozenset[ActionKey]:
         """Moves that are of no use as things stand."""
         if self.situation is None:
             return frozenset()
@@ -153,7 +153,7 @@ class EpisodeState:
         )
 
 
-def unchanged(vain: Vain, situation: Situation) -> bool:
+def unchanged(vain: FailedAttempt, situation: Situation) -> bool:
     """Whether the objects of a move look as they did when it was tried in vain."""
     areas, facts = about(vain.key[1], situation)
     return (

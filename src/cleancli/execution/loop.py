@@ -16,9 +16,9 @@ from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
     EpisodeState,
+    FailedAttempt,
     Move,
     Situation,
-    Vain,
     about,
     unchanged,
 )
@@ -33,7 +33,7 @@ from cleancli.execution.events import (
     Purpose,
     Started,
 )
-from cleancli.execution.setup import Circumstances, Setup
+from cleancli.execution.setup import DecisionContext, EpisodeSetup
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
@@ -52,7 +52,7 @@ CLEAR_LOOKS = 2
 Steps = Generator[Event, None, EpisodeState]
 
 
-def clean(setup: Setup, cell: Workcell, state: EpisodeState | None = None) -> Generator[Event]:
+def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None) -> Generator[Event]:
     """Act until nothing is left to do: from a fresh start, or from where another run was in `state`.
 
     Ends, always with `Ended`: when two looks in a row with the tool out of view find nothing left; when the
@@ -71,7 +71,7 @@ def clean(setup: Setup, cell: Workcell, state: EpisodeState | None = None) -> Ge
     yield Ended(reason, reason == CLEAN, state.actions, state.spent, cell.clock, state.loading)
 
 
-def _over(setup: Setup, cell: Workcell, state: EpisodeState) -> str:
+def _over(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> str:
     """Why the episode is over; empty while it is not."""
     if state.reason or state.situation is None:
         return state.reason
@@ -84,7 +84,7 @@ def _over(setup: Setup, cell: Workcell, state: EpisodeState) -> str:
     return ""
 
 
-def _step(setup: Setup, cell: Workcell, state: EpisodeState) -> Steps:
+def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> Steps:
     """Whatever is due: a look, a decision, or a move."""
     if state.situation is None:
         return (yield from _clear_look(cell, state, Purpose.FIRST))
@@ -96,11 +96,11 @@ def _step(setup: Setup, cell: Workcell, state: EpisodeState) -> Steps:
     return (yield from _decide(setup, cell, state, state.situation))
 
 
-def _decide(setup: Setup, cell: Workcell, state: EpisodeState, situation: Situation) -> Steps:
+def _decide(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation) -> Steps:
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
     options = setup.options
     started = time.perf_counter()
-    now = Circumstances(
+    now = DecisionContext(
         setup.feasible,
         cell.problem(situation),
         setup.scene,
@@ -165,7 +165,7 @@ def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke 
     )
 
 
-def _carry_out(setup: Setup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
+def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
     """Do the next move of the queue, and look what came of it."""
     move, number = state.queue[0], state.actions + 1
     path = cell.path(move, before)
@@ -198,7 +198,7 @@ def _look_after(cell: Workcell, state: EpisodeState, stroke: Stroke | None) -> S
 
 
 def _concluded(
-    setup: Setup,
+    setup: EpisodeSetup,
     state: EpisodeState,
     number: int,
     before: Situation,
@@ -223,14 +223,14 @@ def _concluded(
 
 
 def _tried(
-    vain: tuple[Vain, ...], move: Move, before: Situation, after: Situation, failure: str
-) -> tuple[Vain, ...]:
+    vain: tuple[FailedAttempt, ...], move: Move, before: Situation, after: Situation, failure: str
+) -> tuple[FailedAttempt, ...]:
     """What has been tried in vain, after one more move."""
     others = tuple(each for each in vain if each.key != move.key and unchanged(each, after))
     if not move.objects:
         return others
     times = next((each.times for each in vain if each.key == move.key and unchanged(each, before)), 0)
-    now = Vain(move.key, *about(move.objects, before), times + 1, failure)
+    now = FailedAttempt(move.key, *about(move.objects, before), times + 1, failure)
     if failure:
         return (*others, replace(now, times=PATIENCE))
     return (*others, now) if unchanged(now, after) else others

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.task import GroundState, Task
 from cleancli.execution.episode_state import World
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.setup import MOST, EpisodeOptions, Job, Setup, within_reach
+from cleancli.execution.setup import MOST, EpisodeOptions, EpisodeSetup, Job, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
@@ -27,12 +27,12 @@ from cleancli.world.table import PybulletTable, Truth
 
 
 @dataclass(frozen=True, slots=True)
-class Site:
+class Session:
     """`picture(width, height)` shows an onlooker's view, RGB; None where there is nothing to see. `truth()`
-    tells how things truly are: for reports alone. `save()` gives what a site of the same kind goes on from as
-    its `world`; `stop()` ends a motion with the tool raised. `close()` it."""
+    tells how things truly are: for reports alone. `save()` gives what a session of the same kind goes on from
+    as its `world`; `stop()` ends a motion with the tool raised. `close()` it."""
 
-    setup: Setup
+    setup: EpisodeSetup
     cell: Workcell
     picture: Callable[[int, int], NDArray[np.uint8]] | None
     truth: Callable[[], Mapping[str, object]]
@@ -41,9 +41,9 @@ class Site:
     close: Callable[[], None]
 
 
-def table_site(
+def table_session(
     domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None, world: World | None = None
-) -> Site:
+) -> Session:
     """A simulated table; the robot cleans with its dustpan if it has one, unless told otherwise.
 
     Raises what `PybulletTable` does, what `from_arrays` does of `world`, and ValueError where that is in the
@@ -54,8 +54,8 @@ def table_site(
     if state is not None and Status(state.status) is Status.RUNNING:
         raise ValueError("the saved state is of a motion under way")
     table = PybulletTable(scene, derived(options.seed, Stream.WORLD), state=state)
-    return Site(
-        Setup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+    return Session(
+        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
         TableCell(domain, scene, table, options.seed),
         table.picture,
         lambda: truth_of(table.truth()),
@@ -70,17 +70,17 @@ def usual_job(scene: Scene) -> Job:
     return Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
 
 
-def symbolic_site(
+def symbolic_session(
     domain: Domain, problem: Problem, options: EpisodeOptions, world: World | None = None
-) -> Site:
+) -> Session:
     """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), `NoDurationError` where time is
     to discount, KeyError and ValueError where `world` is another one's."""
     rules = world_of(domain, problem, options.by_time)
     cell = SymbolicCell(rules, problem, options.seed)
     if world is not None:
         cell.assignment, cell.clock = _assignment(world["assignment"], rules.task), _clock(world["clock"])
-    setup = Setup(domain, domain, None, Job.CONTAINER, options)
-    return Site(
+    setup = EpisodeSetup(domain, domain, None, Job.CONTAINER, options)
+    return Session(
         setup,
         cell,
         None,
@@ -91,7 +91,7 @@ def symbolic_site(
     )
 
 
-def _assignment(saved: NDArray[Any], task: Task) -> Assignment:
+def _assignment(saved: NDArray[Any], task: Task) -> GroundState:
     sizes = [len(variable.values) for variable in task.variables]
     # An array of no numbers has the type of others.
     if saved.shape != (len(sizes),) or (sizes and saved.dtype.kind != "i"):

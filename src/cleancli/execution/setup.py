@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.episode_state import Key, Move, Situation
+from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.plan import Plan
@@ -47,7 +47,7 @@ class EpisodeOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
+class EpisodeSetup:
     """What an episode needs besides a workcell: `feasible` is the domain without what the robot has no skill
     for, `scene` None in the symbolic world."""
 
@@ -59,7 +59,7 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
-class Circumstances:
+class DecisionContext:
     """What a strategy may know when it decides.
 
     `domain` has only the actions that the robot has skills for; `problem` is what there is to plan for, as
@@ -74,7 +74,7 @@ class Circumstances:
     job: Job
     situation: Situation
     tool: tuple[float, float] | None
-    excluded: frozenset[Key]
+    excluded: frozenset[ActionKey]
     rest: tuple[GroundAction, ...]
     number: int
     seed: int

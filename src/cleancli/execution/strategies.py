@@ -13,7 +13,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
-from cleancli.execution.setup import Circumstances, Decision, EpisodeOptions
+from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.reductions.subproblem import fewer
@@ -25,12 +25,12 @@ class Strategy:
     """`decide` says what to do; `needs_places`: it thinks of where things are, so that the symbolic world
     has nothing for it. `planner` is the one it plans with where none is asked for; None: it does not plan."""
 
-    decide: Callable[[Circumstances, EpisodeOptions], Decision]
+    decide: Callable[[DecisionContext, EpisodeOptions], Decision]
     needs_places: bool = False
     planner: str | None = None
 
 
-def _plan(now: Circumstances, options: EpisodeOptions, planner: str, commit: int | None) -> Decision:
+def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: int | None) -> Decision:
     """Plan, and carry out the first `commit` actions before planning again (§4.2.4); None: all of them."""
     asked = Options(options.samples, now.seed, previous=now.rest)
     problem = fewer(now.domain, now.problem, asked.counted).problem

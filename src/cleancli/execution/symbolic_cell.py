@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from cleancli.compiler.task import Assignment, GroundAction
+from cleancli.compiler.task import GroundAction, GroundState
 from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import StrokeEnded
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.model import Problem
 from cleancli.motion.path import ToolPath
 from cleancli.perception.tracking import Stroke
@@ -25,7 +25,7 @@ class SymbolicCell:
     def __init__(self, world: World, problem: Problem, seed: int) -> None:
         self._world, self._problem = world, problem
         self._seed = derived(seed, Stream.WORLD)
-        self.assignment: Assignment = world.task.initial
+        self.assignment: GroundState = world.task.initial
         self.clock = 0.0
 
     @property
@@ -33,11 +33,11 @@ class SymbolicCell:
         """None: nothing has a place here."""
         return None
 
-    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> Sight:
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> LookResult:
         """All facts."""
         started = time.perf_counter()
         situation = Situation((), self._problem.objects, self._world.facts(self.assignment))
-        return Sight(situation, None, named, time.perf_counter() - started)
+        return LookResult(situation, None, named, time.perf_counter() - started)
 
     def problem(self, situation: Situation) -> Problem:
         """The problem with the facts that hold now."""

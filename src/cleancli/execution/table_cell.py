@@ -11,7 +11,7 @@ import numpy as np
 from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.workcell import Motion, Motions, Sight
+from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path
 from cleancli.motion.path import ToolPath
@@ -52,7 +52,7 @@ class TableCell:
         x, y, _ = self._robot.tool
         return x, y
 
-    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> Sight:
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> LookResult:
         """Frames, areas, names, symbols."""
         frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
         started = time.perf_counter()
@@ -65,7 +65,7 @@ class TableCell:
             known.areas, objects, state, unseen, known.unseen.share, left_out(known.areas, self._scene)
         )
         numbers = (int(area.name[1:]) for area in known.areas)
-        return Sight(situation, frames[-1], max((named, *numbers)), time.perf_counter() - started)
+        return LookResult(situation, frames[-1], max((named, *numbers)), time.perf_counter() - started)
 
     def problem(self, situation: Situation) -> Problem:
         """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""

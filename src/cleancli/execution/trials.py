@@ -36,7 +36,7 @@ MARGIN = 0.005
 """Metres around an area's ellipse within which a particle's middle belongs to it."""
 
 
-class Outcome(enum.Enum):
+class TrialResult(enum.Enum):
     """How a trial ended; docs/physics.md defines the first three."""
 
     NONE_LEFT = "none left"
@@ -53,7 +53,7 @@ class Trial:
     the table. `seconds` of robot time. `failure`: why the robot could not follow its path, or nothing."""
 
     seed: int
-    outcome: Outcome
+    outcome: TrialResult
     targets: int
     left: int
     lost: int
@@ -85,7 +85,7 @@ def attempt(
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:
-            return Trial(seed, Outcome.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
+            return Trial(seed, TrialResult.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
         ellipses = tuple(area.ellipse for area in chosen)
         targets = _within(start.positions[:, :2], ellipses)
         table.start(path_of(action, ellipses, scene))
@@ -94,7 +94,7 @@ def attempt(
         end = table.truth()
         before = _meant(start, targets, ellipses)
         after = _meant(end, targets & _on_table(end), ellipses)
-        outcome = Outcome.FAILED
+        outcome = TrialResult.FAILED
         if status is not Status.FAILED:
             outcome = judge(before, after, action in GATHERING, arity, scene.symbols.link)
         sizes = len(before), len(after), end.on_floor
@@ -102,16 +102,16 @@ def attempt(
         return Trial(seed, outcome, *sizes, table.clock, *lay, table.failure)
 
 
-def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> Outcome:
+def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> TrialResult:
     """What became of the dirt of so many areas, which lay at `before` (n, 2); `after` (m, 2) is where what is
     left of it lies on the table. Middles closer than `link` make one group."""
     groups = len(linked(after, link))
     if groups > areas:
-        return Outcome.SPREAD_OUT
+        return TrialResult.SPREAD_OUT
     if gathering:
         together = groups == 0 or (groups == 1 and (areas > 1 or extent(after) < extent(before)))
-        return Outcome.NONE_LEFT if together else Outcome.SOME_LEFT
-    return Outcome.SOME_LEFT if groups else Outcome.NONE_LEFT
+        return TrialResult.NONE_LEFT if together else TrialResult.SOME_LEFT
+    return TrialResult.SOME_LEFT if groups else TrialResult.NONE_LEFT
 
 
 def linked(points: Points, link: float) -> tuple[tuple[int, ...], ...]:

@@ -17,7 +17,7 @@ Motion = Generator[Moved | StrokeEnded, None, "Motions"]
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class LookResult:
     """What a look found; `named` areas so far, `seconds` of real time."""
 
     situation: Situation
@@ -49,7 +49,7 @@ class Workcell(Protocol):
     def tool(self) -> tuple[float, float] | None:
         """Where the tool is above the surface, metres; None in the symbolic world."""
 
-    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> Sight:
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> LookResult:
         """Look from where everything stands now, for the `number`-th time.
 
         What was there `before` keeps its name, `stroke` being where the tool went since; what is hidden is

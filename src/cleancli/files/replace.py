@@ -17,11 +17,11 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
 def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:
     """Replace a file in one step, if it still reads `expected_old_text` (None: it must not exist); see
     `write_all`."""
-    write_all([Change(Path(path), text, expected_old_text)])
+    write_all([Replacement(Path(path), text, expected_old_text)])
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class Replacement:
     """A file to be replaced by `text` if it still reads `expected`; None: it must not exist."""
 
     path: Path
@@ -29,7 +29,7 @@ class Change:
     expected: str | None
 
 
-def write_all(changes: Iterable[Change]) -> None:
+def write_all(changes: Iterable[Replacement]) -> None:
     """Replace several files, all of them or none, after all were found to read as expected.
 
     What another program saves meanwhile stays: then nothing is written (E006, naming all files that do not
@@ -55,7 +55,7 @@ def write_all(changes: Iterable[Change]) -> None:
             raise Refused([_refusal(named, meanwhile.what)]) from None
 
 
-def _unexpected(change: Change, original: Original | None) -> Diagnostic | None:
+def _unexpected(change: Replacement, original: Original | None) -> Diagnostic | None:
     expected = None if change.expected is None else change.expected.encode("utf-8")
     if (None if original is None else original.content) == expected:
         return None

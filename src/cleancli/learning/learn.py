@@ -15,7 +15,7 @@ from cleancli.language.model import Domain, Outcome, Parameter
 from cleancli.language.printing.printer import print_fraction
 from cleancli.learning.estimate import DEFAULT_M, Estimator, decreasing_m_estimate
 from cleancli.learning.experience import Transition
-from cleancli.learning.match import Explanation, explain, outcomes_of, prior_probabilities
+from cleancli.learning.match import Match, matched, outcomes_of, prior_probabilities
 from cleancli.learning.share import learn_parameters, probabilities_of
 
 KEPT = 4096
@@ -47,7 +47,7 @@ def learn(
     In the domain's order, the default rule last. Raises `Refused` (E602).
     """
     # What happened often is explained once.
-    explained = functools.lru_cache(maxsize=KEPT)(functools.partial(explain, domain))
+    explained = functools.lru_cache(maxsize=KEPT)(functools.partial(matched, domain))
     counts = Counter(map(explained, transitions))
     seen = {rule: _seen(counts, rule, len(outcomes_of(domain, rule))) for rule in _rules(domain)}
     shared = learn_parameters(domain, seen, estimator, m)
@@ -73,8 +73,8 @@ def _rules(domain: Domain) -> tuple[int | None, ...]:
     return (*range(len(domain.rules)), None)
 
 
-def _seen(counts: Counter[Explanation], rule: int | None, outcomes: int) -> tuple[int, ...]:
-    return tuple(counts[Explanation(rule, index)] for index in range(outcomes))
+def _seen(counts: Counter[Match], rule: int | None, outcomes: int) -> tuple[int, ...]:
+    return tuple(counts[Match(rule, index)] for index in range(outcomes))
 
 
 def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned]) -> tuple[Edit, ...]:

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Key, changeable_symbols
+from cleancli.compiler.fluents import Fluent, changeable_symbols
 from cleancli.compiler.lifted_state import StateView
 from cleancli.language.model import Domain, Outcome, OutcomeKind
 from cleancli.learning.experience import Transition
 
 
 @dataclass(frozen=True, slots=True)
-class Explanation:
+class Match:
     """`rule` is the covering rule's index in the domain, None for the default rule. `outcome` is an index
     into its outcomes: the noise outcome where no other fits, None where there is no noise outcome either."""
 
@@ -22,7 +22,7 @@ class Explanation:
     outcome: int | None
 
 
-def explain(domain: Domain, transition: Transition) -> Explanation:
+def matched(domain: Domain, transition: Transition) -> Match:
     """The rule that covered the state before, and its likeliest outcome that predicts the state after.
 
     Prediction and observation are compared on the symbols that rules can change, over the objects that the
@@ -46,9 +46,9 @@ def explain(domain: Domain, transition: Transition) -> Explanation:
         and all(after.value(key) == changes[index].get(key, before.value(key)) for key in keys)
     ]
     if fitting:
-        return Explanation(rule, max(fitting, key=lambda index: priors[index]))
+        return Match(rule, max(fitting, key=lambda index: priors[index]))
     noise = [index for index, outcome in enumerate(outcomes) if outcome.kind is OutcomeKind.NOISE]
-    return Explanation(rule, noise[0] if noise else None)
+    return Match(rule, noise[0] if noise else None)
 
 
 def outcomes_of(domain: Domain, rule: int | None) -> tuple[Outcome, ...]:
@@ -66,7 +66,7 @@ def prior_probabilities(outcomes: Sequence[Outcome]) -> tuple[Fraction, ...]:
     return tuple(left if o.is_rest else prior for o, prior in zip(outcomes, stated, strict=True))
 
 
-def _keys_within(domain: Domain, transition: Transition, scope: set[str]) -> set[Key]:
+def _keys_within(domain: Domain, transition: Transition, scope: set[str]) -> set[Fluent]:
     """What to compare: changeable symbols for objects of the scope, wherever either state says something."""
     changeable = changeable_symbols(domain)
     return {

@@ -17,7 +17,7 @@ _FEWEST = 25  # places at which limits are kept, on however short a path
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class SpeedLimits:
     """Of each joint: speed (rad/s or m/s) and acceleration, (n,) each."""
 
     speed: tuple[float, ...]
@@ -34,7 +34,7 @@ class Course:
     speeds: _Array
 
 
-def timed(course: Course, limits: Limits, step: float) -> _Array:
+def timed(course: Course, limits: SpeedLimits, step: float) -> _Array:
     """(k, d) joints after each `step` of the quickest motion, the last of them the course's end."""
     if len(course.places) < 2:
         return course.joints[:0]

@@ -29,7 +29,7 @@ from cleancli.perception.areas import enclosing_ellipses
 from cleancli.perception.geometry import Points, project
 from cleancli.perception.perceive import RIM, Observation
 from cleancli.perception.surface import Mask
-from cleancli.perception.tracking import Change, Stroke, track
+from cleancli.perception.tracking import AreaChange, Stroke, track
 from cleancli.scene.model import Surface
 
 CELL = 0.005
@@ -100,7 +100,7 @@ class Known:
     areas: tuple[Area, ...]
     hidden: Mapping[str, float]
     unseen: Unseen
-    changes: tuple[Change, ...]
+    changes: tuple[AreaChange, ...]
 
 
 def remember(

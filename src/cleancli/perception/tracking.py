@@ -126,7 +126,7 @@ class Merge:
         return f"{', '.join(name for name in self.of if name != self.into)} merged into {self.into}"
 
 
-Change = Split | Merge
+AreaChange = Split | Merge
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class Tracked:
     """Named `areas`, in the order in which they were seen, and which of them split or merged."""
 
     areas: tuple[Area, ...]
-    changes: tuple[Change, ...] = ()
+    changes: tuple[AreaChange, ...] = ()
 
 
 def track(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, next_number: int) -> Tracked:

@@ -13,9 +13,9 @@ from cleancli.planning.registry import PLANNERS
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Comparison:
     """A planner's plan, or why it refused; `true` is what its actions are worth as a sequence: exactly, or
-    by drawn runs where too many states may occur."""
+    by rollouts where too many states may occur."""
 
     planner: str
     plan: Plan | None
@@ -23,15 +23,15 @@ class Row:
     refusal: str = ""
 
 
-def compared(names: Iterable[str], prepared: Prepared, options: Options) -> Iterator[Row]:
+def compared(names: Iterable[str], prepared: Prepared, options: Options) -> Iterator[Comparison]:
     """A row for each planner as it is done, all with the same options."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     for name in names:
         try:
             plan = PLANNERS[name](prepared, options)
         except (PlanningRefused, SupportTooLargeError) as error:
-            yield Row(name, None, None, str(error))
+            yield Comparison(name, None, None, str(error))
             continue
         actions = [number[action] for action in plan.actions]
         value = exact(prepared, actions)
-        yield Row(name, plan, sampled(prepared, actions, options.seed) if value is None else value)
+        yield Comparison(name, plan, sampled(prepared, actions, options.seed) if value is None else value)

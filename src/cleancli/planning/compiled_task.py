@@ -7,7 +7,7 @@ from functools import cached_property
 
 from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.lowering.state_tables import Process, lower_process
-from cleancli.compiler.task import Assignment, Task, in_state
+from cleancli.compiler.task import GroundState, Task, in_state
 from cleancli.planning.reductions.state_abstraction import Forget, forgetting
 
 
@@ -55,7 +55,7 @@ class Prepared:
         initial = forget(self.task.initial)
         return Prepared(replace(task, initial=initial, horizon=self.task.horizon), arrays)
 
-    def at(self, assignment: Assignment, horizon: int | None = None) -> Prepared:
+    def at(self, assignment: GroundState, horizon: int | None = None) -> Prepared:
         """The task in another state, with the horizon that it has there unless one is given."""
         moved = in_state(self.task, assignment)
         return Prepared(moved if horizon is None else replace(moved, horizon=horizon), self._arrays)

@@ -6,11 +6,11 @@ import itertools
 from collections.abc import Callable, Sequence
 
 from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
-from cleancli.compiler.task import Assignment, Task
+from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.plan import Plan
 from cleancli.planning.preference import preferred
 
-Choose = Callable[[int, Assignment], int | None]
+Choose = Callable[[int, GroundState], int | None]
 """What a policy does at a step in a state: an action's index, or None to stop."""
 
 
@@ -28,7 +28,7 @@ def likeliest_course(task: Task, choose: Choose) -> tuple[int, ...]:
     return tuple(course)
 
 
-def likeliest_after(task: Task, assignment: Assignment, action: int) -> Assignment:
+def likeliest_after(task: Task, assignment: GroundState, action: int) -> GroundState:
     """The likeliest state after an action, of equals the first."""
     return max(successors(task, assignment, action), key=lambda pair: pair[0])[1]
 

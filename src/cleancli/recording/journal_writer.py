@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Key, values_of
+from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import events
 from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value
 from cleancli.learning.experience import Transition
-from cleancli.learning.match import explain, outcomes_of
+from cleancli.learning.match import matched, outcomes_of
 from cleancli.recording import journal
 from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
 
@@ -76,7 +76,7 @@ class Entries:
             )
         rule, outcome, changed = None, None, tuple[FactEntry, ...]()
         if event.transition is not None:
-            found = explain(self._domain, event.transition)
+            found = matched(self._domain, event.transition)
             rule = None if found.rule is None else self._domain.rules[found.rule].name
             outcome, changed = found.outcome, _changed(event.transition)
         return journal.Acted(
@@ -121,7 +121,7 @@ def likely_course(
 
 
 def _after(state: State, effects: Sequence[FactEntry]) -> State:
-    values: dict[Key, Value | None] = {
+    values: dict[Fluent, Value | None] = {
         **values_of(state),
         **{(e.symbol, e.objects): e.value for e in effects},
     }
@@ -156,5 +156,5 @@ def _changed(transition: Transition) -> tuple[FactEntry, ...]:
     return tuple(FactEntry(*key, after.get(key, None if key in functions else False)) for key in keys)
 
 
-def _entries(changes: Mapping[Key, Value]) -> tuple[FactEntry, ...]:
+def _entries(changes: Mapping[Fluent, Value]) -> tuple[FactEntry, ...]:
     return tuple(FactEntry(*key, value) for key, value in sorted(changes.items(), key=lambda item: item[0]))

@@ -11,7 +11,7 @@ from cleancli.report.timeline import KINDS, in_order
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class RunRow:
     """One run. `clean` and `reason` are None and empty while it has not ended, `left` is what truly lay on
     the table at its end, None where nobody has looked. `areas`: dirty areas seen in the last look, None in
     the `symbolic` world."""
@@ -39,7 +39,7 @@ class Row:
         return f"{'' if self.clean else 'not '}{'done' if self.symbolic else 'clean'}"
 
 
-def row_of(run: Run) -> Row:
+def row_of(run: Run) -> RunRow:
     """The run in figures."""
     episode, truth = run.header.episode, run.header.truth or Truth()
     looks = [record for record in run.records if isinstance(record, Looked)]
@@ -49,7 +49,7 @@ def row_of(run: Run) -> Row:
         and any(look.facts for look in looks)
         and not any(look.areas for look in looks)
     )
-    return Row(
+    return RunRow(
         name=run.name,
         problem=run.problem,
         strategy=run.strategy,

@@ -13,7 +13,7 @@ import jinja2
 
 from cleancli.language.diagnostics.plural import plural
 from cleancli.recording.journal import Planned
-from cleancli.report.account import Row, colour_of, name_of, row_of
+from cleancli.report.account import RunRow, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import Run
 from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
@@ -94,7 +94,7 @@ def run_page(run: Run) -> str:
     )
 
 
-def comparison_page(rows: Sequence[Row]) -> str:
+def comparison_page(rows: Sequence[RunRow]) -> str:
     """A page that sets runs side by side; all bars have one scale."""
     longest = max((row.total for row in rows), default=0.0)
     kinds = in_order({kind: 0.0 for row in rows for kind in row.seconds})

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Assignment, by_time
+from cleancli.compiler.task import GroundState, by_time
 from cleancli.language.model import Domain, Object, Problem, State
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
@@ -24,7 +24,7 @@ class _View:
     rest: State
     objects: tuple[Object, ...]
 
-    def assignment(self, problem: Problem) -> Assignment | None:
+    def assignment(self, problem: Problem) -> GroundState | None:
         """The problem's state; None where it is not one of the view's."""
         if problem.objects != self.objects:
             return None

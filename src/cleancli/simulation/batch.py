@@ -13,7 +13,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.episode import Episode, Limits, episode
+from cleancli.simulation.episode import Episode, EpisodeLimits, episode
 from cleancli.simulation.symbolic_world import world_of
 
 CHUNKS = 8
@@ -21,7 +21,7 @@ CHUNKS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
+class Batch:
     """What is simulated: `domain` is what the planners know, `world` what holds; `planners` by name. Where
     `timed`, time discounts and not steps."""
 
@@ -30,7 +30,7 @@ class Setup:
     problem: Problem
     planners: tuple[str, ...]
     options: Options
-    limits: Limits
+    limits: EpisodeLimits
     timed: bool = False
 
 
@@ -38,7 +38,7 @@ Round = tuple[Episode, ...]
 """The same numbered episode by each planner of the setup, in its order."""
 
 
-def rounds(setup: Setup, numbers: Sequence[int]) -> Iterator[Round]:
+def rounds(setup: Batch, numbers: Sequence[int]) -> Iterator[Round]:
     """The numbered episodes of each planner. Raises `Refused`, `NoDurationError` and what planners raise."""
     world = world_of(setup.world, setup.problem, setup.timed)
     agents = [Agent(PLANNERS[name], setup.domain, setup.problem, setup.timed) for name in setup.planners]
@@ -46,7 +46,7 @@ def rounds(setup: Setup, numbers: Sequence[int]) -> Iterator[Round]:
         yield tuple(episode(world, agent, number, setup.options, setup.limits) for agent in agents)
 
 
-def spread(setup: Setup, episodes: int, jobs: int) -> Iterator[Round]:
+def spread(setup: Batch, episodes: int, jobs: int) -> Iterator[Round]:
     """Episodes 0 to `episodes` - 1, as they come to an end, by so many processes: for any number of them the
     same, but for the order and for what depends on the clock.
 
@@ -68,7 +68,7 @@ def spread(setup: Setup, episodes: int, jobs: int) -> Iterator[Round]:
         executor.shutdown(cancel_futures=True)
 
 
-def _chunk(setup: Setup, numbers: range) -> list[Round] | None:
+def _chunk(setup: Batch, numbers: range) -> list[Round] | None:
     """None where something is refused: the errors' own data does not travel between processes, so the caller
     has to meet them itself."""
     try:

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.compiler.semantics import idle_worth, standing
-from cleancli.compiler.task import Assignment, GroundAction
+from cleancli.compiler.task import GroundAction, GroundState
 from cleancli.planning.plan import Options
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.symbolic_world import Step, World, do, succeeded
+from cleancli.simulation.symbolic_world import DrawnStep, World, do, succeeded
 
 
 class Reason(enum.Enum):
@@ -25,7 +25,7 @@ class Reason(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class EpisodeLimits:
     """`commit`: actions of a plan that are done before the next one is made (§4.2.4). With `horizon` given,
     the n-th action is planned with as many steps less; else with the horizon of the state then reached."""
 
@@ -60,13 +60,13 @@ class _Stream(enum.IntEnum):
     PLANNING = 1
 
 
-def episode(world: World, agent: Agent, number: int, options: Options, limits: Limits) -> Episode:
+def episode(world: World, agent: Agent, number: int, options: Options, limits: EpisodeLimits) -> Episode:
     """The numbered episode of the seed in `options`; it depends on no other episode.
 
     The world's draws are the same for all planners, each plan has a seed of its own. Raises what planners do.
     """
     rng = np.random.default_rng(_seeds(options.seed, number, _Stream.WORLD))
-    state, steps, planning = world.task.initial, list[Step](), list[float]()
+    state, steps, planning = world.task.initial, list[DrawnStep](), list[float]()
     rest: tuple[GroundAction, ...] = ()
     reason = _over(world, state, steps, limits)
     while reason is None:
@@ -98,7 +98,7 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: L
     )
 
 
-def returns(world: World, steps: Sequence[Step], last: Assignment, length: int) -> tuple[float, float]:
+def returns(world: World, steps: Sequence[DrawnStep], last: GroundState, length: int) -> tuple[float, float]:
     """The discounted and the plain return of `length` steps, in which nothing is done after those given; as
     `exact_value` of compiler/semantics.py counts."""
     discounted, plain, factor = 0.0, 0.0, 1.0
@@ -111,7 +111,9 @@ def returns(world: World, steps: Sequence[Step], last: Assignment, length: int) 
     return discounted + factor * idle * paid, plain + left * paid
 
 
-def _over(world: World, state: Assignment, steps: Sequence[Step], limits: Limits) -> Reason | None:
+def _over(
+    world: World, state: GroundState, steps: Sequence[DrawnStep], limits: EpisodeLimits
+) -> Reason | None:
     if succeeded(world, state):
         return Reason.GOAL if world.has_goal else Reason.CLEARED
     return Reason.LIMIT if len(steps) >= limits.max_actions else None

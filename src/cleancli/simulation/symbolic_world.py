@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cleancli.compiler.fluents import Key, values_of
+from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.compiler.ground import ground
 from cleancli.compiler.rewards import costs_of
 from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
-from cleancli.compiler.task import Assignment, GroundAction, Task, by_time, held
+from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held
 from cleancli.language.model import Domain, Fact, Problem, State
 
 
@@ -31,13 +31,13 @@ class World:
     idle: Mapping[str, int]
     has_goal: bool
 
-    def facts(self, assignment: Assignment) -> State:
+    def facts(self, assignment: GroundState) -> State:
         """All facts of a state."""
         return self.rest | changing_facts(self.task, assignment)
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class DrawnStep:
     """An action done: its `reward` (eq. 2 and what else is paid), `payment` and `discount` as in the task,
     and its duration in seconds where the world's domain declares one."""
 
@@ -66,7 +66,7 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
     )
 
 
-def changing_facts(task: Task, assignment: Assignment) -> State:
+def changing_facts(task: Task, assignment: GroundState) -> State:
     """The facts that the variables of a state stand for."""
     return frozenset(
         Fact(variable.symbol, variable.objects, variable.values[value])
@@ -77,11 +77,11 @@ def changing_facts(task: Task, assignment: Assignment) -> State:
 
 def unchanging_facts(task: Task, facts: State) -> State:
     """Those of the facts that no variable of the task stands for."""
-    variables: set[Key] = {(variable.symbol, variable.objects) for variable in task.variables}
+    variables: set[Fluent] = {(variable.symbol, variable.objects) for variable in task.variables}
     return frozenset(fact for fact in facts if (fact.symbol, fact.objects) not in variables)
 
 
-def assignment_of(task: Task, facts: State) -> Assignment | None:
+def assignment_of(task: Task, facts: State) -> GroundState | None:
     """The state of the task that the facts say; None where a variable's value is not one of the task's."""
     values = values_of(facts)
     found = []
@@ -94,8 +94,8 @@ def assignment_of(task: Task, facts: State) -> Assignment | None:
 
 
 def do(
-    world: World, state: Assignment, action: GroundAction, rng: np.random.Generator
-) -> tuple[Step, Assignment]:
+    world: World, state: GroundState, action: GroundAction, rng: np.random.Generator
+) -> tuple[DrawnStep, GroundState]:
     """Draws what comes of an action; each call takes one number from `rng`, so that the n-th action of an
     episode meets the same luck whoever planned it."""
     number = world.numbers.get((action.name, action.objects))
@@ -107,10 +107,10 @@ def do(
         rng.random()
     paid = reward(task, state, number, after)
     seconds = task.actions[number].duration
-    return Step(action, paid, payment(task, number), task.discounts[number], seconds), after
+    return DrawnStep(action, paid, payment(task, number), task.discounts[number], seconds), after
 
 
-def succeeded(world: World, state: Assignment) -> bool | None:
+def succeeded(world: World, state: GroundState) -> bool | None:
     """Whether the goal holds; without a goal, whether nothing is left of the count that the reward wants
     decreased; None where there is neither."""
     if world.has_goal:

@@ -19,7 +19,7 @@ from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import counting
-from cleancli.execution.trials import Outcome, Trial, attempt, wilson
+from cleancli.execution.trials import Trial, TrialResult, attempt, wilson
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, can_execute
@@ -29,7 +29,7 @@ from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
 
-COUNTED = (Outcome.NONE_LEFT, Outcome.SOME_LEFT, Outcome.SPREAD_OUT)
+COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
 
 
@@ -119,7 +119,7 @@ def table(title: str, trials: Sequence[Trial]) -> str:
         low, high = wilson(counts[outcome], total)
         share = counts[outcome] / total if total else 0.0
         lines.append(f"{outcome.value:12} {counts[outcome]:6}  {share:5.2f}  {low:.2f}-{high:.2f}")
-    lines += [f"{o.value:12} {counts[o]:6}" for o in Outcome if o not in COUNTED and counts[o]]
+    lines += [f"{o.value:12} {counts[o]:6}" for o in TrialResult if o not in COUNTED and counts[o]]
     reasons = Counter(trial.failure for trial in trials if trial.failure)
     lines += [f"  {number} x {reason}" for reason, number in reasons.most_common()]
     done = [trial for trial in trials if trial.outcome in COUNTED]
@@ -133,7 +133,7 @@ def table(title: str, trials: Sequence[Trial]) -> str:
     return "\n".join(lines)
 
 
-def tally(trials: Sequence[Trial]) -> tuple[Counter[Outcome], int]:
+def tally(trials: Sequence[Trial]) -> tuple[Counter[TrialResult], int]:
     """How often each outcome was met, and how many trials count."""
     counts = Counter(trial.outcome for trial in trials)
     return counts, sum(counts[outcome] for outcome in COUNTED)

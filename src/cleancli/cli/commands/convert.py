@@ -12,7 +12,7 @@ import click
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.conversion.convert import Converted, Wishes, convert
-from cleancli.files.replace import Change, write_all
+from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Level, Refused
 from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.load import read_source
@@ -89,7 +89,7 @@ def _write(targets: tuple[Path, Path], converted: Converted, before: Sequence[st
     """Both files or none; each must still read as it did `before` anything was converted."""
     targets[0].parent.mkdir(parents=True, exist_ok=True)
     texts = (converted.domain, converted.problem)
-    write_all(Change(path, text, old) for path, text, old in zip(targets, texts, before, strict=True))
+    write_all(Replacement(path, text, old) for path, text, old in zip(targets, texts, before, strict=True))
 
 
 def _report(targets: tuple[Path, Path], converted: Converted, as_data: bool) -> None:

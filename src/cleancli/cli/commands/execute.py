@@ -26,7 +26,7 @@ from cleancli.cli.run_session import (
     alone_in,
     interruptions,
     none_left_where_refused,
-    open_site,
+    open_session,
     versions,
 )
 from cleancli.cli.symbolic import told_of
@@ -35,7 +35,7 @@ from cleancli.compiler.task import NoDurationError
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Ended, Looked
 from cleancli.execution.loop import clean
-from cleancli.execution.session import Site
+from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
@@ -181,12 +181,12 @@ def command(
         known,
     )
     inputs = Inputs(model, given, sources, options, None if job is None else Job(job))
-    with closing(open_site(inputs)) as site, begun_folder(runs) as begun:
-        header = _header(options, site.setup.job, _copied(inputs, begun))
+    with closing(open_session(inputs)) as session, begun_folder(runs) as begun:
+        header = _header(options, session.setup.job, _copied(inputs, begun))
         write_run(begun, header)
         folder = named(begun, f"{given.name}-seed{options.seed}")
         with none_left_where_refused(folder):
-            return _carry_out(inputs, site, folder, header, video, said)
+            return _carry_out(inputs, session, folder, header, video, said)
 
 
 _SHORT = 0.05
@@ -220,20 +220,20 @@ def _refuse_beside_resume() -> None:
 def _go_on(folder: Path, said: _Said) -> int:
     """Go on with a run that was cut short, from its last checkpoint."""
     begun = unfinished(folder)
-    saved, site = reopened(folder, begun)
-    with closing(site):
+    saved, session = reopened(folder, begun)
+    with closing(session):
         dropped = cut_back(folder, saved)
         after = 0 if saved is None else saved.episode.actions
         resumed = Resumed(after, dropped)
         if not said.silently:
             echo(f"going on after {plural(after, 'action')}", err=True)
         episode = None if saved is None else saved.episode
-        return _carry_out(begun.inputs, site, folder, begun.header, begun.video, said, resumed, episode)
+        return _carry_out(begun.inputs, session, folder, begun.header, begun.video, said, resumed, episode)
 
 
 def _carry_out(
     inputs: Inputs,
-    site: Site,
+    session: Session,
     folder: Path,
     header: Mapping[str, object],
     video: bool,
@@ -242,14 +242,14 @@ def _carry_out(
     saved: EpisodeState | None = None,
 ) -> int:
     """The loop to its end, recorded and shown; from a checkpoint on, if there is one."""
-    setup, cell = site.setup, site.cell
+    setup, cell = session.setup, session.cell
     told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
     last = ""
     entries = Entries(inputs.domain, lambda: cell.clock, None if saved is None else saved.spent)
     with (
         located_in(*inputs.sources),
         planning_refused(inputs.sources),
-        Recorder(folder, header, site.picture, video, entries, site.save, resumed) as recorder,
+        Recorder(folder, header, session.picture, video, entries, session.save, resumed) as recorder,
         show(said.silently, setup.scene, lambda: cell.tool, setup.options.max_actions, told=told) as view,
     ):
         try:
@@ -262,23 +262,23 @@ def _carry_out(
                     if pressed:
                         raise KeyboardInterrupt
         except KeyboardInterrupt:
-            site.stop()
+            session.stop()
             recorder.note(Interrupted(cell.clock))
             how = "stopped with the tool up" if told is None else "stopped"
             raise Stopped(f"{how}; go on with: cleancli execute --resume {folder}") from None
         except OSError:
-            site.stop()
+            session.stop()
             echo(f"go on later with `cleancli execute --resume {folder}`", err=True)
             raise
     assert isinstance(event, Ended), "an episode's last event closes it"
-    truth = site.truth()
+    truth = session.truth()
     recorder.finish(truth)
     with working("writing report.html", said.silently):
         write_page(folder)
     if said.as_data:
         echo((folder / "run.json").read_text(encoding="utf-8"), nl=False)
     elif not said.quiet:
-        echo(_summary(event, truth, folder, video and site.picture is not None, last))
+        echo(_summary(event, truth, folder, video and session.picture is not None, last))
     return ExitCode.DONE if event.clean else ExitCode.NOT_CLEAN
 
 

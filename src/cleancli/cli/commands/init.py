@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from cleancli.cli.echo import echo
-from cleancli.files.replace import Change, write_all
+from cleancli.files.replace import Replacement, write_all
 from cleancli.language.load import read_source
 
 STARTER = Path(__file__).parent / "starter"
@@ -23,7 +23,7 @@ def command(folder: Path) -> None:
     FOLDER is made if there is none; the default is the current one. Files that exist are never replaced.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_all([Change(folder / name, read_source(STARTER / name).text, None) for name in FILES])
+    write_all([Replacement(folder / name, read_source(STARTER / name).text, None) for name in FILES])
     domain, problem = (shlex.quote(str(folder / name)) for name in FILES)
     echo(f"wrote {domain} and {problem}; now try")
     echo(f"  cleancli check {domain} {problem}")

@@ -13,7 +13,7 @@ from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import located_in, may_include_outside, open_domain
 from cleancli.cli.progress import working
-from cleancli.files.replace import Change, write_all
+from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
@@ -70,7 +70,7 @@ def command(
         _print(model, learned, transitions.number)
     if write:
         changed = [source for source in sources if texts[source.path].text != source.text]
-        write_all(Change(Path(source.path), texts[source.path].text, source.text) for source in changed)
+        write_all(Replacement(Path(source.path), texts[source.path].text, source.text) for source in changed)
         for source in changed:
             echo(f"wrote {source.path}", err=as_data)
 

@@ -13,8 +13,8 @@ import click
 from cleancli.cli.action_syntax import Call, read_actions
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.observe import Seen, look
-from cleancli.cli.plan_job import Job, numbered
+from cleancli.cli.observe import ObservedProblem, look
+from cleancli.cli.plan_job import PlanningRequest, numbered
 from cleancli.cli.plan_options import planner_named, planner_options, planners_named
 from cleancli.cli.progress import working
 from cleancli.cli.refusal import planning_refused
@@ -164,23 +164,23 @@ def _refuse_together() -> None:
 
 def _seen(
     model: Domain, problem: str, sources: Sequence[Source], seed: int | None, seconds: dict[str, float]
-) -> tuple[Seen, int | None]:
+) -> tuple[ObservedProblem, int | None]:
     """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
     given = open_problem(problem, model)
     if not isinstance(given, Scene):
-        return Seen(model, given, ()), seed
+        return ObservedProblem(model, given, ()), seed
     seed = given.seed if seed is None else seed
     with _timed(seconds, "look"), located_in(*sources), working("looking at the table"):
         return look(model, given, seed), seed
 
 
 def _job(
-    seen: Seen,
+    seen: ObservedProblem,
     calls: Sequence[Call] | None,
     options: Options,
     time_discounts: bool,
     seconds: dict[str, float],
-) -> Job:
+) -> PlanningRequest:
     """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
     name or libPRADA is followed."""
     model, smaller = seen.domain, Fewer(seen.problem)
@@ -189,10 +189,10 @@ def _job(
             smaller = fewer(model, seen.problem, options.counted)
         task = ground(model, smaller.problem, compat=options.compat, named=calls or ())
         prepared = prepare(by_time(task) if time_discounts else task)
-    return Job(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
+    return PlanningRequest(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
 
 
-def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:
+def _plan(job: PlanningRequest, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:
     with working(_PLANNING):
         plan = PLANNERS[planner](job.prepared, job.options)
     seconds |= plan.seconds
@@ -201,7 +201,9 @@ def _plan(job: Job, planner: str, wanted: _Wanted, seconds: dict[str, float]) ->
     echo_plan(job, plan, expected, seconds, wanted.as_data)
 
 
-def _evaluate(job: Job, calls: Sequence[Call], wanted: _Wanted, seconds: dict[str, float]) -> None:
+def _evaluate(
+    job: PlanningRequest, calls: Sequence[Call], wanted: _Wanted, seconds: dict[str, float]
+) -> None:
     actions = numbered(job.task, calls)
     with (
         _timed(seconds, "evaluate"),
@@ -213,7 +215,7 @@ def _evaluate(job: Job, calls: Sequence[Call], wanted: _Wanted, seconds: dict[st
 
 
 def _expected(
-    job: Job, actions: Sequence[int], wanted: _Wanted, seconds: dict[str, float]
+    job: PlanningRequest, actions: Sequence[int], wanted: _Wanted, seconds: dict[str, float]
 ) -> Forecast | None:
     """What the answer explains, if it is to; draws what the picture shows."""
     if not wanted.explain and wanted.plot is None:

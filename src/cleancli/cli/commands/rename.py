@@ -11,7 +11,7 @@ from cleancli.cli.completion import domains, problems, renamable
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
-from cleancli.files.replace import Change, write_all
+from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
@@ -49,7 +49,7 @@ def command(
     for source in sources:
         echo_difference(source, texts[source.path].text, "renamed")
     if write:
-        write_all(Change(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
+        write_all(Replacement(Path(s.path), texts[s.path].text, s.text) for s in sources if s.path in edits)
     places = sum(map(len, edits.values()))
     echo(f"{plural(places, 'place')} in {len(edits)} of {plural(len(sources), 'file')}", err=not write)
 

@@ -15,7 +15,7 @@ from cleancli.cli.progress import working
 from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
-from cleancli.report.account import Row, name_of, row_of
+from cleancli.report.account import RunRow, name_of, row_of
 from cleancli.report.page import comparison_page, run_page
 from cleancli.report.run import Run, read_run
 from cleancli.report.timeline import in_order
@@ -56,7 +56,7 @@ def write_page(folder: Path) -> Run:
     return run
 
 
-def _table(rows: Sequence[Row]) -> Table:
+def _table(rows: Sequence[RunRow]) -> Table:
     """A row a run; of several, also how long each took as part of the first."""
     kinds = list(in_order({kind: 0.0 for row in rows for kind, spent in row.seconds.items() if spent}))
     compared = ("of first",) if len(rows) > 1 else ()

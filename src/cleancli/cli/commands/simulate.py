@@ -20,9 +20,9 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.batch import Setup, spread
+from cleancli.simulation.batch import Batch, spread
 from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, Limits
+from cleancli.simulation.episode import Episode, EpisodeLimits
 from cleancli.simulation.summary import summarized
 
 
@@ -102,7 +102,7 @@ def command(
     if world is not None:
         _, world_sources, world_model = open_domain(world)
         refuse_unlike(model, world_model, given, sources, world_sources)
-    setup = Setup(
+    setup = Batch(
         model,
         world_model,
         given,
@@ -110,7 +110,7 @@ def command(
         planner_options(
             given, samples=samples, seed=seed, time_limit=time_limit, threads=None if jobs == 1 else 1
         ),
-        Limits(max_actions, commit),
+        EpisodeLimits(max_actions, commit),
         objective == "time",
     )
     texts = (*sources, *world_sources, read_source(find(problem, "problems")))
@@ -128,7 +128,7 @@ def command(
 
 
 def _episodes(
-    setup: Setup, episodes: int, jobs: int, sources: Sequence[Source]
+    setup: Batch, episodes: int, jobs: int, sources: Sequence[Source]
 ) -> tuple[tuple[Episode, ...], ...]:
     """The episodes of each planner, in their order."""
     with planning_refused(sources):

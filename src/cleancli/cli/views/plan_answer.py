@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 import click
 
 from cleancli.cli.kernels import has_compiled
-from cleancli.cli.plan_job import Job, why_nothing
+from cleancli.cli.plan_job import PlanningRequest, why_nothing
 from cleancli.cli.views.plan_steps import steps_data, steps_table
 from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.compiler.semantics import reaches_goal
 from cleancli.language.diagnostics.plural import plural
-from cleancli.planning.compare import Row
+from cleancli.planning.compare import Comparison
 from cleancli.planning.evaluation.forecast import Forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.plan import Plan
@@ -29,7 +29,7 @@ _NOTHING = {
 
 
 def echo_plan(
-    job: Job, plan: Plan, expected: Forecast | None, seconds: Mapping[str, float], as_data: bool
+    job: PlanningRequest, plan: Plan, expected: Forecast | None, seconds: Mapping[str, float], as_data: bool
 ) -> None:
     """The plan, with what is expected of its steps where that was asked for."""
     if as_data:
@@ -58,7 +58,7 @@ def _phase(name: str) -> str:
     return "load" if name == "compile" and not has_compiled() else name
 
 
-def _echo_not_planned_for(job: Job) -> None:
+def _echo_not_planned_for(job: PlanningRequest) -> None:
     if job.left_out:
         names = ", ".join(job.left_out)
         click.echo(f"planned without {names}: beyond `most` of the scene's `symbols` (§4.2.1)")
@@ -70,7 +70,7 @@ def _echo_not_planned_for(job: Job) -> None:
         )
 
 
-def _echo_actions(job: Job, plan: Plan, expected: Forecast | None) -> None:
+def _echo_actions(job: PlanningRequest, plan: Plan, expected: Forecast | None) -> None:
     if not plan.actions:
         click.echo(_NOTHING[why_nothing(job.task)].format(margin=job.options.margin))
         return
@@ -84,7 +84,7 @@ def _echo_actions(job: Job, plan: Plan, expected: Forecast | None) -> None:
 
 
 def echo_evaluation(
-    job: Job,
+    job: PlanningRequest,
     actions: Sequence[int],
     found: Evaluation,
     expected: Forecast | None,
@@ -130,7 +130,7 @@ def echo_evaluation(
         click.echo(f"  {' '.join(beyond)}")
 
 
-def echo_comparison(job: Job, rows: Sequence[Row], as_data: bool) -> None:
+def echo_comparison(job: PlanningRequest, rows: Sequence[Comparison], as_data: bool) -> None:
     """A row for each planner."""
     if as_data:
         planners = [_row_data(row) for row in rows]
@@ -162,7 +162,7 @@ def _true(value: float | Sampled | None) -> str:
     return "-" if value is None else f"{value:.4f}"
 
 
-def _echo_steps(job: Job, expected: Forecast) -> None:
+def _echo_steps(job: PlanningRequest, expected: Forecast) -> None:
     print_table(steps_table(job, expected))
     source = "the exact distribution" if expected.runs is None else f"{expected.runs} drawn runs"
     click.echo(f"probabilities and expected rewards from {source}; reward is not discounted")
@@ -183,15 +183,15 @@ def _plan_data(plan: Plan) -> dict[str, object]:
     }
 
 
-def _not_planned_for(job: Job) -> dict[str, object]:
+def _not_planned_for(job: PlanningRequest) -> dict[str, object]:
     return {"ignored": list(job.ignored), "left_out": list(job.left_out)}
 
 
-def _explained(job: Job, expected: Forecast | None) -> dict[str, object]:
+def _explained(job: PlanningRequest, expected: Forecast | None) -> dict[str, object]:
     return {} if expected is None else {"explained": steps_data(job, expected)}
 
 
-def _row_data(row: Row) -> dict[str, object]:
+def _row_data(row: Comparison) -> dict[str, object]:
     if row.plan is None:
         return {"planner": row.planner, "refused": row.refusal}
     true = _sampled_data(row.true) if isinstance(row.true, Sampled) else {"value": row.true, "error": 0.0}

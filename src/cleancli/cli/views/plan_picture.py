@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.cli.plan_job import Job
+from cleancli.cli.plan_job import PlanningRequest
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import literal_text
 from cleancli.planning.evaluation.belief_value import plan_beliefs
@@ -36,7 +36,7 @@ def check_picture(path: Path | None) -> None:
     _figure(1, 1)
 
 
-def draw_picture(job: Job, actions: Sequence[int], expected: Forecast, path: Path) -> None:
+def draw_picture(job: PlanningRequest, actions: Sequence[int], expected: Forecast, path: Path) -> None:
     """Write the picture: a row for each literal that changes, and the expected count below."""
     factored = plan_beliefs(job.prepared, actions, job.options.rule_threshold)
     rows = _rows(job, expected.marginals, factored)
@@ -66,7 +66,7 @@ def draw_picture(job: Job, actions: Sequence[int], expected: Forecast, path: Pat
     figure.savefig(path, dpi=130)
 
 
-def _rows(job: Job, marginals: Floats, factored: Floats) -> list[tuple[int, str]]:
+def _rows(job: PlanningRequest, marginals: Floats, factored: Floats) -> list[tuple[int, str]]:
     """Slots with their text as literals, in the task's order: those that change most under the marginals or
     the factored belief. Of a variable with two values the second says all."""
     change = np.maximum(*(np.abs(np.diff(found, axis=0)).sum(axis=0) for found in (marginals, factored)))
@@ -85,7 +85,7 @@ def _rows(job: Job, marginals: Floats, factored: Floats) -> list[tuple[int, str]
     return [(slot, text) for slot, text in slots if slot in most]
 
 
-def _counts(job: Job, expected: Forecast, factored: Floats) -> tuple[Floats, Floats] | None:
+def _counts(job: PlanningRequest, expected: Forecast, factored: Floats) -> tuple[Floats, Floats] | None:
     """The expected count after each step, by the forecast and by the factored belief."""
     if job.task.counted is None or expected.remaining is None:
         return None

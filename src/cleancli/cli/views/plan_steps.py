@@ -6,17 +6,17 @@ import itertools
 
 from rich.table import Table
 
-from cleancli.cli.plan_job import Job
+from cleancli.cli.plan_job import PlanningRequest
 from cleancli.cli.views.tables import plain_table
 from cleancli.compiler.task import literal_text
 from cleancli.language.model import OutcomeKind
-from cleancli.planning.evaluation.forecast import Forecast, Result, Step
+from cleancli.planning.evaluation.forecast import Forecast, ForecastStep, Result
 
 SHOWN = 3
 """Results of a step that the table shows; the others are in the data."""
 
 
-def steps_table(job: Job, expected: Forecast) -> Table:
+def steps_table(job: PlanningRequest, expected: Forecast) -> Table:
     """A row for each likely result of each step; the first also says what is expected of the step."""
     table = plain_table("step", "covered", "by", "reward", "left", "chance", "what may happen")
     for column in (2, 6):
@@ -34,13 +34,13 @@ def steps_table(job: Job, expected: Forecast) -> Table:
     return table
 
 
-def _covering(job: Job, step: Step) -> list[str]:
+def _covering(job: PlanningRequest, step: ForecastStep) -> list[str]:
     """The rules that may cover the step, each with its probability unless it does wherever one does."""
     rules = _rules(job, step)
     return [name if len(rules) == 1 else f"{_chance(p)} {name}" for name, p in rules] or ["no rule"]
 
 
-def _likely(job: Job, step: Step) -> list[tuple[str, str]]:
+def _likely(job: PlanningRequest, step: ForecastStep) -> list[tuple[str, str]]:
     """The likeliest results with their probability, the others together, and that no rule covers it."""
     found = [(result.probability, _text(job, result)) for result in step.results[:SHOWN]]
     found.append((sum(result.probability for result in step.results[SHOWN:]), "other"))
@@ -48,7 +48,7 @@ def _likely(job: Job, step: Step) -> list[tuple[str, str]]:
     return [(_chance(probability), text) for probability, text in found if probability > 1e-9]
 
 
-def steps_data(job: Job, expected: Forecast) -> dict[str, object]:
+def steps_data(job: PlanningRequest, expected: Forecast) -> dict[str, object]:
     """Everything about the steps."""
     return {
         "measure": "exact" if expected.runs is None else "sampled",
@@ -75,16 +75,16 @@ def steps_data(job: Job, expected: Forecast) -> dict[str, object]:
     }
 
 
-def _rules(job: Job, step: Step) -> list[tuple[str, float]]:
+def _rules(job: PlanningRequest, step: ForecastStep) -> list[tuple[str, float]]:
     return [(job.domain.rules[rule].name, probability) for rule, probability in step.rules]
 
 
-def _text(job: Job, result: Result) -> str:
+def _text(job: PlanningRequest, result: Result) -> str:
     otherwise = "changes nothing" if result.kind is OutcomeKind.CHANGE else result.kind.value
     return ", ".join(_effects(job, result)) or otherwise
 
 
-def _effects(job: Job, result: Result) -> list[str]:
+def _effects(job: PlanningRequest, result: Result) -> list[str]:
     return [literal_text(job.task.variables[variable], [value]) for variable, value in result.effects]
 
 

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.language.diagnostics.plural import plural
-from cleancli.simulation.batch import Setup
+from cleancli.simulation.batch import Batch
 from cleancli.simulation.episode import Episode
 from cleancli.simulation.summary import Estimate, Summary
 
@@ -58,7 +58,7 @@ def _milliseconds(seconds: float | None) -> str:
 
 
 def as_data(
-    setup: Setup,
+    setup: Batch,
     summaries: Sequence[Summary],
     episodes: Sequence[Sequence[Episode]],
     options: Mapping[str, object],

@@ -1,6 +1,6 @@
 """What is expected of a sequence of actions, step by step.
 
-From the exact distribution over states while it has few, and otherwise from drawn runs.
+From the exact distribution over states while it has few, and otherwise from rollouts.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Result:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ForecastStep:
     """One step, from what is expected before it: `covered` is the probability that a rule of the action
     covers the state, `rules` pairs (index in the domain, probability), likeliest first, as `results` are.
 
@@ -73,7 +73,7 @@ class Forecast:
 
     runs: int | None
     remaining: float | None
-    steps: tuple[Step, ...]
+    steps: tuple[ForecastStep, ...]
     marginals: Floats
 
 
@@ -129,7 +129,7 @@ def _forecast(
 
 def _step(
     task: Task, p: Process, before: Spread, action: int, *, reward: float, remaining: float | None
-) -> Step:
+) -> ForecastStep:
     rule = covering(p, before.states, action)
     chance = np.bincount(rule + 1, before.weights, minlength=len(task.rules) + 1)[1:]
     rules: Counter[int] = Counter()
@@ -139,7 +139,7 @@ def _step(
         for outcome in task.rules[r].outcomes:
             found[outcome.kind, outcome.effects] += float(chance[r]) * float(outcome.probability)
     results = [Result(p, kind, effects) for (kind, effects), p in found.items() if p > 0]
-    return Step(
+    return ForecastStep(
         action=action,
         covered=min(float(chance.sum()), 1.0),
         rules=tuple(sorted(((r, float(p)) for r, p in rules.items()), key=lambda pair: (-pair[1], pair[0]))),

@@ -1,4 +1,4 @@
-"""Distributions over exact states as arrays, followed through actions whole or by drawn runs.
+"""Distributions over exact states as arrays, followed through actions whole or by rollouts.
 
 The meaning is that of compiler/semantics.py. Guaranteed by `lower_process`: indices are in range, and at
 most one rule of an action covers a state. No code is compiled here, so a few steps cost milliseconds.
@@ -13,7 +13,7 @@ import numpy as np
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Bools, Floats, Ints
 from cleancli.compiler.semantics import SupportTooLargeError
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 
 
 class Spread(NamedTuple):
@@ -23,7 +23,7 @@ class Spread(NamedTuple):
     weights: Floats  # (n,)
 
 
-def certain(initial: Assignment, copies: int = 1) -> Spread:
+def certain(initial: GroundState, copies: int = 1) -> Spread:
     """All weight on one state, in so many equal rows."""
     return Spread(
         np.tile(np.array(initial, dtype=np.int32), (copies, 1)), np.full(copies, 1.0 / max(copies, 1))

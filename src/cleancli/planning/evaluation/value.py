@@ -1,4 +1,4 @@
-"""What a given sequence of actions is worth: by PRADA's factored belief, exactly, and by drawn runs."""
+"""What a given sequence of actions is worth: by PRADA's factored belief, exactly, and by rollouts."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RUNS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """The mean of so many drawn runs, and its standard error."""
+    """The mean of so many rollouts, and its standard error."""
 
     value: float
     error: float
@@ -112,7 +112,7 @@ def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = R
 
 
 def _states() -> ModuleType:
-    """The one place that loads numba for drawn runs."""
+    """The one place that loads numba for rollouts."""
     from cleancli.planning.kernels import transitions
 
     return transitions

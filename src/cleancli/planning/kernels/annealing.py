@@ -59,7 +59,7 @@ def worth(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
     return found
 
 
-def _begun(prepared: Prepared, words: int) -> tuple[bit_parallel.Runs, bit_parallel.Luck]:
+def _begun(prepared: Prepared, words: int) -> tuple[bit_parallel.Runs, bit_parallel.CommonRandomNumbers]:
     process, horizon = prepared.process, max(prepared.task.horizon, 0)
     outcomes = max((len(rule.outcomes) for rule in prepared.task.rules), default=1)
     runs = bit_parallel.Runs(
@@ -70,7 +70,7 @@ def _begun(prepared: Prepared, words: int) -> tuple[bit_parallel.Runs, bit_paral
         np.ones((2, horizon + 1)),
         np.zeros(horizon + 1, dtype=np.int32),
     )
-    luck = bit_parallel.Luck(
+    luck = bit_parallel.CommonRandomNumbers(
         np.zeros(KEPT, dtype=np.int64), np.zeros((KEPT, outcomes, words), dtype=np.uint64)
     )
     state: Ints = np.asarray(prepared.task.initial, dtype=np.int32)

@@ -13,7 +13,7 @@ import numpy as np
 from cleancli.compiler.lowering.belief_tables import Indices, Tables
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.preference import preferred
 
@@ -27,7 +27,7 @@ ROUNDING = 1e-9
 
 def best_sequence(
     tables: Tables,
-    state: Assignment,
+    state: GroundState,
     horizon: int,
     discount: float,
     samples: int,
@@ -94,7 +94,7 @@ def ceiling(t: Tables, discount: float, steps: int) -> Floats:
 
 
 def step_rewards(
-    tables: Tables, state: Assignment, sequences: Sequence[Ints], steps: int, *, threshold: float
+    tables: Tables, state: GroundState, sequences: Sequence[Ints], steps: int, *, threshold: float
 ) -> tuple[Floats, Floats]:
     """Undiscounted expected reward of each of `steps` steps of each sequence of action indices from a state,
     and its progress (compiler/semantics.py) (sequences, steps).
@@ -112,7 +112,7 @@ def step_rewards(
     return result, progress
 
 
-def beliefs(tables: Tables, state: Assignment, actions: Sequence[int], *, threshold: float) -> Floats:
+def beliefs(tables: Tables, state: GroundState, actions: Sequence[int], *, threshold: float) -> Floats:
     """The probability of each value of each variable (actions + 1, S): in a state, and after each action."""
     check(tables)
     assert all(0 <= action < len(tables.cost) for action in actions)
@@ -134,7 +134,7 @@ def new_belief(t: Tables, threshold: float) -> kernel.Belief:
     return kernel.Belief(number, reward, weight, cover, others, change, np.array([threshold]))
 
 
-def _state(t: Tables, assignment: Assignment) -> Ints:
+def _state(t: Tables, assignment: GroundState) -> Ints:
     state = np.asarray(assignment, dtype=np.int32)
     assert state.shape == (len(t.slot_start) - 1,)
     assert ((state >= 0) & (state < np.diff(t.slot_start))).all()

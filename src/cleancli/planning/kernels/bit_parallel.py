@@ -1,4 +1,4 @@
-"""Annealing over action sequences, each valued by the same drawn runs of the process (compiled).
+"""Annealing over action sequences, each valued by the same rollouts of the process (compiled).
 
 Runs are bits: for each value of each variable a word says in which of 64 runs the variable has it. A rule's
 condition is then a few operations on words, for 64 runs at once, and so is what an outcome sets. What is
@@ -48,7 +48,7 @@ class Runs(NamedTuple):
     row: Ints  # (H + 1,)
 
 
-class Luck(NamedTuple):
+class CommonRandomNumbers(NamedTuple):
     """Outcomes that were drawn, kept as long as no others need the place (E, a power of 2)."""
 
     key: NDArray[np.int64]  # (E,) of which rule and use of its action; -1 where nothing is kept
@@ -102,7 +102,7 @@ def _drawn(probability: float, stream: np.uint64) -> np.uint64:
 
 
 @inner
-def _outcomes(p: Process, luck: Luck, rule: int, use: int, seed: np.uint64) -> int:
+def _outcomes(p: Process, luck: CommonRandomNumbers, rule: int, use: int, seed: np.uint64) -> int:
     """Where in `luck` it stands in which runs each outcome of a rule comes, at this use of its action."""
     key = rule * 4096 + use
     entry = int(mixed(np.uint64(key)) % np.uint64(len(luck.key)))
@@ -155,7 +155,7 @@ def _set(p: Process, word: Words, row: int, place: int, outcome: int, w: int, ru
 def _act(
     p: Process,
     runs: Runs,
-    luck: Luck,
+    luck: CommonRandomNumbers,
     source: int,
     target: int,
     place: int,
@@ -187,7 +187,7 @@ def _act(
 def _run(
     p: Process,
     runs: Runs,
-    luck: Luck,
+    luck: CommonRandomNumbers,
     actions: Ints,
     length: int,
     start: int,
@@ -298,7 +298,7 @@ def _change(p: Process, runs: Runs, s: Scratch, length: int, stream: np.uint64) 
 
 
 @compiled
-def begin(p: Process, runs: Runs, luck: Luck, state: Ints) -> None:
+def begin(p: Process, runs: Runs, luck: CommonRandomNumbers, state: Ints) -> None:
     """Puts all runs into a state, and forgets what was drawn."""
     rules, words = len(p.rule_useful), runs.word.shape[3]
     for variable in range(len(state)):
@@ -318,7 +318,7 @@ def begin(p: Process, runs: Runs, luck: Luck, state: Ints) -> None:
 
 @compiled
 def worth(
-    p: Process, runs: Runs, luck: Luck, actions: Ints, idle: Floats, seed: np.uint64
+    p: Process, runs: Runs, luck: CommonRandomNumbers, actions: Ints, idle: Floats, seed: np.uint64
 ) -> tuple[float, float]:
     """Mean discounted reward of a sequence over the runs of a seed, from the state in which they begin, and
     its earliness."""
@@ -330,7 +330,7 @@ def worth(
 def anneal(
     p: Process,
     runs: Runs,
-    luck: Luck,
+    luck: CommonRandomNumbers,
     s: Scratch,
     length: int,
     best: Ints,

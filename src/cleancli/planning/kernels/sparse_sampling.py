@@ -11,7 +11,7 @@ import numpy as np
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels.jit import better, njit, standing_earliness
 from cleancli.planning.kernels.rng import GOLDEN, mixed, uniform
 from cleancli.planning.kernels.transitions import apply, choosable, draw, rewarded
@@ -70,7 +70,7 @@ def _look_ahead(
 
 def look_ahead(
     process: Process,
-    initial: Assignment,
+    initial: GroundState,
     discount: float,
     *,
     horizon: int,

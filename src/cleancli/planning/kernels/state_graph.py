@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels.jit import better, njit, standing_earliness
 from cleancli.planning.kernels.rng import mixed, split
 from cleancli.planning.kernels.transitions import covering, rewarded
@@ -209,7 +209,7 @@ def _stage(
 class Enumeration:
     """A graph that grows by one step at a time from an initial state."""
 
-    def __init__(self, process: Process, initial: Assignment, limit: int) -> None:
+    def __init__(self, process: Process, initial: GroundState, limit: int) -> None:
         self._process, self._limit = process, limit
         outcomes = np.diff(process.outcome_start)
         rules = zip(process.rule_start[:-1], process.rule_start[1:], strict=True)
@@ -317,7 +317,7 @@ class Enumeration:
         enter(self._room.table, self._room.hashes, number)
 
 
-def reachable(process: Process, initial: Assignment, limit: int, steps: int) -> Graph | None:
+def reachable(process: Process, initial: GroundState, limit: int, steps: int) -> Graph | None:
     """The states within so many steps of one; None where they are more than `limit`, or their transitions
     more than `EDGE_LIMIT`."""
     enumeration = Enumeration(process, initial, limit)

@@ -118,7 +118,7 @@ def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, f
 def sequence_value(
     p: Process, initial: Ints, actions: Ints, idle: Floats, samples: int, seed: np.uint64
 ) -> tuple[float, float]:
-    """Mean discounted reward of a sequence over drawn runs from a state, and the mean of its square.
+    """Mean discounted reward of a sequence over rollouts from a state, and the mean of its square.
 
     After the sequence nothing is done: `idle[k]` is what a reward of 1 in each of k last steps is worth at
     their start; the last k is the horizon. Run i depends on the seed and i alone, so sequences are compared

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.kernels.jit import njit
 from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
@@ -232,7 +232,7 @@ class Search:
         choice = self._best(0)
         return float(self._tree.total[choice] / self._tree.tried[choice])
 
-    def choose(self, step: int, assignment: Assignment) -> int | None:
+    def choose(self, step: int, assignment: GroundState) -> int | None:
         """The action taken most often in a state; None where that is nothing, or some choice was never
         tried."""
         t, key = self._tree, [*assignment, step]

@@ -7,12 +7,12 @@ import numpy as np
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import idle_worth
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels.state_graph import EDGE_LIMIT, Enumeration, Graph, backward
 
 
 def best_sequence(
-    process: Process, initial: Assignment, discount: float, *, steps: int, width: int
+    process: Process, initial: GroundState, discount: float, *, steps: int, width: int
 ) -> tuple[int, ...]:
     """The actions that pay most, discounted, within so many steps, up to where stopping is preferred.
 

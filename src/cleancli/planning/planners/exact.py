@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.planners import rational
@@ -48,7 +48,7 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
     graph = enumeration.graph()
     values, best = module.backward(graph, process, task.discount, horizon)
 
-    def choose(step: int, state: Assignment) -> int | None:
+    def choose(step: int, state: GroundState) -> int | None:
         action = best[step, np.flatnonzero((graph.states == state).all(axis=1))[0]]
         return int(action) if action >= 0 else None
 

@@ -1,4 +1,4 @@
-"""PRADA+: what PRADA finds, improved by annealing over drawn runs; small problems are solved exactly.
+"""PRADA+: what PRADA finds, improved by annealing over rollouts; small problems are solved exactly.
 
 PRADA values a sequence by a belief whose variables are independent, and only ever draws new sequences. Here a
 sequence is valued by runs of the process itself, and the next one to try is a change of a good one. Where few

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.compiler.semantics import covering_rule, idle_earliness, reaches_goal
-from cleancli.compiler.task import Assignment, Task, holds
+from cleancli.compiler.task import GroundState, Task, holds
 from cleancli.planning.plan import TooManyStatesError
 from cleancli.planning.trajectory import Choose
 
@@ -18,7 +18,7 @@ class _Choice:
     action: int
     reward: Fraction
     progress: Fraction
-    after: tuple[tuple[Assignment, Fraction], ...]
+    after: tuple[tuple[GroundState, Fraction], ...]
 
 
 _Worth = tuple[Fraction, Fraction]
@@ -45,11 +45,11 @@ def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
     layers = _layers(task, limit)
     discount, discounts = Fraction(repr(task.discount)), [Fraction(repr(d)) for d in task.discounts]
     payments = [d / discount if discount else Fraction(1) for d in discounts]
-    later: dict[Assignment, _Worth] = {}
-    policy: list[dict[Assignment, int | None]] = []
+    later: dict[GroundState, _Worth] = {}
+    policy: list[dict[GroundState, int | None]] = []
     for left, layer in enumerate(reversed(layers), start=1):
-        now: dict[Assignment, _Worth] = {}
-        best: dict[Assignment, int | None] = {}
+        now: dict[GroundState, _Worth] = {}
+        best: dict[GroundState, int | None] = {}
         idle = sum((discount**step for step in range(left)), Fraction(0))
         for state, known in layer.items():
             now[state], best[state] = (known.standing * idle, known.standing * idle_earliness(left)), None
@@ -66,10 +66,10 @@ def optimum(task: Task, limit: int) -> tuple[Fraction, Choose]:
     return later.get(task.initial, _NOTHING)[0], lambda step, state: policy[step][state]
 
 
-def _layers(task: Task, limit: int) -> list[dict[Assignment, _State]]:
+def _layers(task: Task, limit: int) -> list[dict[GroundState, _State]]:
     """For each step the states that can be reached by then."""
-    known: dict[Assignment, _State] = {}
-    layers: list[dict[Assignment, _State]] = []
+    known: dict[GroundState, _State] = {}
+    layers: list[dict[GroundState, _State]] = []
     frontier = {task.initial: None}
     for _ in range(task.horizon):
         reached = dict.fromkeys(frontier)
@@ -84,7 +84,7 @@ def _layers(task: Task, limit: int) -> list[dict[Assignment, _State]]:
     return layers
 
 
-def _state(task: Task, state: Assignment) -> _State:
+def _state(task: Task, state: GroundState) -> _State:
     decreasing, standing = _paid(task, state)
     reached, choices = reaches_goal(task, state), []
     for action in range(len(task.actions)):
@@ -99,10 +99,10 @@ def _state(task: Task, state: Assignment) -> _State:
     return _State(standing, tuple(choices))
 
 
-def _after(task: Task, state: Assignment, action: int) -> dict[Assignment, Fraction]:
+def _after(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
     """The states that may follow, with their probabilities; none where no rule covers the state."""
     rule = covering_rule(task, state, action)
-    after: dict[Assignment, Fraction] = {}
+    after: dict[GroundState, Fraction] = {}
     for outcome in () if rule is None else rule.outcomes:
         if outcome.probability:
             effects = dict(outcome.effects)
@@ -111,7 +111,7 @@ def _after(task: Task, state: Assignment, action: int) -> dict[Assignment, Fract
     return after
 
 
-def _paid(task: Task, state: Assignment) -> tuple[Fraction, Fraction]:
+def _paid(task: Task, state: GroundState) -> tuple[Fraction, Fraction]:
     """What is paid for its decrease, and what a step that ends in the state is paid."""
     held = [reward for reward in task.rewards if holds(reward.condition, state)]
     decreasing = sum((reward.decrease for reward in held), Fraction(0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from types import ModuleType
 
-from cleancli.compiler.task import Assignment
+from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.trajectory import course_plan, likeliest_course
@@ -22,7 +22,7 @@ def sst(prepared: Prepared, options: Options) -> Plan:
     times.append(time.perf_counter())
     sparse_sampling = _sampling()
 
-    def look(step: int, state: Assignment, depth: int) -> tuple[float, int]:
+    def look(step: int, state: GroundState, depth: int) -> tuple[float, int]:
         value, action = sparse_sampling.look_ahead(
             process,
             state,
@@ -34,7 +34,7 @@ def sst(prepared: Prepared, options: Options) -> Plan:
         )
         return float(value), int(action)
 
-    def choose(step: int, state: Assignment) -> int | None:
+    def choose(step: int, state: GroundState) -> int | None:
         action = look(step, state, options.depth)[1]
         return action if action >= 0 else None
 

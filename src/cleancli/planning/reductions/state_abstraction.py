@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from cleancli.compiler.task import Assignment, GroundCondition, Task, asked
+from cleancli.compiler.task import GroundCondition, GroundState, Task, asked
 
-Forget = Callable[[Assignment], Assignment]
+Forget = Callable[[GroundState], GroundState]
 """A state with what has lost its meaning in it forgotten."""
 
 
@@ -39,7 +39,7 @@ def forgetting(task: Task) -> tuple[Task, Forget]:
         for rule in task.rules
     )
 
-    def forget_state(assignment: Assignment) -> Assignment:
+    def forget_state(assignment: GroundState) -> GroundState:
         return tuple(value for _, value in forget(tuple(enumerate(assignment))))
 
     return replace(task, rules=rules), forget_state

@@ -24,7 +24,7 @@ from cleancli.motion.joint_path import (
 from cleancli.motion.legs import Leg, legs
 from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Waypoint
-from cleancli.motion.timing import Limits, timed
+from cleancli.motion.timing import SpeedLimits, timed
 from cleancli.scene.model import Rag
 from cleancli.world import constants as par
 from cleancli.world import rag as cloths
@@ -76,7 +76,7 @@ class ArmDrive:
         self._engine, self._arm, self._build, self._held = engine, arm, build, held
         self._body = body(engine, arm, build, held.seen, held.links)
         held.tune(self._body)
-        self._limits = Limits(arm.speed, arm.acceleration)
+        self._limits = SpeedLimits(arm.speed, arm.acceleration)
         self._target = np.array(build.rest)
 
     def place(self) -> None:

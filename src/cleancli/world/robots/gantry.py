@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cleancli.motion.legs import Leg, legs, lengths
 from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable, Waypoint
-from cleancli.motion.timing import Course, Limits, timed
+from cleancli.motion.timing import Course, SpeedLimits, timed
 from cleancli.scene.model import Rag, Scene
 from cleancli.world import constants as par
 from cleancli.world import rag as cloths
@@ -17,7 +17,7 @@ from cleancli.world.physics import Engine
 from cleancli.world.robots import constants
 
 _DRIVES = (0, 1, 2, 3)  # joint numbers of x, y, z, yaw
-_LIMITS = Limits(constants.JOINT_SPEED, constants.JOINT_ACCELERATION)
+_LIMITS = SpeedLimits(constants.JOINT_SPEED, constants.JOINT_ACCELERATION)
 _STILL = np.zeros(4)
 _Array = NDArray[np.float64]
 

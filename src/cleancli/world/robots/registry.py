@@ -23,7 +23,7 @@ _Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class RobotType:
     """How a robot is built, and which tool poses (n, 4) it can bring the rag to."""
 
     build: Callable[[Engine, Scene, np.random.Generator], Drive]
@@ -43,6 +43,10 @@ def _reem_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
     return reached(reem_arm(scene, 1), points)
 
 
-ROBOTS: Mapping[str, Row] = MappingProxyType(
-    {"gantry": Row(Gantry, within_reach), "wam": Row(_wam, _wam_reaches), "reem": Row(Reem, _reem_reaches)}
+ROBOTS: Mapping[str, RobotType] = MappingProxyType(
+    {
+        "gantry": RobotType(Gantry, within_reach),
+        "wam": RobotType(_wam, _wam_reaches),
+        "reem": RobotType(Reem, _reem_reaches),
+    }
 )
