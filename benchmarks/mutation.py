@@ -30,11 +30,15 @@ from pathlib import Path
 
 import mutation_runs as runs
 from mutants import MODULE, SOURCES, Change, Site, changed, sites
-from mutation_tests import UNKNOWN_SECONDS, Knowledge, collect, test_files
+from mutation_tests import Knowledge, collect, test_files
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = "results.jsonl"
 EQUAL = Path(__file__).with_name("mutation_equal.txt")
+_NOW = Path(".job") / "now"
+_WARMS = "tests/cli/test_planning_cases.py"
+"""Runs all planners."""
+_WARM_SECONDS = 900.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,28 +150,25 @@ class Bench:
     def __init__(self, folder: Path, worker: int, knowledge: Knowledge, budget: float, seed: int) -> None:
         self.copy = folder / f"copy-{worker}"
         self._folder, self._knowledge, self._budget, self._seed = folder, knowledge, budget, seed
-        self._sound: set[str] = set()
+        self._sound: dict[str, bool] = {}
         self._kills: Counter[tuple[str, str]] = Counter()
+        self._kernels = folder / "kernels"
         runs.make_copy(self.copy)
+
+    def warm(self) -> None:
+        """Compile what planners run, which a test that is run alone has no time for."""
+        runs.compile_modules(self.copy)
+        self._run([_WARMS], {_WARMS: _WARM_SECONDS}, _WARM_SECONDS, self._kernels)
 
     def try_change(self, change: Change) -> Result:
         started = time.perf_counter()
         chosen = self._knowledge.tests_for(change, self._budget, self._kills)
-        by = ""
-        done = 0
-        kernels = self._folder / "kernels"
-        with runs.applied(self.copy, kernels, change) as changed_kernels:
-            for stage in chosen.stages:
-                by = self._failing(stage, changed_kernels)
-                done += len(stage)
-                if by:
-                    break
-        if by and by not in self._sound:
-            flaky = self._failing({by: chosen.seconds.get(by, UNKNOWN_SECONDS)}, kernels)
-            if flaky:
-                by = ""
-            else:
-                self._sound.add(by)
+        by, done = "", 0
+        for stage in chosen.stages:
+            by = self._noticing(stage, change)
+            done += len(stage)
+            if by:
+                break
         if by:
             self._kills[change.module, by] += 1
             if change.block.endswith(MODULE):
@@ -187,18 +188,33 @@ class Bench:
             time.time(),
         )
 
-    def _failing(self, tests: dict[str, float], kernels: Path) -> str:
+    def _noticing(self, stage: tuple[str, ...], change: Change) -> str:
+        """The first test of a stage that fails with a change, and does not fail without it; "" for none."""
+        left = tuple(test for test in stage if self._sound.get(test, True))
+        while left:
+            with runs.applied(self.copy, self._kernels, change) as changed_kernels:
+                by = self._failing(left, changed_kernels)
+            if by and by not in self._sound:
+                self._sound[by] = not self._failing((by,), self._kernels)
+            if not by or self._sound[by]:
+                return by
+            left = left[left.index(by) + 1 :]
+        return ""
+
+    def _failing(self, tests: tuple[str, ...], kernels: Path) -> str:
         """The first of some tests that fails, or takes too long; "" for none."""
-        work = self.copy / ".job"
-        now = work / "now"
-        now.parent.mkdir(exist_ok=True)
-        now.write_text("")
+        order = {test: self._knowledge.limit(test) for test in tests}
         files = list(dict.fromkeys(test.split("::")[0] for test in tests))
-        limit = 60 + 8 * sum(tests.values())
-        ended = runs.run(self.copy, files, {"out": str(now), "order": tests}, kernels, limit, work)
+        ended = self._run(files, order, self._knowledge.limit_of_all(tests), kernels)
         if ended.code in (0, 5):
             return ""
-        return now.read_text() or next(iter(tests))
+        return (self.copy / _NOW).read_text() or tests[0]
+
+    def _run(self, files: list[str], order: dict[str, float], limit: float, kernels: Path) -> runs.Ended:
+        now = self.copy / _NOW
+        now.parent.mkdir(exist_ok=True)
+        now.write_text("")
+        return runs.run(self.copy, files, {"out": str(now), "order": order}, kernels, limit, now.parent)
 
 
 def work(worker: int, todo: list[Change], asked: argparse.Namespace, claims: Path) -> None:
@@ -206,7 +222,7 @@ def work(worker: int, todo: list[Change], asked: argparse.Namespace, claims: Pat
     knowledge = Knowledge(asked.keep, asked.tests)
     bench = Bench(asked.keep, worker, knowledge, asked.per_change, asked.seed)
     if not asked.quick:
-        runs.compile_modules(bench.copy)
+        bench.warm()
     for place, change in enumerate(todo, start=1):
         if time.time() > asked.until:
             break

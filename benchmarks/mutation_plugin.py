@@ -17,8 +17,6 @@ from typing import Any
 import pytest
 
 JOB: dict[str, Any] = json.loads(Path(os.environ["MUTATION_JOB"]).read_text(encoding="utf-8"))
-_LEAST_SECONDS = 15.0
-_TIMES_AS_LONG = 8.0
 
 
 class Collect:
@@ -85,8 +83,8 @@ class Collect:
 
 
 class Ordered:
-    """Runs the tests of a list in its order, each within a time of the processor; the name of one that fails
-    is written down."""
+    """Runs the tests of a list in its order, each within its time of the processor; the name of one that
+    fails is written down."""
 
     def __init__(self, order: dict[str, float], out: Path) -> None:
         self._order, self._out = order, out
@@ -105,7 +103,7 @@ class Ordered:
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         self._out.write_text(item.nodeid, encoding="utf-8")
-        longest = max(_LEAST_SECONDS, _TIMES_AS_LONG * self._order[self._listed(item)])
+        longest = self._order[self._listed(item)]
         hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + longest) + 1, hard))
 

@@ -8,6 +8,7 @@ import multiprocessing
 import shutil
 import sys
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,14 +22,15 @@ _FIRST_FILES = 3
 _CASES = 5
 _FILE_SECONDS = 150.0
 UNKNOWN_SECONDS = 5.0
+_LEAST_LIMIT = 15.0
+_TIMES_AS_LONG = 8.0
 
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """Tests for a change, the likeliest and quickest first, with the seconds that each takes."""
+    """Tests for a change, the likeliest and quickest first."""
 
-    stages: tuple[dict[str, float], ...]
-    seconds: dict[str, float]
+    stages: tuple[tuple[str, ...], ...]
     left_out: int
 
 
@@ -115,6 +117,7 @@ class Knowledge:
         self._modules: dict[str, set[str]] = defaultdict(set)
         self._seconds: dict[str, float] = {}
         self._breadth: dict[str, int] = {}
+        self._slowest: dict[str, float] = defaultdict(float)
         names = {identity: block for block, identity in number.items()}
         kept = {file: folder / "coverage" / _name(file) for file in files}
         for path in kept.values():
@@ -130,6 +133,8 @@ class Knowledge:
                 continue
             test = seen["test"]
             self._seconds[test], self._breadth[test] = seen["seconds"], len(seen["hits"])
+            file = test.split("::")[0]
+            self._slowest[file] = max(self._slowest[file], seen["seconds"])
             for identity in seen["hits"]:
                 block = names[identity]
                 self._blocks[block].add(test)
@@ -151,29 +156,42 @@ class Knowledge:
             return -kills[change.module, test], -kills[change.kind, test] if stated else 0, apart * cost
 
         order = sorted(tests, key=rank)
-        seconds = {test: self._seconds[test] for test in order}
-        first: dict[str, float] = {}
+        seconds = self._seconds
+        first: list[str] = []
         files: set[str] = set()
         cases: Counter[str] = Counter()
+        spent = 0.0
         for test in order:
             file = test.split("::")[0]
             case = test.split("[")[0]
             full = len(files) == _FIRST_FILES and file not in files
-            if full or cases[case] == _CASES or sum(first.values()) + seconds[test] > _FIRST_SECONDS:
+            if full or cases[case] == _CASES or spent + seconds[test] > _FIRST_SECONDS:
                 continue
             if len(first) == _FIRST_TESTS:
                 break
-            first[test] = seconds[test]
+            first.append(test)
+            spent += seconds[test]
             files.add(file)
             cases[case] += 1
-        rest: dict[str, float] = {}
-        spent = sum(first.values())
+        rest: list[str] = []
+        tried = set(first)
         for test in order:
-            if test not in first and spent + seconds[test] <= budget:
-                rest[test] = seconds[test]
+            if test not in tried and spent + seconds[test] <= budget:
+                rest.append(test)
                 spent += seconds[test]
-        stages = tuple(stage for stage in (first, _by_file(rest)) if stage)
-        return Chosen(stages, seconds, len(order) - len(first) - len(rest))
+        stages = tuple(stage for stage in (tuple(first), _by_file(rest)) if stage)
+        return Chosen(stages, len(order) - len(first) - len(rest))
+
+    def limit(self, test: str) -> float:
+        """Seconds of the processor after which a test, with what its file makes once, is stuck."""
+        made_once = 2 * self._slowest[test.split("::")[0]]
+        return max(_LEAST_LIMIT, _TIMES_AS_LONG * self._seconds[test] + made_once)
+
+    def limit_of_all(self, tests: Iterable[str]) -> float:
+        """The same for several that run after each other."""
+        tests = list(tests)
+        made_once = sum(2 * self._slowest[file] for file in {test.split("::")[0] for test in tests})
+        return 4 * _LEAST_LIMIT + made_once + _TIMES_AS_LONG * sum(self._seconds[test] for test in tests)
 
     def _running(self, change: Change) -> set[str]:
         place = change.block.rpartition(":")[0]
@@ -200,9 +218,9 @@ class Knowledge:
         return found
 
 
-def _by_file(tests: dict[str, float]) -> dict[str, float]:
+def _by_file(tests: Iterable[str]) -> tuple[str, ...]:
     """Tests of one file after each other, so that what they share is made once; files as their first test."""
     files: dict[str, list[str]] = {}
     for test in tests:
         files.setdefault(test.split("::")[0], []).append(test)
-    return {test: tests[test] for group in files.values() for test in group}
+    return tuple(test for group in files.values() for test in group)

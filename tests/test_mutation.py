@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import json
 import os
@@ -173,6 +174,27 @@ def test_tests_are_chosen_by_what_they_run_the_quickest_first(load: Any, tmp_pat
     killed = Counter({("m/a.py", "tests/m/test_a.py::slow"): 1})
     first = next(iter(known.tests_for(change, 60.0, killed).stages[0]))
     assert first.endswith("slow"), "what noticed a change of the module before"
+
+
+def test_a_test_that_fails_without_the_change_says_nothing_of_it(
+    load: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mutation = load("mutation")
+    monkeypatch.setattr(mutation.runs, "make_copy", lambda copy: None)
+    monkeypatch.setattr(mutation.runs, "applied", lambda *given: contextlib.nullcontext("changed"))
+    bench = mutation.Bench(tmp_path, 0, None, 60.0, 1)
+    failing = {"changed": ("b", "d"), tmp_path / "kernels": ("b",)}
+    asked: list[tuple[str, ...]] = []
+
+    def fails(tests: tuple[str, ...], kernels: object) -> str:
+        asked.append(tests)
+        return next((test for test in tests if test in failing[kernels]), "")
+
+    monkeypatch.setattr(bench, "_failing", fails)
+    assert bench._noticing(("a", "b", "c", "d", "e"), None) == "d"
+    assert asked == [("a", "b", "c", "d", "e"), ("b",), ("c", "d", "e"), ("d",)]
+    assert bench._noticing(("b", "e"), None) == ""
+    assert asked[-1] == ("e",), "it is not asked again"
 
 
 def test_reviewed_changes_have_a_reason(load: Any, tmp_path: Path) -> None:
