@@ -245,6 +245,12 @@ reward 1 when dirt(b) ends
     )
 
 
+def test_values_of_a_literal_stand_in_their_declared_order() -> None:
+    level = StateVariable("level", ("a",), tuple(f"v{number}" for number in range(12)))
+    assert literal_text(level, [9, 0, 8]) == "level(a) = v0 | v8 | v9"
+    assert literal_text(level, frozenset({8, 1})) == "level(a) = v1 | v8"
+
+
 def test_literals_of_numbers_are_no_truth_values() -> None:
     """0 and 1 are equal to False and True in Python, and no literals of predicates."""
     load = StateVariable("load", ("a",), (0, 1, 2))

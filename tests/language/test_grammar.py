@@ -66,6 +66,21 @@ def test_where_nothing_can_be_kept_nothing_is_left(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "taken"]
 
 
+@pytest.mark.parametrize("named", [True, False], ids=["XDG_CACHE_HOME", "HOME"])
+def test_the_parser_is_kept_in_the_users_cache_folder(
+    named: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("LOCALAPPDATA", raising=False)
+    if named:
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "elsewhere"))
+    else:
+        monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    grammar.__wrapped__()
+    (kept,) = tmp_path.rglob("*.parser")
+    assert kept.parent == tmp_path / ("elsewhere" if named else ".cache") / "cleancli"
+
+
 @pytest.mark.parametrize("folder", ["relative", os.devnull])
 def test_the_parser_is_built_without_a_folder(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", folder)

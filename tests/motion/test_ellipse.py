@@ -47,8 +47,10 @@ def test_farthest_point_from_a_stretch_of_edge() -> None:
 
 
 def test_an_ellipse_covered_by_the_other_is_left_from_its_middle() -> None:
-    small, big = Ellipse((0.02, 0.0), (0.01, 0.01), 0.0), Ellipse((0.0, 0.0), (0.1, 0.1), 0.0)
-    assert farthest(small, big) == pytest.approx((0.03, 0.0), abs=1e-3)
+    big = Ellipse((0.0, 0.0), (0.1, 0.1), 0.0)
+    for x, y in ((0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)):
+        small = Ellipse((x, y), (0.01, 0.01), 0.0)
+        assert farthest(small, big) == pytest.approx((1.5 * x, 1.5 * y), abs=1e-3)
 
 
 @given(ellipses)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cleancli.perception.fit import COLUMNS, ROWS, doubts
+from cleancli.perception.fit import COLUMNS, ROWS, doubts, tilt_of
+from cleancli.perception.geometry import Plane
 from cleancli.scene.calibration import Appearance, Thresholds
 
 PAGE = (Path(__file__).parents[2] / "docs" / "perception.md").read_text(encoding="utf-8")
@@ -29,6 +30,15 @@ def surface(
 
 def said(colours: NDArray[np.float64], degrees: float = 20, then: Appearance = CALIBRATED) -> str:
     return "; ".join(doubts(colours, radians(degrees), then))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_tilt_of_a_surface_seen_from_right_above_is_told_in_spite_of_rounding(sign: int) -> None:
+    """The product of two vectors of length 1 may be a little more than 1."""
+    normal = np.array([0.0, 0.0, 1 + 1e-12])
+    plane = Plane(normal, 0.0, np.zeros(3), np.array([1.0, 0.0, 0.0]))
+    assert tilt_of(plane, np.array([0.0, 0.0, -float(sign)])) == pytest.approx(0 if sign > 0 else np.pi)
+    assert tilt_of(plane, np.array([0.0, np.sin(0.3), -np.cos(0.3)])) == pytest.approx(0.3)
 
 
 def test_what_is_as_it_was_raises_no_doubt() -> None:
