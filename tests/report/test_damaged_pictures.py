@@ -11,7 +11,7 @@ import pytest
 from cleancli.perception.recorded import BadRecording, _read_image
 from cleancli.recording.run_folder import STEP_SIZE
 from cleancli.report.pictures import MOST_PIXELS, data_uri
-from cleancli.scene.settings import MOST_PIXELS as OF_A_SCENE
+from cleancli.scene.kinds import MOST_PIXELS as OF_A_SCENE
 
 
 def test_the_largest_picture_that_a_run_writes_fits() -> None:

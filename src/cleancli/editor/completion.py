@@ -9,9 +9,11 @@ from cleancli.editor.context import Context, context, open_string
 from cleancli.editor.hover import comment, signature
 from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
 from cleancli.editor.library import Document, Library
-from cleancli.editor.scene_words import INNER, KEYS, LENGTHS, PLANNER, TOP
 from cleancli.language import syntax
+from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.refactoring.name_index import Kind, Occurrence
+from cleancli.scene.kinds import LENGTH_UNITS
+from cleancli.scene.schema import INNER, KEYS, TOP
 
 MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actions": ("cost", "duration")}
 """What declarations of a section may be marked with; the words beside a probability are the grammar's."""
@@ -88,7 +90,7 @@ def _names(place: Context, asked: Document, library: Library) -> Iterator[Comple
             yield from _declared(place, asked, library, Kind.COUNT)
     elif place.section == "planner":
         for key in PLANNER if place.takes("NAME") and last != "=" else ():
-            yield Completion(key, Kind.KEY, place.start, PLANNER[key].meaning)
+            yield Completion(key, Kind.KEY, place.start, PLANNER[key])
     elif _is_in_brackets(place.words):
         for mark in MARKS.get(place.section, ()) if last in ("[", ",") else ():
             yield Completion(mark, Kind.MARK, place.start, "mark")
@@ -285,7 +287,7 @@ def _scene(place: Context, library: Library, asked: Document) -> Iterator[Comple
                 yield Completion(value, Kind.WORD, place.start, keys[key].meaning)
         return
     if place.words and place.words[-1].kind is LexemeKind.NUMBER and place.takes("UNIT"):
-        for unit in keys[key].units if key in keys else LENGTHS:
+        for unit in keys[key].units if key in keys else LENGTH_UNITS:
             yield Completion(unit, None, place.start, "unit")
     if place.takes("NAME") and place.kind and (place.words or place.path or place.accepted is not None):
         for name, known in keys.items():

@@ -10,14 +10,15 @@ from fractions import Fraction
 from cleancli.compiler.grounding_size import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
-from cleancli.editor.scene_words import KEYS, PLANNER, TOP
 from cleancli.language import syntax
+from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.model import Rule
 from cleancli.language.printing.printer import print_fraction
 from cleancli.language.refactoring.name_index import Kind, Occurrence, children
+from cleancli.scene.schema import KEYS, TOP
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,12 +152,15 @@ def _first_comment(text: str) -> Iterator[str]:
 
 
 def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
-    is_scene = isinstance(asked.root, syntax.SceneNode)
-    keys = KEYS.get(_section_around(asked.root, found.span.start), {}) if is_scene else PLANNER
-    known = keys.get(found.meaning.name)
+    name = found.meaning.name
+    if not isinstance(asked.root, syntax.SceneNode):
+        if name in PLANNER:
+            yield f"**{name}**: {PLANNER[name]}"
+        return
+    known = KEYS.get(_section_around(asked.root, found.span.start), {}).get(name)
     if known is not None:
         values = f" ({', '.join(f'`{value}`' for value in known.values)})" if known.values else ""
-        yield f"**{found.meaning.name}**: {known.meaning}{values}"
+        yield f"**{name}**: {known.meaning}{values}"
 
 
 def _section_around(node: syntax.Node | None, offset: int) -> str:

@@ -1,7 +1,5 @@
-"""From syntax to the checked scene: sections, defaults, and whether the parts fit one another.
-
-The defaults are choices, nobody's measurement: those of problems/two_groups.nid. Only dirt must be given.
-"""
+"""From syntax to the checked scene: its sections, and whether the parts fit one another. Only dirt must be
+given."""
 
 from __future__ import annotations
 
@@ -14,9 +12,9 @@ from cleancli.language.syntax import SceneNode, Section
 from cleancli.scene.calibration import file_content
 from cleancli.scene.check_camera import Read, check_camera
 from cleancli.scene.check_dirt import check_dirt
-from cleancli.scene.grasps import SHIPPED, WIDE, named
+from cleancli.scene.grasps import SHIPPED, named
+from cleancli.scene.kinds import SLACK, centimetres
 from cleancli.scene.model import (
-    LIGHT,
     Container,
     Grasp,
     Light,
@@ -25,12 +23,9 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
-from cleancli.scene.settings import SLACK, Settings, centimetres
+from cleancli.scene.schema import SECTIONS, TOP
+from cleancli.scene.settings import Settings
 
-EDGES = ("north", "east", "south", "west")
-DRIVES = ("gantry", "wam", "reem")
-SECTIONS = ("surface", "container", "robot", "grasp", "rag", "camera", "light", "dirt", "symbols")
-LEFT_OUT = ("smallest", "farthest")
 MOST_FLAPS = 60
 """More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
 
@@ -50,38 +45,37 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     """The model of a scene; it may only be used if `findings` holds no error."""
     sections = _sections(node, findings)
 
-    def settings(name: str) -> Settings:
-        section = sections.get(name)
-        return Settings(section.name if section else node.name, section.entries if section else (), findings)
+    def settings(section: str, choices: Mapping[str, tuple[str, ...]] | None = None) -> Settings:
+        found = sections.get(section)
+        name, entries = (found.name, found.entries) if found else (node.name, ())
+        return Settings(section, name, entries, findings, choices)
 
-    top = Settings(node.name, node.entries, findings)
-    domain, seed = top.word("domain", "cleaning"), top.whole("seed", 1, 0, 2**31 - 1)
-    top.refuse_others()
-    surface = _surface(settings("surface"))
+    top = Settings(TOP, node.name, node.entries, findings)
+    surface = Surface(**settings("surface").given())
     container = _container(settings("container"), surface, findings)
-    drive = settings("robot")
-    robot = drive.word("drive", "gantry", DRIVES)
-    drive.refuse_others()
+    robot = settings("robot")["drive"]
     grasps = _grasps(node, findings)
-    rag = _rag(settings("rag"), container, named((*SHIPPED.values(), *grasps)), findings)
+    known = named((*SHIPPED.values(), *grasps))
+    rag = _rag(settings("rag", {"grasp": tuple(known)}), container, known, findings)
     camera, calibration = check_camera(settings("camera"), surface, findings, read)
-    light = _light(settings("light"))
+    light = settings("light")
+    azimuth, elevation = light["direction"]
     symbols = _symbols(settings("symbols"), findings)
     dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)
     return Scene(
-        node.name.text,
-        surface,
-        container,
-        robot,
-        rag,
-        camera,
-        dirt,
-        symbols,
-        seed,
-        domain,
-        grasps,
-        light,
-        calibration,
+        name=node.name.text,
+        surface=surface,
+        container=container,
+        robot=robot,
+        rag=rag,
+        camera=camera,
+        dirt=dirt,
+        symbols=symbols,
+        seed=top["seed"],
+        domain=top["domain"],
+        grasps=grasps,
+        light=Light(azimuth, elevation, light["ambient"], light["gradient"]),
+        calibration=calibration,
     )
 
 
@@ -108,28 +102,8 @@ def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:
     return sections
 
 
-def _surface(settings: Settings) -> Surface:
-    surface = Surface(
-        settings.length("width", 0.90, least=0.1, most=5.0),
-        settings.length("depth", 0.70, least=0.1, most=5.0),
-        settings.number("friction", 0.45, 0, 2),
-        settings.colour("colour", (205, 198, 184)),
-        settings.angles("tilt", (0.0, 0.0), (-10, 10), (-10, 10)),
-        settings.number("texture", 0.0, 0, 0.3, including=True),
-        settings.length("grain", 0.01, least=0.001, most=0.5),
-    )
-    settings.refuse_others()
-    return surface
-
-
 def _container(settings: Settings, surface: Surface, findings: Findings) -> Container:
-    container = Container(
-        settings.word("edge", "east", EDGES),
-        settings.length("offset", 0.0, negative=True),
-        settings.length("width", 0.32, least=0.01, most=5.0),
-        settings.length("depth", 0.16, least=0.01, most=5.0),
-    )
-    settings.refuse_others()
+    container = Container(**settings.given())
     edge = surface.width if container.edge in ("north", "south") else surface.depth
     if abs(container.offset) + container.width / 2 > edge / 2 + SLACK:
         key = "offset" if container.width <= edge else "width"
@@ -153,31 +127,14 @@ def _grasps(node: SceneNode, findings: Findings) -> tuple[Grasp, ...]:
         if name in SHIPPED or name in grasps:
             whose = "of those that ship with cleancli" if name in SHIPPED else "of this scene"
             findings.error("E216", f"a second grasp `{name}`", section.title.span, help=f"one {whose} has it")
-        grasps.setdefault(name, _grasp(name, Settings(section.name, section.entries, findings)))
+        settings = Settings("grasp", section.name, section.entries, findings)
+        grasps.setdefault(name, Grasp(name, **settings.given()))
     return tuple(grasps.values())
 
 
-def _grasp(name: str, settings: Settings) -> Grasp:
-    grasp = Grasp(
-        name,
-        settings.length("flap", WIDE.flap, least=0.001, most=1.0),
-        settings.number("gain", WIDE.gain, 0, 1),
-        settings.number("torque", WIDE.torque, 0, 10),
-        settings.angle("angle_spread", WIDE.angle_spread, 0, 30),
-        settings.length("gap_spread", WIDE.gap_spread, zero=True, most=0.01),
-        settings.length("bow", WIDE.bow, zero=True, most=0.1),
-        settings.angle("sweep", WIDE.sweep, 0, 45),
-        settings.angle("skew", WIDE.skew, -45, 45),
-        settings.length("width", WIDE.width, least=0.001, most=5.0),
-    )
-    settings.refuse_others()
-    return grasp
-
-
 def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], findings: Findings) -> Rag:
-    grasp = known[settings.word("grasp", "wide", known)]
-    rag = Rag(grasp, settings.length("width", grasp.width, least=0.001, most=5.0))
-    settings.refuse_others()
+    grasp = known[settings["grasp"]]
+    rag = Rag(grasp, grasp.width if settings["width"] is None else settings["width"])
     if rag.width > container.width + SLACK:
         findings.error(
             "E509",
@@ -195,30 +152,8 @@ def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], f
     return rag
 
 
-def _light(settings: Settings) -> Light:
-    azimuth, elevation = settings.angles("direction", (LIGHT.azimuth, LIGHT.elevation), (-360, 360), (5, 90))
-    light = Light(
-        azimuth,
-        elevation,
-        settings.number("ambient", LIGHT.ambient, 0, 1),
-        settings.number("gradient", LIGHT.gradient, 0, 0.9, including=True),
-    )
-    settings.refuse_others()
-    return light
-
-
 def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
-    symbols = SymbolThresholds(
-        settings.length("link", 0.05, least=0.001, most=1.0),
-        settings.length("small", 0.06, least=0.001),
-        settings.length("medium", 0.12, least=0.001),
-        settings.number("density", 0.14, 0, 1),
-        settings.length("near", 0.20, zero=True),
-        settings.length("traversal", 0.05, least=0.001),
-        settings.whole("most", 1000, 1, 1000),
-        settings.word("leave_out", "smallest", LEFT_OUT),
-    )
-    settings.refuse_others()
+    symbols = SymbolThresholds(**settings.given())
     if symbols.medium <= symbols.small:
         findings.error(
             "E511",

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.scene.calibration import BadCalibration, Calibration, decode
+from cleancli.scene.kinds import SLACK, centimetres
 from cleancli.scene.model import CameraSetup, Surface
-from cleancli.scene.settings import SLACK, Settings, centimetres
+from cleancli.scene.settings import Settings
 
 Read = Callable[[Path], bytes]
 """How the content of a calibration's file is got; raises OSError."""
@@ -19,17 +20,9 @@ def check_camera(
     settings: Settings, surface: Surface, findings: Findings, read: Read
 ) -> tuple[CameraSetup, Calibration | None]:
     """The camera, and what the file says that its `calibration` names (E516, E517), which `read` reads."""
-    height = settings.length("height", 0.9, least=0.1)
-    width, depth = settings.image("image", (640, 480))
-    camera = CameraSetup(
-        height,
-        width,
-        depth,
-        settings.number("focal", 525.0, 10, 100_000, including=True),
-        settings.point("at", (0.0, 0.0)),
-    )
+    width, height = settings["image"]
+    camera = CameraSetup(settings["height"], width, height, settings["focal"], settings["at"])
     calibration = _calibration(settings, findings, read)
-    settings.refuse_others()
     if camera.at == (0.0, 0.0):
         _refuse_near_camera(camera, surface, settings, findings)
     else:
@@ -85,7 +78,7 @@ def _is_seen(corner: tuple[float, float], camera: CameraSetup) -> bool:
 
 def _calibration(settings: Settings, findings: Findings, read: Read) -> Calibration | None:
     """A relative path starts in the folder of the scene's file."""
-    path = settings.path("calibration")
+    path = settings["calibration"]
     if path is None:
         return None
     file = Path(findings.source.path).parent / path

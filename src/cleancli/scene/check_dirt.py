@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.syntax import Name, Section
+from cleancli.scene.kinds import SLACK, centimetres
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Surface
-from cleancli.scene.settings import SLACK, Settings, centimetres
+from cleancli.scene.schema import DIRT
+from cleancli.scene.settings import Settings
 
-PARTICLES = ("lentils", "rice", "peas")
-MOST_PARTICLES = 500
-"""Of one group: far more than any table of the paper has (40), few enough to simulate."""
-MOST_POINTS = 200
-"""Of one line of ink."""
+_MIDDLE = (0.0, 0.0)
+"""Of the surface: stands for a place that is missing or wrong, which is told already."""
 
 
 def check_dirt(section: Section | None, name: Name, surface: Surface, findings: Findings) -> tuple[Dirt, ...]:
@@ -27,63 +26,47 @@ def check_dirt(section: Section | None, name: Name, surface: Surface, findings: 
                 help="add `dirt { group { count = 14  at = (0 cm, 0 cm)  radius = 2 cm } }`",
             )
         return ()
-    readers: dict[str, Callable[[Section, Surface, Findings], Dirt]] = {
-        "group": _group,
-        "scattered": _scattered,
-        "ink": _ink,
-    }
     dirt = []
     for entry in section.entries:
         if not isinstance(entry, Section):
-            findings.unknown("E502", "key", entry.key.text, entry.key.span, readers, " in `dirt`")
-        elif entry.name.text not in readers:
-            findings.unknown("E501", "kind of dirt", entry.name.text, entry.name.span, readers)
+            findings.unknown("E502", "key", entry.key.text, entry.key.span, DIRT, " in `dirt`")
+        elif entry.name.text not in DIRT:
+            findings.unknown("E501", "kind of dirt", entry.name.text, entry.name.span, DIRT)
         else:
-            dirt.append(readers[entry.name.text](entry, surface, findings))
+            settings = Settings(entry.name.text, entry.name, entry.entries, findings)
+            dirt.append(_READERS[entry.name.text](settings, surface, findings))
     return tuple(dirt)
 
 
-def _group(section: Section, surface: Surface, findings: Findings) -> Group:
-    settings = Settings(section.name, section.entries, findings)
-    count = settings.whole("count", None, 1, MOST_PARTICLES)
-    of = settings.word("of", "lentils", PARTICLES, "kind of particle")
-    centre = settings.point("at")
-    radius = settings.length("radius", None)
-    colour = settings.own_colour("colour")
-    settings.refuse_others()
+def _group(settings: Settings, surface: Surface, findings: Findings) -> Group:
+    centre, radius = settings["at"] or _MIDDLE, settings["radius"] or 0.0
     if not _on_surface(centre, radius, surface):
-        findings.error("E508", "this dirt lies off the surface", settings.span("at"), help=_extent(surface))
-    return Group(count, centre, radius, of, colour)
+        _refuse_off("dirt", "at", settings, surface, findings)
+    return Group(settings["count"], centre, radius, settings["of"], settings["colour"])
 
 
-def _scattered(section: Section, surface: Surface, findings: Findings) -> Scattered:
-    settings = Settings(section.name, section.entries, findings)
-    count = settings.whole("count", None, 1, MOST_PARTICLES)
-    of = settings.word("of", "lentils", PARTICLES, "kind of particle")
-    low, high = settings.point("from"), settings.point("to")
-    colour = settings.own_colour("colour")
-    settings.refuse_others()
+def _scattered(settings: Settings, surface: Surface, findings: Findings) -> Scattered:
+    low, high = settings["from"] or _MIDDLE, settings["to"] or _MIDDLE
     for key, corner in (("from", low), ("to", high)):
         if not _on_surface(corner, 0.0, surface):
-            findings.error(
-                "E508", "this dirt lies off the surface", settings.span(key), help=_extent(surface)
-            )
+            _refuse_off("dirt", key, settings, surface, findings)
     if low[0] >= high[0] or low[1] >= high[1]:
         findings.error("E511", "`to` must lie north-east of `from`", settings.span("to"))
-    return Scattered(count, low, high, of, colour)
+    return Scattered(settings["count"], low, high, settings["of"], settings["colour"])
 
 
-def _ink(section: Section, surface: Surface, findings: Findings) -> Ink:
-    settings = Settings(section.name, section.entries, findings)
-    ink = Ink(
-        settings.points("along", MOST_POINTS),
-        settings.length("width", 0.008, least=0.001, most=1.0),
-        settings.own_colour("colour"),
-    )
-    settings.refuse_others()
+def _ink(settings: Settings, surface: Surface, findings: Findings) -> Ink:
+    ink = Ink(settings["along"] or (), settings["width"], settings["colour"])
     if not all(_on_surface(point, ink.width / 2, surface) for point in ink.along):
-        findings.error("E508", "this ink lies off the surface", settings.span("along"), help=_extent(surface))
+        _refuse_off("ink", "along", settings, surface, findings)
     return ink
+
+
+_READERS: Mapping[str, Callable[[Settings, Surface, Findings], Dirt]] = {
+    "group": _group,
+    "scattered": _scattered,
+    "ink": _ink,
+}
 
 
 def _on_surface(centre: tuple[float, float], radius: float, surface: Surface) -> bool:
@@ -91,6 +74,7 @@ def _on_surface(centre: tuple[float, float], radius: float, surface: Surface) ->
     return abs(x) + radius <= surface.width / 2 + SLACK and abs(y) + radius <= surface.depth / 2 + SLACK
 
 
-def _extent(surface: Surface) -> str:
+def _refuse_off(what: str, key: str, settings: Settings, surface: Surface, findings: Findings) -> None:
     x, y = centimetres(surface.width / 2), centimetres(surface.depth / 2)
-    return f"the surface reaches from -{x} to {x} in x and from -{y} to {y} in y"
+    help = f"the surface reaches from -{x} to {x} in x and from -{y} to {y} in y"
+    findings.error("E508", f"this {what} lies off the surface", settings.span(key), help=help)

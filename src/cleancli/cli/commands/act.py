@@ -25,9 +25,9 @@ from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, can_execute
 from cleancli.recording.overlay import overlay
 from cleancli.recording.pictures import write_png
-from cleancli.scene.check import DRIVES
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
+from cleancli.scene.schema import DRIVES
 
 COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""

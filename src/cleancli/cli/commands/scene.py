@@ -19,8 +19,8 @@ from cleancli.cli.inputs import open_scene
 from cleancli.execution.seeds import Stream, derived
 from cleancli.recording.overlay import reach_map
 from cleancli.recording.pictures import write_png
-from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
+from cleancli.scene.schema import DRIVES
 from cleancli.world.reach_map import missed, reach
 from cleancli.world.table import PybulletTable
 

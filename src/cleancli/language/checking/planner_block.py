@@ -6,7 +6,13 @@ from cleancli.language import syntax
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.record import Record
 
-_KEYS = ("name", "samples", "seed")
+KEYS = {
+    "name": "the planner to use",
+    "samples": "how many plans it tries, a whole number",
+    "seed": "the seed of its randomness, a whole number",
+}
+"""The settings of the block, and what each means."""
+
 _MOST = {"samples": 10_000_000, "seed": 2**32 - 1}
 
 
@@ -23,8 +29,8 @@ def check_planner(node: syntax.Planner, findings: Findings) -> PlannerOptions:
     settings: dict[str, syntax.Setting] = {}
     for setting in node.settings:
         key = setting.key.text
-        if key not in _KEYS:
-            findings.unknown("E502", "setting", key, setting.key.span, _KEYS)
+        if key not in KEYS:
+            findings.unknown("E502", "setting", key, setting.key.span, KEYS)
         elif key in settings:
             help = f"the first stands in {findings.line(settings[key].span)}"
             findings.error("E216", f"a second `{key}`", setting.key.span, help=help)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
-from texts import ROOT
 
-from cleancli.editor.scene_words import INNER, KEYS, PLANNER, TOP
-from cleancli.language.checking import planner_block
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.scene.check import load_scene
+from cleancli.scene.schema import INNER, KEYS, NEEDED, TOP
 
+ROOT = Path(__file__).parents[2]
 INSIDE = {section: outer for outer, sections in INNER.items() for section in sections if outer}
 
 
@@ -58,5 +58,18 @@ def test_values_and_units_are_right() -> None:
                 assert not {"E503", "E506"} & found, f"{key} = {value}"
 
 
-def test_the_settings_of_a_planner_are_those_that_the_checker_takes() -> None:
-    assert set(PLANNER) == set(planner_block._KEYS)
+@pytest.mark.parametrize(("section", "key"), [(s, k) for s, keys in KEYS.items() for k in keys])
+def test_the_documentation_names_every_key(section: str, key: str) -> None:
+    scenes = (ROOT / "docs" / "language.md").read_text(encoding="utf-8").split("## Scenes")[1]
+    grasps = scenes.split("### Grasps")[1]
+    assert re.search(rf"\b{key}\b", grasps if section == "grasp" else scenes)
+
+
+def test_each_kind_of_value_is_written_so_that_it_reads_as_itself() -> None:
+    for section, keys in KEYS.items():
+        for key, known in keys.items():
+            if known.default is None or known.default is NEEDED or section == "grasp":
+                continue
+            body = f"{key} = {known.kind.write(known.default)}"
+            text = f"scene s {{ {body} }}" if section == TOP else f"scene s {{ {section} {{ {body} }} }}"
+            assert codes(text) <= {"E501", "E512"}, text
