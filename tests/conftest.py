@@ -2,9 +2,46 @@
 
 from __future__ import annotations
 
+import importlib.util
 import signal
+from collections.abc import Iterator
+
+import pytest
+
+from cleancli.world.errors import MissingPhysics
 
 # Whoever runs the tests in the background (`nohup`, or a shell without job control) has them ignore these,
 # and so would all that they start; the program leaves an ignored signal ignored, as it should.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+if importlib.util.find_spec("pybullet") is None:
+    # From Python 3.12 on it has no wheel. What needs it cannot be seen from a test's name: so a test that fails,
+    # and in which the product has said that it is missing, is one that needs it.
+    _said: list[MissingPhysics] = []
+    _excused: list[BaseException] = []
+    """Kept, because what a fixture raised is raised again for each test that asks for it."""
+
+    _tell = MissingPhysics.__init__
+
+    def _note(missing: MissingPhysics) -> None:
+        _tell(missing)
+        _said.append(missing)
+
+    MissingPhysics.__init__ = _note  # type: ignore[method-assign]
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_setup() -> None:
+        _said.clear()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+        report: pytest.TestReport = yield  # type: ignore[assignment, misc]
+        if report.failed and call.excinfo is not None:
+            if _said or any(call.excinfo.value is known for known in _excused):
+                _excused.append(call.excinfo.value)
+                path, line, _ = item.location
+                report.outcome = "skipped"
+                report.longrepr = (path, line or 0, "Skipped: needs pybullet, which is not installed")
+        return report  # type: ignore[return-value]
