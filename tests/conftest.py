@@ -17,8 +17,8 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 if importlib.util.find_spec("pybullet") is None:
-    # From Python 3.12 on it has no wheel. What needs it cannot be seen from a test's name: so a test that fails,
-    # and in which the product has said that it is missing, is one that needs it.
+    # From Python 3.12 on it has no wheel. What needs it cannot be seen from a test's name: so a test that
+    # fails, and in which the product has said that it is missing, is one that needs it.
     _said: list[MissingPhysics] = []
     _excused: list[BaseException] = []
     """Kept, because what a fixture raised is raised again for each test that asks for it."""
@@ -38,10 +38,10 @@ if importlib.util.find_spec("pybullet") is None:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
         report: pytest.TestReport = yield  # type: ignore[assignment, misc]
-        if report.failed and call.excinfo is not None:
-            if _said or any(call.excinfo.value is known for known in _excused):
-                _excused.append(call.excinfo.value)
-                path, line, _ = item.location
-                report.outcome = "skipped"
-                report.longrepr = (path, line or 0, "Skipped: needs pybullet, which is not installed")
+        error = call.excinfo.value if report.failed and call.excinfo else None
+        if error is not None and (_said or any(error is known for known in _excused)):
+            _excused.append(error)
+            path, line, _ = item.location
+            report.outcome = "skipped"
+            report.longrepr = (path, line or 0, "Skipped: needs pybullet, which is not installed")
         return report  # type: ignore[return-value]
