@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cleancli.scene.check import DRIVES
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 from cleancli.world.reach_map import STEP, reach
 from cleancli.world.robots.registry import ROBOTS
 
@@ -21,4 +21,4 @@ def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Call
 
 
 def test_scenes_may_name_every_robot_that_there_is() -> None:
-    assert set(DRIVES) == set(ROBOTS)
+    assert set(ARMS) == set(ROBOTS)

@@ -19,6 +19,7 @@ from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_up
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
 # 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
@@ -28,7 +29,7 @@ OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 # Chosen: degrees from the edge's normal up to which a push goes straight over the edge.
 GREATEST_SLANT = 60.0
-PICK_UP, TWO_ARMED = "pickUp", ("reem",)  # the one action that takes two arms, and who has them
+PICK_UP = "pickUp"  # the one action that takes two arms
 _CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
@@ -53,7 +54,7 @@ class Skill:
 
 def can_execute(action: str, arity: int, robot: str) -> bool:
     """Whether a robot of that name has a skill for this action with so many areas."""
-    return ARITIES.get(action) == arity and (action != PICK_UP or robot in TWO_ARMED)
+    return ARITIES.get(action) == arity and (action != PICK_UP or ARMS[robot] == 2)
 
 
 def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:

@@ -28,9 +28,9 @@ from cleancli.scene.kinds import (
     Whole,
 )
 from cleancli.scene.model import LIGHT
+from cleancli.scene.robots import ARMS
 
 EDGES = ("north", "east", "south", "west")
-DRIVES = ("gantry", "wam", "reem")
 LEFT_OUT = ("smallest", "farthest")
 PARTICLES = ("lentils", "rice", "peas")
 MOST_PARTICLES = 500
@@ -107,7 +107,7 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             "width": Key(Length(0.01, 5.0), 0.32, "its extent along the edge"),
             "depth": Key(Length(0.01, 5.0), 0.16, "its extent away from the edge"),
         },
-        "robot": {"drive": Key(Choice(DRIVES), "gantry", "what moves the rag")},
+        "robot": {"drive": Key(Choice(tuple(ARMS)), "gantry", "what moves the rag")},
         "grasp": {
             "flap": Key(
                 Length(0.001, 1.0), WIDE.flap, "the width of one of the flaps that the cloth hangs in"

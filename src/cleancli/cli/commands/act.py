@@ -27,7 +27,7 @@ from cleancli.recording.overlay import overlay
 from cleancli.recording.pictures import write_png
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
-from cleancli.scene.schema import DRIVES
+from cleancli.scene.robots import ARMS
 
 COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
@@ -45,7 +45,7 @@ COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 @click.option(
     "--grasp", "grasps", multiple=True, help="A grasp to try, in its own width. [default: the scene's rag]"
 )
-@click.option("--robot", type=click.Choice(DRIVES), help="The robot that acts. [default: the scene's]")
+@click.option("--robot", type=click.Choice(list(ARMS)), help="The robot that acts. [default: the scene's]")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the first trial. [default: the scene's]")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Trials at a time.")
 @click.option(
@@ -145,7 +145,7 @@ def _arity(action: str, setting: Scene) -> int:
             f"no action `{action}`; {meant(action, ARITIES, 'action')}", param_hint="ACTION"
         )
     if not can_execute(action, ARITIES[action], setting.robot):
-        able = [drive for drive in DRIVES if can_execute(action, ARITIES[action], drive)]
+        able = [drive for drive in ARMS if can_execute(action, ARITIES[action], drive)]
         raise click.BadParameter(
             f"`{setting.robot}` can't {action}; it takes --robot {' or '.join(able)}", param_hint="ACTION"
         )

@@ -20,7 +20,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.recording.overlay import reach_map
 from cleancli.recording.pictures import write_png
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
-from cleancli.scene.schema import DRIVES
+from cleancli.scene.robots import ARMS
 from cleancli.world.reach_map import missed, reach
 from cleancli.world.table import PybulletTable
 
@@ -32,7 +32,7 @@ _FILE = click.Path(path_type=Path, dir_okay=False)
 @click.option("--out", type=_FILE, help="Write a PNG picture: what the camera sees, beside the room.")
 @click.option("--reach", "reached", type=_FILE, help="Write a PNG map of where the robot reaches.")
 @click.option(
-    "--robot", type=click.Choice(DRIVES), help="The robot that stands there. [default: the scene's]"
+    "--robot", type=click.Choice(list(ARMS)), help="The robot that stands there. [default: the scene's]"
 )
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of where dirt lies. [default: the scene's]")
 @click.option("--gui", is_flag=True, help="Show the table in a window until that is closed.")

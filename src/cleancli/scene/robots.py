@@ -1,0 +1,9 @@
+"""The robots that a scene may have. What one looks like and how it moves is in world/robots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+ARMS: Mapping[str, int] = MappingProxyType({"gantry": 1, "wam": 1, "reem": 2})
+"""How many arms each has: picking up takes two (§3.2.2)."""
