@@ -35,9 +35,19 @@ def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: p
 
 
 def test_links_lead_somewhere() -> None:
-    for page in [*PAGES, ROOT / "ARCHITECTURE.md"]:
+    for page in [*PAGES, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md"]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name} -> {target}"
+
+
+def test_files_that_recipes_name_are_there() -> None:
+    """Paths in CONTRIBUTING.md, from the root or from the sources; NAME stands for what a reader chooses."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = [word for word in re.findall(r"`([\w./-]+/[\w./-]*)`", text) if "NAME" not in word]
+    assert len(named) > 30
+    for path in named:
+        places = (ROOT / path, ROOT / "src" / "cleancli" / path, ROOT / path.removeprefix("/"))
+        assert any(place.exists() for place in places), path
 
 
 def test_readme_states_the_two_commands() -> None:
