@@ -290,6 +290,13 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
     np.testing.assert_array_equal(saved.world["places"], np.eye(3))
 
 
+def test_an_episode_begins_with_nothing_seen_named_done_or_spent() -> None:
+    begun = EpisodeState()
+    assert (begun.looks, begun.named, begun.actions, begun.clear_looks) == (0, 0, 0, 0)
+    assert (begun.situation, begun.queue, begun.rest, begun.vain, begun.examples) == (None, (), (), (), ())
+    assert (begun.spent.total, begun.loading, begun.reason) == (0.0, 0.0, "")
+
+
 def test_what_has_no_form_in_a_checkpoint_is_refused(tmp_path: Path) -> None:
     for name in checkpoint.APPENDED:
         (tmp_path / name).write_text("")

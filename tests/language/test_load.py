@@ -11,7 +11,7 @@ import pytest
 
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.find import find
-from cleancli.language.load import domain_named, load_domain, load_problem, read_source
+from cleancli.language.load import checked_domain, domain_named, load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
 from cleancli.resources import shipped_names
 from cleancli.scene.check import load_scene
@@ -106,3 +106,28 @@ def test_checking_loads_no_heavy_library() -> None:
         "print([m for m in ('numpy', 'numba', 'cv2', 'pybullet', 'scipy') if m in sys.modules])"
     )
     assert subprocess.check_output([sys.executable, "-c", program], text=True).strip() == "[]"
+
+
+CHAIN = """domain chain {
+  types { bead }
+  predicates { strung(?a ?b - bead) [static]  shut(?a - bead) }
+  derived { along(?a ?b - bead) := closure strung  left := count ?a - bead: not shut(?a) }
+  actions { close(?a - bead) }
+  rule closed: close(?a) { when not shut(?a), exists ?b - bead: along(?a, ?b) then 1: shut(?a) }
+  reward { decrease(left) }
+}"""
+
+
+def test_what_a_closure_is_of_is_used() -> None:
+    assert checked_domain(Source("chain.nid", CHAIN)).diagnostics == ()
+    unused = CHAIN.replace("closure strung", "shut(?a), shut(?b)")
+    assert "W201" in [d.code for d in checked_domain(Source("chain.nid", unused)).diagnostics]
+
+
+def test_an_effect_that_a_condition_says_already_is_idle_but_for_libprada() -> None:
+    """libPRADA takes the condition and what is set as independent, so there all that is set counts."""
+    idle = CHAIN.replace("1: shut(?a)", "1: shut(?a), strung(?a, ?a)").replace(" [static]", "")
+    idle = idle.replace("not shut(?a), exists", "not shut(?a), strung(?a, ?a), exists")
+    for compat, expected in ((False, ["W301"]), (True, [])):
+        found = checked_domain(Source("chain.nid", idle), compat=compat)
+        assert [diagnostic.code for diagnostic in found.diagnostics] == expected

@@ -80,7 +80,6 @@ def without_small_patches(dirt: Mask, pixel_areas: Depth, thresholds: Thresholds
     _, labels = cv2.connectedComponents(dirt.view(np.uint8), connectivity=8)
     sizes = np.bincount(labels[dirt], pixel_areas[dirt], minlength=1)
     large = sizes >= thresholds.patch
-    large[0] = False
     return np.asarray(large.take(np.asarray(labels, np.int32)))
 
 
@@ -109,7 +108,6 @@ def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Th
     core = cv2.erode(smooth.view(np.uint8), np.ones((CORE, CORE), np.uint8)).view(np.bool_)
     sizes = np.bincount(labels[core], pixel_areas[core], minlength=number)
     large = sizes > thresholds.background
-    large[0] = False
     return np.asarray(large.take(np.asarray(labels, np.int32)))
 
 
