@@ -120,7 +120,7 @@ CHAIN = """domain chain {
 
 def test_what_a_closure_is_of_is_used() -> None:
     assert checked_domain(Source("chain.nid", CHAIN)).diagnostics == ()
-    unused = CHAIN.replace("closure strung", "shut(?a), shut(?b)")
+    unused = CHAIN.replace("closure strung", "not shut(?a), not shut(?b)")
     assert "W201" in [d.code for d in checked_domain(Source("chain.nid", unused)).diagnostics]
 
 
