@@ -1,4 +1,4 @@
-"""That something takes its time, told in a terminal; elsewhere nothing."""
+"""Progress of what takes its time, shown in a terminal only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a planner refuses, as mistakes at the place in a file that they come from."""
+"""Turns what a planner refuses into mistakes at the places that they come from."""
 
 from __future__ import annotations
 

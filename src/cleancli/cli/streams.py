@@ -1,4 +1,4 @@
-"""Standard streams that are closed, full, or that nobody reads any more (docs/exit-codes.md)."""
+"""Prepares standard streams that are closed, full, or that nobody reads any more (docs/exit-codes.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers for what can change: keys become variables, their values indices."""
+"""Encodes a problem's changeable fluents as state variables, and their values as indices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a condition asks of the values that can change, and its division into cases that exclude each other.
+"""Ground formulas over state variables, and their division into cases that exclude each other.
 
 A formula that can never hold is None, so that the code that makes formulas drops it at once. Values are
 sets, because a function's literal may allow several.

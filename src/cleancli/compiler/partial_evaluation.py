@@ -1,4 +1,4 @@
-"""Conditions over objects: what is left of them, as formulas, once the unchangeable facts have spoken.
+"""Partial evaluation of conditions: what is left of one, as a formula, once static facts are known.
 
 Guaranteed by the checker: every variable is bound, and definitions of derived predicates are not cyclic.
 """

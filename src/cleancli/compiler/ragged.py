@@ -1,4 +1,4 @@
-"""Lists of lists of indices, and flat arrays made of them.
+"""Ragged arrays: lists of lists of indices, and the flat arrays made of them.
 
 A ragged list is two arrays: the entries of item i of `x` are `x[x_start[i] : x_start[i + 1]]`.
 """

@@ -1,4 +1,4 @@
-"""The values that each key can ever take, and the instances that can ever apply.
+"""Relaxed reachability: the values that each fluent can ever take, and the instances that can ever apply.
 
 Guaranteed by `instances`: conditions hold literals over changeable keys alone.
 """

@@ -1,4 +1,4 @@
-"""Bindings of variables that satisfy what no action can change, by joining facts and not trying all tuples.
+"""Joins static facts to bindings of variables, where trying all tuples of objects would take too long.
 
 Guaranteed by the checker: every name is declared, arities and types fit, and functions list all their values.
 """

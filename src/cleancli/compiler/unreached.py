@@ -1,4 +1,4 @@
-"""What a problem wants and no action can ever bring about, with the literals that never come to hold.
+"""Goals and counts that no action can ever bring about, with the literals that never come to hold.
 
 Guaranteed by the checker: domain and problem fit together. The relaxed fixpoint of `Reach` lets everything
 happen that could, so what it never reaches is never reached; what it reaches may still be impossible.

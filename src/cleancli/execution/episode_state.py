@@ -1,4 +1,4 @@
-"""What an episode has come to, as one value: nothing that decides what happens next is kept anywhere else.
+"""The state of an episode as one value: what decides the next step is kept nowhere else.
 
 An `EpisodeState` with the workcell as it was then is all that it takes to go on; each step of the loop makes
 a new one. Random numbers need no state: each use has a seed of its own, made of the run's seed, what it is

@@ -1,4 +1,4 @@
-"""One seed for a run, split into streams, so that drawing more from one changes no other."""
+"""Splits one seed into random streams, so that drawing more from one changes no other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where an episode takes place: the workcell for the loop, and beside it what only reports may ask."""
+"""Opens the place of an episode: the workcell for the loop, and beside it what only reports may ask."""
 
 from __future__ import annotations
 

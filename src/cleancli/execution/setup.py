@@ -1,4 +1,4 @@
-"""What an episode is about, which stays as it is from its first look to its end."""
+"""What stays as it is in an episode from first look to end, and what a strategy knows when it decides."""
 
 from __future__ import annotations
 

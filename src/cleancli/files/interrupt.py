@@ -1,4 +1,4 @@
-"""What ends a program from outside (Ctrl-C, TERM, HUP), and parts of it that are done whole all the same."""
+"""Signals that end a program from outside (Ctrl-C, TERM, HUP), and sections that they do not interrupt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What files say that others may have written: JSON as values of a type, and a picture's size."""
+"""Decodes JSON against a type, and reads a picture's size, from files that others may have written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measures of ellipses on the surface that tracking, symbols, occlusion and motion share."""
+"""Ellipses on the surface: distances, points on and within, and those that actions start from (§3.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a camera delivers: colour, depth and where it was seen from. No heavy imports: worlds use it too."""
+"""RGB-D frames: colour, depth, the camera's intrinsics and pose. No heavy imports: worlds use it too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which outcome of which rule explains a transition (§5): the learner's view of what happened."""
+"""Matches a transition with the outcome of a rule that explains it (§5)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A seven-joint arm as data, where its tool is, and the joints that bring it somewhere.
+"""A seven-joint arm as data: forward kinematics, and closed-form inverse kinematics.
 
 The arm has the build of a human's: the axes of its first three joints meet in a shoulder, those of its last
 three in a wrist, and joint 4 is the elbow. So inverse kinematics has a closed form: for one pose of the tool

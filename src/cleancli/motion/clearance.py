@@ -1,4 +1,4 @@
-"""Whether an arm's links keep clear of each other and of the table, checked before anything moves."""
+"""Collision checks of an arm with itself and the table, made before anything moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tool paths as legs: dense poses between places where the tool has to stand still for a moment.
+"""Splits a tool path into legs: dense poses between the places where the tool has to stop for a moment.
 
 The tool stops where it comes down on the surface, where it leaves it, and where it turns back; other corners
 it rounds off.

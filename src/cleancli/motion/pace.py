@@ -1,4 +1,4 @@
-"""How fast the tool goes, and how high between strokes; the same for every robot."""
+"""Speeds and heights of the tool between strokes, the same for every robot."""
 
 FAST_SPEED = 0.20  # m/s, chosen; so is the next
 STRAIGHT_SPEED = 0.12

@@ -1,5 +1,4 @@
-"""The one place where OMPL is imported: a way through a box of numbers where not every straight step is
-allowed.
+"""Sampling-based path planning in a box of numbers (OMPL, which is imported here alone).
 
 Used for the elbow's swivel along a line of tool poses, and for joints between two strokes.
 """

@@ -1,4 +1,4 @@
-"""When the joints are where: a given path under limits of joint speed, joint acceleration and tool speed.
+"""Time-parametrises a joint path under limits of joint speed, joint acceleration and tool speed.
 
 The one place where TOPP-RA (the library `toppra`) is imported, which finds the quickest such timing.
 """

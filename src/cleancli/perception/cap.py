@@ -1,4 +1,4 @@
-"""A limit to the areas that are planned for: "ignoring some of the dirty areas" (§4.2.1).
+"""Caps the number of areas that are planned for: "ignoring some of the dirty areas" (§4.2.1).
 
 Areas that are left out are seen, tracked and believed dirty like all others. Only the planner is not told of
 them, until a later look in which they are not among the smallest or farthest any more.

@@ -1,4 +1,4 @@
-"""Between pixels and the surface: a pinhole camera looking at a plane, both given in scene coordinates.
+"""Pinhole projection between pixels and the plane of the surface, both given in scene coordinates.
 
 The surface has coordinates of its own: x and y in metres on it, z above it. Where the surface lies as the
 scene says, they are the scene's.

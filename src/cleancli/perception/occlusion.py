@@ -1,4 +1,4 @@
-"""What an observation does not show, and what to believe of it: what the arm hides (§4.2.3).
+"""What an observation does not show because the arm hides it, and what to believe of it (§4.2.3).
 
 `remember(before, observation, surface, stroke, next_number) -> Known` takes the place of `track`
 where the tool may be in view: it names the areas seen, keeps those that are hidden as they were believed, and

@@ -1,4 +1,4 @@
-"""Where the surface is when nobody knows where the camera stands: it is recognized by its outline.
+"""Estimates the surface's pose from its outline, where nobody knows where the camera stands.
 
 The frames have been checked. The camera's own coordinates stand for the scene's.
 """

@@ -1,4 +1,4 @@
-"""Names for areas: which area of an observation is what has become of an area seen before."""
+"""Tracks areas from one observation to the next, so that each keeps its name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A task with its arrays, made once for planning in many of its states."""
+"""A task together with its lowered arrays, made once for planning in many of its states."""
 
 from __future__ import annotations
 

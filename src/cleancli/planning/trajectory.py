@@ -1,4 +1,4 @@
-"""From a policy to a plan: the sequence of actions that it takes if the likeliest happens."""
+"""The likeliest trajectory of a policy, which is what a plan shows of it."""
 
 from __future__ import annotations
 

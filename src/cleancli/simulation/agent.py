@@ -1,4 +1,4 @@
-"""A planner with rules of its own, which is shown all facts of the present state and says what to do."""
+"""A planner in closed loop with rules of its own: it is shown all facts of a state and says what to do."""
 
 from __future__ import annotations
 

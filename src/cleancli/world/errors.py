@@ -1,4 +1,4 @@
-"""What is raised without a physics engine, in a module that loads nothing: every command catches it."""
+"""What is raised without a physics engine. The module loads nothing, since every command catches it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the engine's renderer leaves out of a picture: the surface's texture, ink, and a gradient of light."""
+"""Adds to a rendered picture what the engine's renderer lacks: texture, ink, and a gradient of light."""
 
 from __future__ import annotations
 

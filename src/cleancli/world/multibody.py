@@ -1,4 +1,4 @@
-"""Links as data, from which pybullet builds one multibody: a drive, and what is mounted on it."""
+"""Links as data, and the pybullet multibody that is built of them."""
 
 from __future__ import annotations
 

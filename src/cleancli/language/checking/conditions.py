@@ -1,4 +1,4 @@
-"""The second half of the check: terms, literals and conditions against what is declared."""
+"""Checks terms, literals and conditions against what is declared."""
 
 from __future__ import annotations
 

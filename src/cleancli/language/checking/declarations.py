@@ -1,4 +1,4 @@
-"""The first half of the check: types and typed names; what a domain declares, by name.
+"""Checks types and typed names, and keeps what a domain declares by name.
 
 Guaranteed by the parser: structure. What is returned holds everything that could be understood.
 """

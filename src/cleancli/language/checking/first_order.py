@@ -1,4 +1,4 @@
-"""When a rule applies, as one formula: quantifiers, deictic references and derived predicates spelled out.
+"""When a rule applies, as one first-order formula: references and derived predicates spelled out.
 
 Guaranteed before: literals are well typed. What a formula asks to exist gets a variable of its own, so that
 only `Every` is left of the quantifiers. A derived predicate is replaced by its definition, unless that would

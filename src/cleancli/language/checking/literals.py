@@ -1,4 +1,4 @@
-"""Whether literals can hold together (§3.3.2: the rules of one action have disjoint preconditions).
+"""Whether two conjunctions of literals can hold together (§3.3.2: preconditions must be disjoint).
 
 Guaranteed before: the literals of each condition are well typed. The test is sound and complete, because
 objects are not known yet: a problem may add as many of each type as it likes. If conditions hold in any

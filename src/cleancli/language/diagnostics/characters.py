@@ -1,4 +1,4 @@
-"""What someone meant who writes a character that the language has no use for: often what to type instead."""
+"""Help for characters that the language does not know: what their writer often means."""
 
 from __future__ import annotations
 

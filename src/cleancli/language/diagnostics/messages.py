@@ -1,4 +1,4 @@
-"""Which diagnostics are shown: each once, however many files lead to it, and no more than a person reads."""
+"""Selects the diagnostics to show: each once, and no more than a person reads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check collects: diagnostics in the order found, and the help that names near spellings."""
+"""Collects the diagnostics of a check in the order found, and suggests near spellings of unknown names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one place that changes files of the user: edits at spans, and writes that replace all or nothing."""
+"""Edits of a text at spans."""
 
 from __future__ import annotations
 

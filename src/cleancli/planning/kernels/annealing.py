@@ -1,4 +1,4 @@
-"""The compiled annealing for callers: gives it the memory that it works in."""
+"""Calls the compiled annealing with the memory that it works in."""
 
 from __future__ import annotations
 

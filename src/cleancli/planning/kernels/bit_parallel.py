@@ -1,4 +1,4 @@
-"""Annealing over action sequences, each valued by the same rollouts of the process (compiled).
+"""Simulated annealing over action sequences, valued by 64 rollouts a machine word (compiled).
 
 Runs are bits: for each value of each variable a word says in which of 64 runs the variable has it. A rule's
 condition is then a few operations on words, for 64 runs at once, and so is what an outcome sets. What is

@@ -1,4 +1,4 @@
-"""How compiled code is compiled: cached on disk, without the interpreter's lock, and counting no references.
+"""Compiles functions with numba: cached on disk, without the interpreter's lock, and counting no references.
 
 numba counts references wherever an array of a named tuple is read, which here costs many times the
 arithmetic. Nothing is allocated and no array outlives its caller's, so nothing needs to be counted (`_nrt`,

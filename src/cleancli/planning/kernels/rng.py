@@ -1,4 +1,4 @@
-"""Random numbers for compiled code: a stream is a number that is added to, and samples share nothing."""
+"""Counter-based random numbers for compiled code: each sample has a stream of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A task that forgets what no longer matters, so that fewer states tell the same.
+"""State abstraction: a task that forgets what no longer matters, so that fewer states tell the same.
 
 A cleaned area still has a size, which no rule and no reward asks for as long as it is clean. If it stays so,
 states that differ in that size alone are worth the same.
