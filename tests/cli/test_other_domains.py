@@ -121,3 +121,21 @@ def test_time_is_spoken_of_where_the_domain_has_it_and_all_is_said_once(
     assert (" of the domain's time" in text) is is_timed
     assert ("actions 2.0" in text) is is_timed
     assert not re.search(r"(?<![\d.])0\.0 s\b|: 0\.0$", text, re.M), text
+
+
+@pytest.mark.parametrize(
+    ("words", "planner"),
+    [
+        (("--strategy", "plan-1"), "prada+"),
+        (("--strategy", "determinized"), "all-outcomes"),
+        (("--strategy", "plan-all", "--planner", "exact"), "exact"),
+        (("--strategy", "determinized", "--planner", "uct"), "uct"),
+    ],
+)
+def test_a_run_tells_the_planner_that_it_was_planned_by(
+    words: tuple[str, ...], planner: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The strategy's own where none is asked for (docs/execution.md), so that others can run the same."""
+    told = json.loads(said(capsys, "execute", "lamps.nid", "hall.nid", *words, "--json"))
+    assert told["options"]["planner"] == planner
+    assert told["options"]["strategy"] == words[1]
