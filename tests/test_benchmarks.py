@@ -35,7 +35,7 @@ def _main(name: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Any:
 BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
-DRAWS_NOTHING = {"language.py"}
+DRAWS_NOTHING = {"language.py", "structure.py"}
 LONG = {
     "conservation.py",
     "differential.py",
@@ -61,6 +61,26 @@ def test_help_says_how_long_a_benchmark_takes_and_what_its_seed_is(
     assert re.search(r"\b(second|minute|hour)s?\b", printed), "how long it takes"
     assert name in DRAWS_NOTHING or "--seed" in printed
     assert name not in LONG or "--keep" in printed
+
+
+def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sources = tmp_path / "src" / "cleancli" / "some"
+    sources.mkdir(parents=True)
+    (sources / "low.py").write_text("X = 1\n")
+    (sources / "high.py").write_text(
+        'from cleancli.some.low import X\n\n\ndef f():\n    """Two\n    lines."""\n    return X\n'
+    )
+    _main("structure", monkeypatch, str(tmp_path))
+    told = capsys.readouterr().out
+    assert re.search(r"^some +2 +2 +8 +7 +2$", told, re.M), told
+    assert "2 modules, 8 lines\n1 functions: median 2 lines, 95 % 2, longest 2" in told
+    _main("structure", monkeypatch)
+    told = capsys.readouterr().out
+    (most,) = re.findall(r"95 % ([\d.]+), longest (\d+)$", told, re.M)
+    assert float(most[0]) <= 25
+    assert int(most[1]) <= 60
 
 
 def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
