@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from scipy.stats import binomtest
 
 from cleancli.cli.commands.act import in_order
 from cleancli.cli.main import run
@@ -37,6 +38,10 @@ def test_outcomes_by_grasp_as_data_and_as_a_picture(
     for grasp in found["grasps"]:
         assert [trial["seed"] for trial in grasp["trials"]] == [1, 2]
         assert sum(outcome["trials"] for outcome in grasp["outcomes"].values()) == 2
+        for outcome in grasp["outcomes"].values():
+            expected = binomtest(outcome["trials"], 2).proportion_ci(0.95, method="wilson")
+            assert outcome["share"] == outcome["trials"] / 2
+            assert (outcome["low"], outcome["high"]) == pytest.approx((expected.low, expected.high), abs=1e-4)
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

@@ -118,10 +118,14 @@ def test_programs_are_told_how_many_are_left_out(folder: Path, capsys: pytest.Ca
     (sarif,) = json.loads(said(capsys, "check", "base.nid", "--format", "sarif"))["runs"]
     assert len(sarif["results"]) == 100
     assert sarif["properties"] == {"leftOut": 150}
+    (invocation,) = sarif["invocations"]
+    (told,) = invocation["toolExecutionNotifications"]
+    assert (invocation["executionSuccessful"], told["level"]) == (True, "note")
+    assert "150 more mistakes" in told["message"]["text"]
     assert len(json.loads(said(capsys, "check", "base.nid", "--json", "--all"))) == 250
     (everything,) = json.loads(said(capsys, "check", "base.nid", "--format", "sarif", "--all"))["runs"]
     assert len(everything["results"]) == 250
-    assert "properties" not in everything
+    assert not {"properties", "invocations"} & everything.keys()
 
 
 def test_bad_lines_by_the_thousand_print_little(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -83,9 +83,10 @@ def _layers(
     scene: Scene, situation: Situation | None, path: ToolPath | None, size: Cell
 ) -> Iterator[tuple[str, Cell]]:
     """What stands in which cell; what comes later lies on top."""
-    for area in () if situation is None else situation.areas:
-        kind = "unseen" if situation is not None and area.name in situation.unseen else "dirt"
-        yield from ((kind, cell) for cell in _covered(area.ellipse, scene, size))
+    if situation is not None:
+        for area in situation.areas:
+            kind = "unseen" if area.name in situation.unseen else "dirt"
+            yield from ((kind, cell) for cell in _covered(area.ellipse, scene, size))
     if path is not None:
         yield from (("way", cell) for cell in _way(path, scene, size))
 
