@@ -121,7 +121,7 @@ def test_programs_are_told_how_many_are_left_out(folder: Path, capsys: pytest.Ca
     (invocation,) = sarif["invocations"]
     (told,) = invocation["toolExecutionNotifications"]
     assert (invocation["executionSuccessful"], told["level"]) == (True, "note")
-    assert "150 more mistakes" in told["message"]["text"]
+    assert "150 more are left out" in told["message"]["text"]
     assert len(json.loads(said(capsys, "check", "base.nid", "--json", "--all"))) == 250
     (everything,) = json.loads(said(capsys, "check", "base.nid", "--format", "sarif", "--all"))["runs"]
     assert len(everything["results"]) == 250
