@@ -17,7 +17,6 @@ import click
 
 from cleancli import __version__
 from cleancli.cli.inputs import located_in
-from cleancli.cli.refusal import planning_refused
 from cleancli.execution.episode_state import World
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
@@ -26,6 +25,7 @@ from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, Source
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.planning.refusal import planning_refused
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
 

@@ -19,7 +19,6 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.progress import working
-from cleancli.cli.refusal import planning_refused
 from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.run_session import (
     Inputs,
@@ -43,6 +42,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.find import find
 from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Problem
+from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import click
 
-from cleancli.cli.action_syntax import read_action
 from cleancli.cli.completion import actions, domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import located_in
@@ -21,6 +20,7 @@ from cleancli.compiler.explain import (
     UnclearReference,
     explain,
 )
+from cleancli.language.calls import read_action
 from cleancli.language.model import (
     Domain,
     Equality,

@@ -10,19 +10,17 @@ from pathlib import Path
 
 import click
 
-from cleancli.cli.action_syntax import Call, read_actions
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import located_in, open_domain, open_problem
 from cleancli.cli.observe import ObservedProblem, look
-from cleancli.cli.plan_job import PlanningRequest, numbered
 from cleancli.cli.plan_options import planner_named, planner_options, planners_named
 from cleancli.cli.progress import working
-from cleancli.cli.refusal import planning_refused
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, echo_plan
 from cleancli.cli.views.plan_picture import check_picture, draw_picture
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import by_time
+from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import read_source
@@ -33,7 +31,9 @@ from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import evaluate
 from cleancli.planning.plan import Options
 from cleancli.planning.reductions.subproblem import Fewer, fewer
+from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
+from cleancli.planning.request import PlanningRequest, numbered
 from cleancli.scene.model import Scene
 
 _DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"

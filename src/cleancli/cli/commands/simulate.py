@@ -13,12 +13,12 @@ from cleancli.cli.inputs import located_in, open_domain
 from cleancli.cli.observe import open_both
 from cleancli.cli.plan_options import planner_named, planner_options
 from cleancli.cli.progress import counted
-from cleancli.cli.refusal import planning_refused
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.views.simulated import as_data, print_summaries
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import read_source
+from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
 from cleancli.simulation.compatibility import refuse_unlike

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 import click
 
 from cleancli.cli.kernels import has_compiled
-from cleancli.cli.plan_job import PlanningRequest, why_nothing
 from cleancli.cli.views.plan_steps import steps_data, steps_table
 from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.compiler.semantics import reaches_goal
@@ -17,6 +16,7 @@ from cleancli.planning.compare import Comparison
 from cleancli.planning.evaluation.forecast import Forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.plan import Plan
+from cleancli.planning.request import PlanningRequest, why_nothing
 
 _NOTHING = {
     "goal": "nothing worth doing: the goal holds already",

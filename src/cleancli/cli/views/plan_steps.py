@@ -6,11 +6,11 @@ import itertools
 
 from rich.table import Table
 
-from cleancli.cli.plan_job import PlanningRequest
 from cleancli.cli.views.tables import plain_table
 from cleancli.compiler.task import literal_text
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.evaluation.forecast import Forecast, ForecastStep, Result
+from cleancli.planning.request import PlanningRequest
 
 SHOWN = 3
 """Results of a step that the table shows; the others are in the data."""

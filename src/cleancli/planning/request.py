@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.cli.action_syntax import Call
 from cleancli.compiler.semantics import covering_rule, reaches_goal
 from cleancli.compiler.task import Task
+from cleancli.language.calls import Call
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options
