@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from cleancli.cli.files import STDIN, read
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
 from cleancli.language.load import (
     checked_domain,
@@ -23,16 +21,8 @@ from cleancli.language.load import (
 from cleancli.language.model import Domain, Problem
 
 if TYPE_CHECKING:
+    from cleancli.api.inputs import LoadedProblem
     from cleancli.scene.model import Scene
-
-
-@contextmanager
-def located_in(*sources: Source) -> Iterator[None]:
-    """Show the lines of these texts with mistakes that later stages find in them."""
-    try:
-        yield
-    except Refused as refused:
-        raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None
 
 
 def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple[Source, ...], Domain]:
@@ -41,6 +31,16 @@ def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple
     path = find(name_or_path, "domains")
     checked = checked_domain(read_source(path), may_include_outside(), compat=compat)
     return path, checked.sources, checked.get()
+
+
+def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
+    """A problem of a domain, or a scene, with all texts; raises Refused. `compat`: for planning as libPRADA
+    does. What loads scenes is imported here: not all commands take them."""
+    from cleancli.api import inputs
+
+    source = read_source(find(domain, "domains"))
+    opened = inputs.opened_domain(source, may_include_outside(), compat=compat)
+    return inputs.load_problem(find(problem, "problems"), opened)
 
 
 def may_include_outside() -> bool:

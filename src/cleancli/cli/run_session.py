@@ -16,13 +16,13 @@ from pathlib import Path
 import click
 
 from cleancli import __version__
-from cleancli.cli.inputs import located_in
 from cleancli.execution.episode_state import World
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.refusal import planning_refused

@@ -17,7 +17,7 @@ from cleancli.cli.commands.report import write_page
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
-from cleancli.cli.inputs import located_in, open_domain, open_problem
+from cleancli.cli.inputs import open_domain, open_problem
 from cleancli.cli.progress import working
 from cleancli.cli.resume import reopened, unfinished
 from cleancli.cli.run_session import (
@@ -40,7 +40,7 @@ from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.find import find
-from cleancli.language.load import read_source
+from cleancli.language.load import located_in, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS

@@ -9,7 +9,6 @@ import click
 
 from cleancli.cli.completion import actions, domains, problems
 from cleancli.cli.echo import echo
-from cleancli.cli.inputs import located_in
 from cleancli.cli.observe import open_both
 from cleancli.compiler.explain import (
     Attempt,
@@ -21,6 +20,7 @@ from cleancli.compiler.explain import (
     explain,
 )
 from cleancli.language.calls import read_action
+from cleancli.language.load import located_in
 from cleancli.language.model import (
     Domain,
     Equality,

@@ -11,13 +11,13 @@ import click
 from cleancli.cli.completion import domains
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
-from cleancli.cli.inputs import located_in, may_include_outside, open_domain
+from cleancli.cli.inputs import may_include_outside, open_domain
 from cleancli.cli.progress import working
 from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
-from cleancli.language.load import checked_domain
+from cleancli.language.load import checked_domain, located_in
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import Transition, read_experience

@@ -16,10 +16,11 @@ import numpy as np
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.cli.inputs import located_in, open_domain, open_scene
+from cleancli.cli.inputs import open_domain, open_scene
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out

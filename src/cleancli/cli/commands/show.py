@@ -17,11 +17,12 @@ from rich.tree import Tree
 
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import wants_colour
-from cleancli.cli.inputs import located_in, open_domain
+from cleancli.cli.inputs import open_domain
 from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
 from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
 from cleancli.language.printing.printer import (
     print_condition,

@@ -9,15 +9,16 @@ from dataclasses import asdict
 import click
 
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.inputs import located_in, open_domain
+from cleancli.cli.inputs import open_domain
 from cleancli.cli.observe import open_both
-from cleancli.cli.plan_options import planner_named, planner_options
 from cleancli.cli.progress import counted
 from cleancli.cli.unreached import tell_unreached
+from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.simulated import as_data, print_summaries
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
-from cleancli.language.load import read_source
+from cleancli.language.load import located_in, read_source
+from cleancli.planning.asked import planner_named, planner_options
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
@@ -77,6 +78,7 @@ from cleancli.simulation.summary import summarized
     help="What discounts later rewards: the number of actions before, or their duration.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON, episode by episode.")
+@usage_errors()
 def command(
     domain: str,
     problem: str,
