@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from cleancli.compiler.task import GroundAction
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 def plain(value: object) -> object:
@@ -27,5 +31,11 @@ def plain(value: object) -> object:
         case list() | tuple():
             return [plain(part) for part in value]
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return fields_of(value)
     raise TypeError(f"{type(value).__name__} has no plain form")
+
+
+def fields_of(record: DataclassInstance, without: Collection[str] = ()) -> dict[str, object]:
+    """The fields of a record but some, in their order, in plain form."""
+    names = (field.name for field in fields(record) if field.name not in without)
+    return {name: plain(getattr(record, name)) for name in names}

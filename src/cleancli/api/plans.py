@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from cleancli.api.expected import Expected, expected_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
 from cleancli.api.options import Asked, check_one_of
-from cleancli.api.plain import plain
+from cleancli.api.plain import fields_of
+from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
-from cleancli.execution.observed import ObservedProblem, look
 from cleancli.language.calls import read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -25,7 +23,6 @@ from cleancli.planning.plan import Plan
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.planning.request import PlanningRequest, numbered, requested, why_nothing
-from cleancli.scene.model import Scene
 
 _NOTHING = {
     "goal": "nothing worth doing: the goal holds already",
@@ -206,18 +203,6 @@ def evaluate(
         return evaluation_result(job, indices, found, _forecast(job, counted, explain, seconds), seconds)
 
 
-def seen(
-    given: LoadedProblem, seed: int | None, seconds: dict[str, float]
-) -> tuple[ObservedProblem, int | None]:
-    """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
-    model = given.domain.model
-    if not isinstance(given.model, Scene):
-        return ObservedProblem(model, given.model, ()), seed
-    seed = given.model.seed if seed is None else seed
-    with timed(seconds, "look"), located_in(*given.sources):
-        return look(model, given.model, seed), seed
-
-
 def plan_result(
     job: PlanningRequest, found: Plan, expected: Forecast | None, seconds: Mapping[str, float]
 ) -> PlanResult:
@@ -276,14 +261,6 @@ def not_planned_for(left_out: Sequence[str], ignored: Sequence[str], counted: in
         )
 
 
-@contextmanager
-def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    """Note how long a phase takes."""
-    started = time.perf_counter()
-    yield
-    seconds[phase] = time.perf_counter() - started
-
-
 def _request(
     given: LoadedProblem, asked: Asked, actions: str | None, seconds: dict[str, float]
 ) -> PlanningRequest:
@@ -313,11 +290,4 @@ def _forecast(
 
 def _dictionary(result: PlanResult | EvaluationResult, without: Sequence[str] = ()) -> dict[str, object]:
     """All of a result; what was not asked for is not there."""
-    found = {
-        field.name: plain(getattr(result, field.name))
-        for field in fields(result)
-        if field.name not in without
-    }
-    if found["explained"] is None:
-        del found["explained"]
-    return found
+    return fields_of(result, without if result.explained is not None else (*without, "explained"))

@@ -21,7 +21,7 @@ from cleancli.language.load import (
 from cleancli.language.model import Domain, Problem
 
 if TYPE_CHECKING:
-    from cleancli.api.inputs import LoadedProblem
+    from cleancli.api.inputs import LoadedDomain, LoadedProblem
     from cleancli.scene.model import Scene
 
 
@@ -33,14 +33,21 @@ def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple
     return path, checked.sources, checked.get()
 
 
+def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
+    """A domain with all texts; raises Refused. `compat`: for planning as libPRADA does.
+
+    What loads scenes too is imported here: not all commands take them.
+    """
+    from cleancli.api.inputs import opened_domain
+
+    return opened_domain(read_source(find(domain, "domains")), may_include_outside(), compat=compat)
+
+
 def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
-    """A problem of a domain, or a scene, with all texts; raises Refused. `compat`: for planning as libPRADA
-    does. What loads scenes is imported here: not all commands take them."""
+    """A problem of a domain, or a scene, with all texts; raises Refused."""
     from cleancli.api import inputs
 
-    source = read_source(find(domain, "domains"))
-    opened = inputs.opened_domain(source, may_include_outside(), compat=compat)
-    return inputs.load_problem(find(problem, "problems"), opened)
+    return inputs.load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
 
 
 def may_include_outside() -> bool:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import click
 
-from cleancli.api.plans import evaluation_result, plan_result, seen, timed
+from cleancli.api.plans import evaluation_result, plan_result
+from cleancli.api.seen import seen, timed
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
