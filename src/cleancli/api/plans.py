@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cleancli.api.asked import Asked
 from cleancli.api.expected import Expected, expected_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
-from cleancli.api.options import Asked, check_one_of
+from cleancli.api.options import check_one_of
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from cleancli.api.asked import Asked
 from cleancli.api.inputs import (
     GivenDomain,
     GivenProblem,
@@ -13,7 +14,7 @@ from cleancli.api.inputs import (
     load_domain,
     load_problem,
 )
-from cleancli.api.options import Asked, check_least, check_one_of
+from cleancli.api.options import check_least, check_one_of
 from cleancli.api.plain import fields_of, plain
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from cleancli.api.options import Asked
+from cleancli.api.asked import Asked
 from cleancli.api.simulations import batch, simulation_result
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.inputs import open_given, open_loaded
