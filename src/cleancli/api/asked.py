@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cleancli.api.options import check_least, check_one_of, check_seconds
+from cleancli.api.options import OBJECTIVES, check_least, check_one_of, check_seconds
 from cleancli.language.model import Problem
 from cleancli.planning.asked import planner_options
 from cleancli.planning.plan import Options
-
-OBJECTIVES = ("reward", "time")
-"""What may discount later rewards."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,32 +2,47 @@
 
 from __future__ import annotations
 
+import math
+import types
 from collections.abc import Collection
-from math import isfinite
 
 from cleancli.planning.plan import BadOption
+
+OBJECTIVES = ("reward", "time")
+"""What may discount later rewards."""
 
 
 def check_least(low: int, **named: object) -> None:
     """Raise BadOption for what is no whole number from `low` on; None stands for the usual."""
     for name, value in named.items():
-        if value is None:
-            continue
-        if not isinstance(value, int) or isinstance(value, bool):
-            raise BadOption(f"`{name}`: {value!r} is not a valid integer")
-        if value < low:
-            raise BadOption(f"`{name}`: {value} is not in the range x>={low}")
+        _check(name, value, int, f"x>={low}", low, math.inf)
 
 
-def check_seconds(name: str, value: object, *, none_of_it: bool) -> None:
+def check_between(low: int, high: int, **named: object) -> None:
+    """The same with a greatest one."""
+    for name, value in named.items():
+        _check(name, value, int, f"{low}<=x<={high}", low, high)
+
+
+def check_seconds(name: str, value: object, *, none_of_it: bool, most: float = math.inf) -> None:
     """Raise BadOption for what is no number of seconds; `none_of_it`: whether 0 is one. None stands for the
     usual."""
+    bounds = f"0<=x<={most}" if most < math.inf else "x>=0" if none_of_it else "x>0"
+    _check(name, value, int | float, bounds, 0, most)
+    if value == 0 and not none_of_it:
+        raise BadOption(f"`{name}`: {value} is not in the range {bounds}")
+
+
+def _check(
+    name: str, value: object, kind: type | types.UnionType, bounds: str, low: float, high: float
+) -> None:
     if value is None:
         return
-    if not isinstance(value, int | float) or isinstance(value, bool) or not isfinite(value):
-        raise BadOption(f"`{name}`: {value!r} is not a valid float")
-    if value < 0 or (value == 0 and not none_of_it):
-        raise BadOption(f"`{name}`: {value} is not in the range x{'>=' if none_of_it else '>'}0")
+    if not isinstance(value, kind) or isinstance(value, bool) or math.isnan(value):  # type: ignore[arg-type]
+        whole = "integer" if kind is int else "float"
+        raise BadOption(f"`{name}`: {value!r} is not a valid {whole}")
+    if not low <= value <= high:  # type: ignore[operator]
+        raise BadOption(f"`{name}`: {value} is not in the range {bounds}")
 
 
 def check_one_of(name: str, value: str | None, known: Collection[str]) -> None:
