@@ -71,7 +71,8 @@ class PlanResult:
         return "\n".join((*self.beginning(), *steps, *self.ending()))
 
     def _repr_html_(self) -> str:
-        table = TextTable(("step", "action"), tuple((str(n), a) for n, a in enumerate(self.plan, start=1)))
+        rows = tuple((str(number), action) for number, action in enumerate(self.plan, start=1))
+        table = TextTable(("step", "action"), rows, (1,))
         if self.explained is not None:
             table = self.explained.table()
         told = "".join(f"<p>{shown(line)}</p>" for line in (*self.beginning(), *self.ending()))
