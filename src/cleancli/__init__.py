@@ -4,10 +4,7 @@ What may be relied on in Python is what `__all__` names (docs/python.md); all el
 loaded before it is asked for.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # mypy takes it for true by its name; `typing` takes longer to load than all of this
 if TYPE_CHECKING:
     from cleancli.api.executions import execute, resume
     from cleancli.api.explanations import explain
