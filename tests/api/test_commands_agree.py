@@ -40,8 +40,7 @@ def same(result: Any, data: Any) -> None:
     assert list(result) == list(data), "in the same order"
 
 
-@pytest.mark.parametrize("planner", ["prada+", "prada", "uct"])
-@pytest.mark.parametrize("explain", [False, True])
+@pytest.mark.parametrize(("planner", "explain"), [("prada+", True), ("prada", False), ("uct", False)])
 def test_plan(planner: str, explain: bool, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["plan", "cleaning", "three_areas", "--planner", planner, "--seed", 3, "--samples", 200]
     words += ["--explain"] if explain else []
@@ -152,3 +151,20 @@ def test_plan_for_what_is_seen(capsys: pytest.CaptureFixture[str]) -> None:
     result = cleancli.plan("cleaning", "two_groups", seed=2, samples=100)
     same(result.to_dict(), told(capsys, "plan", "cleaning", "two_groups", "--seed", 2, "--samples", 100))
     assert "look" in result.seconds
+
+
+def test_execute_on_a_table(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pybullet")
+    monkeypatch.chdir(tmp_path)
+    asked: dict[str, Any] = {"seed": 2, "samples": 50, "max_actions": 0, "video": False}
+    result = cleancli.execute("cleaning", "two_groups", **asked)
+    words = ["execute", "cleaning", "two_groups", "--seed", 2, "--samples", 50, "--max-actions", 0]
+    same(result.to_dict(), told(capsys, *words, "--no-video"))
+    assert result.truth == result.to_dict()["truth"]
+    text = printed(capsys, *words, "--no-video")
+    untold = re.compile(r"^(seconds|record): .*\n?", re.M)
+    assert untold.sub("", text) == untold.sub("", f"{result}\n")
+    record, same_record = (re.sub(r"-00\d/", "/", each).splitlines()[-1] for each in (text, str(result)))
+    assert record == same_record

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cleancli.api.tables import preformatted
 from cleancli.language.diagnostics.diagnostic import Source
@@ -12,8 +13,9 @@ from cleancli.language.find import find
 from cleancli.language.load import checked_domain, kind_of, read_source
 from cleancli.language.load import load_problem as checked_problem
 from cleancli.language.model import Domain, Problem
-from cleancli.scene.check import load_scene
-from cleancli.scene.model import Scene
+
+if TYPE_CHECKING:
+    from cleancli.scene.model import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class LoadedProblem:
     @property
     def is_scene(self) -> bool:
         """Whether it is a table to look at, and not a list of facts."""
-        return isinstance(self.model, Scene)
+        return not isinstance(self.model, Problem)
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -89,7 +91,10 @@ def opened_domain(source: Source, include_outside: bool, *, compat: bool = False
 
 
 def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
-    """Read and check a problem of the domain, or a scene. Raises Refused with every mistake."""
+    """Read and check a problem of the domain, or a scene. Raises Refused with every mistake.
+
+    What scenes are made of takes time to load, and most files are none.
+    """
     domain = load_domain(domain)
     if isinstance(problem, LoadedProblem):
         if problem.domain.model == domain.model:
@@ -98,6 +103,8 @@ def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
     else:
         problem_source = source_of(problem, "problem")
     if kind_of(problem_source) == "scene":
+        from cleancli.scene.check import load_scene
+
         scene = load_scene(problem_source)
         return LoadedProblem(scene.name, scene, domain, problem_source)
     model = checked_problem(problem_source, domain.model)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.cli.files import STDIN, read
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
@@ -15,39 +16,22 @@ from cleancli.language.load import (
     checked_problem,
     domain_named,
     kind_of,
-    load_problem,
     read_source,
 )
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain
 
 if TYPE_CHECKING:
-    from cleancli.api.inputs import LoadedDomain, LoadedProblem
     from cleancli.scene.model import Scene
 
 
-def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple[Source, ...], Domain]:
-    """A domain with its file, and its text before those that it includes; raises Refused. `compat`: for
-    planning as libPRADA does."""
-    path = find(name_or_path, "domains")
-    checked = checked_domain(read_source(path), may_include_outside(), compat=compat)
-    return path, checked.sources, checked.get()
-
-
 def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
-    """A domain with all texts; raises Refused. `compat`: for planning as libPRADA does.
-
-    What loads scenes too is imported here: not all commands take them.
-    """
-    from cleancli.api.inputs import opened_domain
-
+    """A domain with all texts; raises Refused. `compat`: for planning as libPRADA does."""
     return opened_domain(read_source(find(domain, "domains")), may_include_outside(), compat=compat)
 
 
 def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
     """A problem of a domain, or a scene, with all texts; raises Refused."""
-    from cleancli.api import inputs
-
-    return inputs.load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
+    return load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
 
 
 def may_include_outside() -> bool:
@@ -60,12 +44,6 @@ def open_scene(name_or_path: str) -> tuple[Source, Scene]:
     """A scene with its text; raises Refused with every mistake found."""
     source = read_source(find(name_or_path, "problems"))
     return source, _load_scene(source)
-
-
-def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
-    """A problem of the domain, or a scene; raises Refused with every mistake found."""
-    source = read_source(find(name_or_path, "problems"))
-    return _load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
 
 
 def _load_scene(source: Source) -> Scene:
@@ -94,8 +72,8 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
         case _:
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
-            _, _, domain = open_domain(str(beside) if beside.exists() else name)
-            return _check_problem(source, domain)
+            domain = open_loaded(str(beside) if beside.exists() else name)
+            return _check_problem(source, domain.model)
 
 
 def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from cleancli.cli.inputs import open_domain, open_problem
+from cleancli.api.seen import seen
+from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
-from cleancli.execution.observed import look
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
-from cleancli.scene.model import Scene
 
 
 def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Problem]:
@@ -16,10 +14,7 @@ def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Pr
 
     Of a scene's domain, the actions stay that the robot has skills for. Raises Refused.
     """
-    _, sources, model = open_domain(domain)
-    given = open_problem(problem, model)
-    if isinstance(given, Scene):
-        with located_in(*sources), working("looking at the table"):
-            seen = look(model, given, given.seed)
-        return sources, seen.domain, seen.problem
-    return sources, model, given
+    given = open_given(domain, problem)
+    with working("looking at the table", quiet=not given.is_scene):
+        looked, _ = seen(given, None, {})
+    return given.domain.sources, looked.domain, looked.problem

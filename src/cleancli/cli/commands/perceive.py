@@ -14,7 +14,7 @@ from cleancli.api.observations import drawn as drawn_picture
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.cli.inputs import open_domain, open_scene
+from cleancli.cli.inputs import open_loaded, open_scene
 from cleancli.language.load import located_in
 from cleancli.perception.pictures import contact_sheet
 from cleancli.perception.recorded import save_frames
@@ -81,11 +81,11 @@ def command(
     folder = Path(scene_or_folder)
     is_folder = folder.is_dir()
     _, setting = open_scene(setting_of if is_folder else scene_or_folder)
-    _, sources, model = open_domain(domain or setting.domain)
+    loaded = open_loaded(domain or setting.domain)
     seed = setting.seed if seed is None else seed
     sets = recorded(folder) if is_folder else [(setting.name, photographed(setting, seed))]
-    shown = _Told(understood(sets, setting, model, seed), as_data)
-    with located_in(*sources):
+    shown = _Told(understood(sets, setting, loaded.model, seed), as_data)
+    with located_in(*loaded.sources):
         if recording is None:
             deque(shown.looks(), maxlen=0)
         else:

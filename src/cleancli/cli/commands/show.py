@@ -17,7 +17,7 @@ from rich.tree import Tree
 
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import wants_colour
-from cleancli.cli.inputs import open_domain
+from cleancli.cli.inputs import open_loaded
 from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
@@ -70,7 +70,7 @@ def command(domain: str, problem: str | None, samples: int, as_data: bool) -> No
     change something), and which share of the plan space the planner's samples cover.
     """
     if problem is None:
-        _, _, model = open_domain(domain)
+        model = open_loaded(domain).model
         sizes = None
     else:
         sources, model, given = open_both(domain, problem)
