@@ -19,10 +19,12 @@ def test_importing_loads_no_other_module() -> None:
     assert python(code).split() == ["cleancli"]
 
 
-def test_importing_costs_less_than_20_ms() -> None:
-    """CPU seconds within one process; the least of several, for others use the machine too."""
-    code = "import time; start = time.process_time(); import cleancli; print(time.process_time() - start)"
-    assert min(float(python(code)) for _ in range(5)) < 0.02
+def test_importing_costs_less_than_starting_python() -> None:
+    """In CPU seconds of one process; the least of several, for others use the machine too."""
+    code = (
+        "import time; bare = time.process_time(); import cleancli; print((time.process_time() - bare) / bare)"
+    )
+    assert min(float(python(code)) for _ in range(5)) < 1
 
 
 def test_each_name_loads_what_it_needs_alone() -> None:
