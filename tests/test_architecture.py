@@ -179,7 +179,7 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         if isinstance(node, ast.Attribute) and node.attr == "truth"
     }
     assert askers == {
-        "cli/commands/execute.py",
+        "api/runs.py",
         "cli/commands/scene.py",
         "environment/clean_table.py",
         "execution/session.py",

@@ -6,7 +6,7 @@ import os
 from contextlib import chdir
 from pathlib import Path
 
-from cleancli.cli.inputs import open_domain
+from cleancli.cli.inputs import open_loaded
 from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
@@ -80,7 +80,7 @@ def _file(name: str, sources: list[Source]) -> tuple[Diagnostic, ...]:
 def _folder(sources: list[Source]) -> tuple[Diagnostic, ...]:
     """Of the files below, those that the folder has, in the order in which a command would use them."""
     if os.path.exists("name.txt"):
-        open_domain(Path("name.txt").read_text(encoding="utf-8").strip())
+        open_loaded(Path("name.txt").read_text(encoding="utf-8").strip())
         return ()
     domain = load_domain(_read("domain.nid", sources))
     return _with_domain(domain, sources)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.cli import run_session
+from cleancli.api import run_session
 from cleancli.cli.main import run
 
 ROOT = Path(__file__).parent.parent.parent

@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import click
 import pytest
 
-from cleancli.cli.plan_options import ALLOWED, planner_options
 from cleancli.language.model import Problem
-from cleancli.planning.plan import Options
+from cleancli.planning.asked import ALLOWED, planner_options
+from cleancli.planning.plan import BadOption, Options
 
 PAGE = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")
 PROBLEM = Problem("p", "d", (), frozenset())
@@ -42,13 +41,13 @@ def test_limits_can_be_asked_for_and_no_more(name: str) -> None:
     _, least, most = ROWS[name]
     whole = isinstance(getattr(Options(), name), int)
     assert asked(name, least) == float(least)
-    with pytest.raises(click.BadParameter):
+    with pytest.raises(BadOption):
         asked(name, str(int(least) - 1) if whole else "-0.001")
     if most == "any":
         assert asked(name, "1000000000") == 1e9
         return
     assert asked(name, most) == float(most)
-    with pytest.raises(click.BadParameter):
+    with pytest.raises(BadOption):
         asked(name, str(int(most) + 1) if whole else "1.001")
 
 
@@ -56,7 +55,7 @@ def test_limits_can_be_asked_for_and_no_more(name: str) -> None:
     "wrong", ["margin", "margin=", "margin=much", "depth=1.5", "arithmetic=real", "deep=1"]
 )
 def test_what_is_no_value_of_an_option_is_refused(wrong: str) -> None:
-    with pytest.raises(click.BadParameter):
+    with pytest.raises(BadOption):
         planner_options(PROBLEM, named=[wrong])
 
 

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cleancli.cli.commands.perceive import TOLD, _described, _printed
+from cleancli.api.observations import TOLD
+from cleancli.api.observations import described as _described
+from cleancli.api.observations import told as _printed
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact
 from cleancli.perception.area import Area

@@ -109,7 +109,7 @@ def test_a_run_that_could_not_begin_leaves_nothing(
         raise OSError(28, "No space left on device", "somewhere")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cleancli.cli.commands.execute.write_run", full)
+    monkeypatch.setattr("cleancli.api.runs.write_run", full)
     assert run(["execute", "cleaning", "three_areas", "--quiet"]) == 5
     assert "No space left" in capsys.readouterr().err
     assert os.listdir(tmp_path / "runs") == []

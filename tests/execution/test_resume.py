@@ -18,8 +18,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cleancli.api.run_session import alone_in, interruptions
 from cleancli.cli.main import run
-from cleancli.cli.run_session import alone_in, interruptions
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import Account, EpisodeState, FailedAttempt, Move, Situation
 from cleancli.geometry.ellipse import Ellipse

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cleancli.api.resuming import unfinished
 from cleancli.cli.main import run
-from cleancli.cli.resume import unfinished
 from cleancli.language.diagnostics.diagnostic import Refused
 from cleancli.learning.experience import Transition, encode
 from cleancli.recording import run_folder

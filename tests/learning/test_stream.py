@@ -69,7 +69,7 @@ def test_a_line_has_a_limit_and_so_has_what_is_told(tmp_path: Path, monkeypatch:
     path = tmp_path / "e.jsonl"
     monkeypatch.setattr(experience, "LONGEST", 2048)
     path.write_text(TEXT + "x" * 2048 + "\n")
-    with pytest.raises(Refused, match=r"E005 line 4 of `.*` is longer than 2 KiB"):
+    with pytest.raises(Refused, match=r"E005\]: line 4 of `.*` is longer than 2 KiB"):
         tuple(read_experience(path, DOMAIN))
     monkeypatch.setattr(experience, "MOST", 10)
     path.write_text("{}\n" * 25)

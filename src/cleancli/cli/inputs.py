@@ -2,45 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.cli.files import STDIN, read
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
 from cleancli.language.load import (
     checked_domain,
     checked_problem,
     domain_named,
     kind_of,
-    load_problem,
     read_source,
 )
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene
 
 
-@contextmanager
-def located_in(*sources: Source) -> Iterator[None]:
-    """Show the lines of these texts with mistakes that later stages find in them."""
-    try:
-        yield
-    except Refused as refused:
-        raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None
+def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
+    """A domain with all texts; raises Refused. `compat`: for planning as libPRADA does."""
+    return opened_domain(read_source(find(domain, "domains")), may_include_outside(), compat=compat)
 
 
-def open_domain(name_or_path: str, *, compat: bool = False) -> tuple[Path, tuple[Source, ...], Domain]:
-    """A domain with its file, and its text before those that it includes; raises Refused. `compat`: for
-    planning as libPRADA does."""
-    path = find(name_or_path, "domains")
-    checked = checked_domain(read_source(path), may_include_outside(), compat=compat)
-    return path, checked.sources, checked.get()
+def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
+    """A problem of a domain, or a scene, with all texts; raises Refused."""
+    return load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
 
 
 def may_include_outside() -> bool:
@@ -53,12 +44,6 @@ def open_scene(name_or_path: str) -> tuple[Source, Scene]:
     """A scene with its text; raises Refused with every mistake found."""
     source = read_source(find(name_or_path, "problems"))
     return source, _load_scene(source)
-
-
-def open_problem(name_or_path: str, domain: Domain) -> Problem | Scene:
-    """A problem of the domain, or a scene; raises Refused with every mistake found."""
-    source = read_source(find(name_or_path, "problems"))
-    return _load_scene(source) if kind_of(source) == "scene" else load_problem(source, domain)
 
 
 def _load_scene(source: Source) -> Scene:
@@ -87,8 +72,8 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
         case _:
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
-            _, _, domain = open_domain(str(beside) if beside.exists() else name)
-            return _check_problem(source, domain)
+            domain = open_loaded(str(beside) if beside.exists() else name)
+            return _check_problem(source, domain.model)
 
 
 def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

@@ -2,25 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-from dataclasses import dataclass
-
-from cleancli.cli.inputs import located_in, open_domain, open_problem
+from cleancli.api.seen import seen
+from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
-from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.model import Domain, Problem
-from cleancli.scene.model import Scene
-
-
-@dataclass(frozen=True, slots=True)
-class ObservedProblem:
-    """What one look at a table says: the actions that its robot has skills for, what there is to plan for,
-    and the areas that the scene's cap leaves out of it."""
-
-    domain: Domain
-    problem: Problem
-    left_out: tuple[str, ...]
 
 
 def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Problem]:
@@ -28,24 +14,7 @@ def open_both(domain: str, problem: str) -> tuple[tuple[Source, ...], Domain, Pr
 
     Of a scene's domain, the actions stay that the robot has skills for. Raises Refused.
     """
-    _, sources, model = open_domain(domain)
-    given = open_problem(problem, model)
-    if isinstance(given, Scene):
-        with located_in(*sources), working("looking at the table"):
-            seen = look(model, given, given.seed)
-        return sources, seen.domain, seen.problem
-    return sources, model, given
-
-
-def look(domain: Domain, scene: Scene, seed: int) -> ObservedProblem:
-    """What one look at the scene's table says.
-
-    The world and its eyes are imported here: a written problem needs neither.
-    """
-    from cleancli.execution.setup import within_reach
-    from cleancli.execution.table_cell import look_once
-    from cleancli.world.table import PybulletTable
-
-    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
-        problem, left_out = look_once(domain, scene, table, seed)
-    return ObservedProblem(within_reach(domain, scene.robot), problem, left_out)
+    given = open_given(domain, problem)
+    with working("looking at the table", quiet=not given.is_scene):
+        looked, _ = seen(given, None, {})
+    return given.domain.sources, looked.domain, looked.problem

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -24,6 +26,7 @@ __all__ = [
     "kind_of",
     "load_domain",
     "load_problem",
+    "located_in",
     "parse_as",
     "read_source",
     "read_stream",
@@ -104,3 +107,12 @@ def domain_named(source: Source) -> Name:
                 "E407", f"the problem `{root.name.text}` names no domain", root.name.span, help=help
             )
     raise Refused(findings.sorted, [source])
+
+
+@contextmanager
+def located_in(*sources: Source) -> Iterator[None]:
+    """Show the lines of these texts with mistakes that later stages find in them."""
+    try:
+        yield
+    except Refused as refused:
+        raise Refused(refused.diagnostics, (*refused.sources, *sources)) from None

@@ -64,6 +64,14 @@ class Plan:
     seconds: Mapping[str, float]
 
 
+class BadOption(ValueError):
+    """What is asked for makes no sense; `option` is what commands call it, where it is one alone."""
+
+    def __init__(self, message: str, option: str = "") -> None:
+        super().__init__(message)
+        self.option = option
+
+
 class PlanningRefused(ValueError):
     """A planner cannot plan this task with these options; the message says why, and `help` what may help."""
 

@@ -1,7 +1,7 @@
 """A run's folder as something that others may have changed: what is read of it, and how much.
 
 Nothing is read or written through a link, and nothing outside the folder. Whoever changes it while it is
-being read is not met here: `cleancli.cli.run_session.alone_in` keeps other runs away.
+being read is not met here: `cleancli.api.run_session.alone_in` keeps other runs away.
 """
 
 from __future__ import annotations

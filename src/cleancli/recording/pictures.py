@@ -48,8 +48,13 @@ def step_picture(frame: Frame, situation: Situation, started: Started | None, ro
 
 def write_png(path: Path, picture: Picture) -> None:
     """Write an RGB picture; raises OSError where the file cannot be written."""
+    replace_file(path, png_of(picture))
+
+
+def png_of(picture: Picture) -> bytes:
+    """An RGB picture as a PNG file holds it."""
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-    replace_file(path, data.tobytes())
+    return data.tobytes()
 
 
 class Video:

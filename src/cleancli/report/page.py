@@ -8,16 +8,22 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import jinja2
 
+from cleancli.files.replace import replace_file
+from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.recording.journal import Planned
 from cleancli.report.account import RunRow, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
-from cleancli.report.run import Run
+from cleancli.report.run import Run, read_run
 from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
 from cleancli.report.timeline import Count, Stretch, in_order, timeline
+
+PAGE = "report.html"
+"""The page of a run, in its folder."""
 
 CURVE_HEIGHT = 100.0
 TICKS = 8  # at most about so many along the axis of time
@@ -66,6 +72,13 @@ class Segment:
     width: float
     title: str
     number: int
+
+
+def write_page(folder: Path) -> Run:
+    """Write the page of the run into its folder; what `execute` does at its end. Raises as `read_run`."""
+    run = read_run(folder)
+    replace_file(folder / PAGE, printable(run_page(run), keep="\n\t"))
+    return run
 
 
 def run_page(run: Run) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class MissingPhysics(Exception):
+class MissingPhysics(ImportError):
     """pybullet isn't installed, so there is no table to simulate."""
 
     def __init__(self) -> None:

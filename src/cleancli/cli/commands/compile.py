@@ -7,10 +7,10 @@ import json
 import click
 
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.inputs import located_in
 from cleancli.cli.observe import open_both
 from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
+from cleancli.language.load import located_in
 
 
 @click.command("compile", short_help="The grounded task, as text or JSON.")

@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from cleancli.cli.action_syntax import Call, read_actions
+from cleancli.api.plans import evaluation_result, plan_result
+from cleancli.api.seen import seen, timed
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.inputs import located_in, open_domain, open_problem
-from cleancli.cli.observe import ObservedProblem, look
-from cleancli.cli.plan_job import PlanningRequest, numbered
-from cleancli.cli.plan_options import planner_named, planner_options, planners_named
+from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
-from cleancli.cli.refusal import planning_refused
 from cleancli.cli.unreached import tell_unreached
+from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, echo_plan
 from cleancli.cli.views.plan_picture import check_picture, draw_picture
-from cleancli.compiler.ground import ground
-from cleancli.compiler.task import by_time
-from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.find import find
-from cleancli.language.load import read_source
-from cleancli.language.model import Domain
+from cleancli.language.calls import Call, read_actions
+from cleancli.language.load import located_in
+from cleancli.planning.asked import planner_named, planner_options, planners_named
 from cleancli.planning.compare import compared
-from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import evaluate
-from cleancli.planning.plan import Options
-from cleancli.planning.reductions.subproblem import Fewer, fewer
+from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
-from cleancli.scene.model import Scene
+from cleancli.planning.request import PlanningRequest, numbered, requested
 
 _DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"
 _PLANNING = "planning (the planner is loaded first, or compiled, once after installation)"
@@ -99,6 +90,7 @@ class _Wanted:
 )
 @click.option("--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated.")
 @click.option("--json", "as_data", is_flag=True, help="Print everything as JSON.")
+@usage_errors()
 def command(
     domain: str,
     problem: str,
@@ -124,10 +116,11 @@ def command(
     check_picture(plot)
     planners = () if compare is None else planners_named(compare)
     seconds: dict[str, float] = {}
-    _, sources, model = open_domain(domain, compat=compat is not None)
-    sources = (*sources, read_source(find(problem, "problems")))
-    seen, seed = _seen(model, problem, sources, seed, seconds)
-    model, given = seen.domain, seen.problem
+    loaded = open_given(domain, problem, compat=compat is not None)
+    sources = loaded.sources
+    with working("looking at the table", quiet=not loaded.is_scene):
+        looked, seed = seen(loaded, seed, seconds)
+    model, given = looked.domain, looked.problem
     tell_unreached(sources, model, given)
     options = planner_options(
         given,
@@ -142,7 +135,15 @@ def command(
     calls = None if evaluate is None else read_actions(evaluate, model, given)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
-        job = _job(seen, calls, options, objective == "time", seconds)
+        with timed(seconds, "ground"):
+            job = requested(
+                model,
+                given,
+                options,
+                time_discounts=objective == "time",
+                calls=calls,
+                left_out=looked.left_out,
+            )
         if calls is not None:
             _evaluate(job, calls, wanted, seconds)
         elif compare is not None:
@@ -162,43 +163,13 @@ def _refuse_together() -> None:
             raise click.UsageError(f"{together[0]} and {together[1]} do not go together")
 
 
-def _seen(
-    model: Domain, problem: str, sources: Sequence[Source], seed: int | None, seconds: dict[str, float]
-) -> tuple[ObservedProblem, int | None]:
-    """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
-    given = open_problem(problem, model)
-    if not isinstance(given, Scene):
-        return ObservedProblem(model, given, ()), seed
-    seed = given.seed if seed is None else seed
-    with _timed(seconds, "look"), located_in(*sources), working("looking at the table"):
-        return look(model, given, seed), seed
-
-
-def _job(
-    seen: ObservedProblem,
-    calls: Sequence[Call] | None,
-    options: Options,
-    time_discounts: bool,
-    seconds: dict[str, float],
-) -> PlanningRequest:
-    """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
-    name or libPRADA is followed."""
-    model, smaller = seen.domain, Fewer(seen.problem)
-    with _timed(seconds, "ground"):
-        if calls is None and not options.compat:
-            smaller = fewer(model, seen.problem, options.counted)
-        task = ground(model, smaller.problem, compat=options.compat, named=calls or ())
-        prepared = prepare(by_time(task) if time_discounts else task)
-    return PlanningRequest(model, smaller.problem, prepared, options, smaller.ignored, seen.left_out)
-
-
 def _plan(job: PlanningRequest, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:
     with working(_PLANNING):
         plan = PLANNERS[planner](job.prepared, job.options)
     seconds |= plan.seconds
     calls = [(action.name, action.objects) for action in plan.actions]
     expected = _expected(job, numbered(job.task, calls), wanted, seconds)
-    echo_plan(job, plan, expected, seconds, wanted.as_data)
+    echo_plan(plan_result(job, plan, expected, seconds), wanted.as_data)
 
 
 def _evaluate(
@@ -206,12 +177,12 @@ def _evaluate(
 ) -> None:
     actions = numbered(job.task, calls)
     with (
-        _timed(seconds, "evaluate"),
+        timed(seconds, "evaluate"),
         working(_DRAWING),
     ):
         found = evaluate(job.prepared, actions, job.options)
     expected = _expected(job, actions[: max(job.task.horizon, 0)], wanted, seconds)
-    echo_evaluation(job, actions, found, expected, seconds, wanted.as_data)
+    echo_evaluation(evaluation_result(job, actions, found, expected, seconds), wanted.as_data)
 
 
 def _expected(
@@ -220,16 +191,9 @@ def _expected(
     """What the answer explains, if it is to; draws what the picture shows."""
     if not wanted.explain and wanted.plot is None:
         return None
-    with _timed(seconds, "explain"):
+    with timed(seconds, "explain"):
         expected = forecast(job.prepared, actions, job.options.seed)
     if wanted.plot is not None:
-        with _timed(seconds, "plot"):
+        with timed(seconds, "plot"):
             draw_picture(job, actions, expected, wanted.plot)
     return expected if wanted.explain else None
-
-
-@contextmanager
-def _timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    started = time.perf_counter()
-    yield
-    seconds[phase] = time.perf_counter() - started

@@ -16,11 +16,9 @@ from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.report.account import RunRow, name_of, row_of
-from cleancli.report.page import comparison_page, run_page
-from cleancli.report.run import Run, read_run
+from cleancli.report.page import PAGE, comparison_page, run_page
+from cleancli.report.run import read_run
 from cleancli.report.timeline import in_order
-
-PAGE = "report.html"
 
 
 @click.command("report", short_help="A run as a page, or several runs compared.")
@@ -47,13 +45,6 @@ def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None
     print_table(_table(rows))
     if html is not None:
         echo(f"page: {html}")
-
-
-def write_page(folder: Path) -> Run:
-    """Write the page of the run into its folder; what `execute` does at its end. Raises as `read_run`."""
-    run = read_run(folder)
-    replace_file(folder / PAGE, printable(run_page(run), keep="\n\t"))
-    return run
 
 
 def _table(rows: Sequence[RunRow]) -> Table:

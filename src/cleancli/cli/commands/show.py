@@ -17,11 +17,12 @@ from rich.tree import Tree
 
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import wants_colour
-from cleancli.cli.inputs import located_in, open_domain
+from cleancli.cli.inputs import open_loaded
 from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
 from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
 from cleancli.language.printing.printer import (
     print_condition,
@@ -69,7 +70,7 @@ def command(domain: str, problem: str | None, samples: int, as_data: bool) -> No
     change something), and which share of the plan space the planner's samples cover.
     """
     if problem is None:
-        _, _, model = open_domain(domain)
+        model = open_loaded(domain).model
         sizes = None
     else:
         sources, model, given = open_both(domain, problem)

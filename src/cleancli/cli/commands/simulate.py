@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from dataclasses import asdict
-
 import click
 
+from cleancli.api.asked import Asked
+from cleancli.api.simulations import batch, simulation_result
 from cleancli.cli.completion import domains, problems
-from cleancli.cli.inputs import located_in, open_domain
-from cleancli.cli.observe import open_both
-from cleancli.cli.plan_options import planner_named, planner_options
-from cleancli.cli.progress import counted
-from cleancli.cli.refusal import planning_refused
+from cleancli.cli.inputs import open_given, open_loaded
+from cleancli.cli.progress import counted, working
 from cleancli.cli.unreached import tell_unreached
-from cleancli.cli.views.simulated import as_data, print_summaries
-from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.find import find
-from cleancli.language.load import read_source
+from cleancli.cli.usage import usage_errors
+from cleancli.cli.views.simulated import echo_simulation
+from cleancli.language.load import located_in
+from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.batch import Batch, spread
-from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, EpisodeLimits
-from cleancli.simulation.summary import summarized
+from cleancli.simulation.batch import spread
+from cleancli.simulation.episode import EpisodeLimits
 
 
 @click.command("simulate", short_help="How well planners do in the symbolic world, over many episodes.")
@@ -77,6 +70,7 @@ from cleancli.simulation.summary import summarized
     help="What discounts later rewards: the number of actions before, or their duration.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON, episode by episode.")
+@usage_errors()
 def command(
     domain: str,
     problem: str,
@@ -97,41 +91,14 @@ def command(
     What comes of an action is drawn from the rules. An episode ends when the goal holds, when nothing is left
     of the count, when the planner finds nothing worth doing, or after --max-actions.
     """
-    sources, model, given = open_both(domain, problem)
-    world_model, world_sources = model, sources
-    if world is not None:
-        _, world_sources, world_model = open_domain(world)
-        refuse_unlike(model, world_model, given, sources, world_sources)
-    setup = Batch(
-        model,
-        world_model,
-        given,
-        tuple(dict.fromkeys(planners)) or (planner_named(None, given),),
-        planner_options(
-            given, samples=samples, seed=seed, time_limit=time_limit, threads=None if jobs == 1 else 1
-        ),
-        EpisodeLimits(max_actions, commit),
-        objective == "time",
-    )
-    texts = (*sources, *world_sources, read_source(find(problem, "problems")))
-    tell_unreached(texts, model, given)
-    with located_in(*texts):
-        found = _episodes(setup, episodes, jobs, texts)
-    summaries = [
-        summarized(name, each, found[0] if each is not found[0] else None)
-        for name, each in zip(setup.planners, found, strict=True)
-    ]
-    if as_json:
-        click.echo(json.dumps(as_data(setup, summaries, found, asdict(setup.options)), indent=2))
-    else:
-        print_summaries(summaries)
-
-
-def _episodes(
-    setup: Batch, episodes: int, jobs: int, sources: Sequence[Source]
-) -> tuple[tuple[Episode, ...], ...]:
-    """The episodes of each planner, in their order."""
-    with planning_refused(sources):
-        found = list(counted("simulating", spread(setup, episodes, jobs), episodes))
-    found.sort(key=lambda each: each[0].number)
-    return tuple(zip(*found, strict=True))
+    given = open_given(domain, problem)
+    acting = given.domain if world is None else open_loaded(world)
+    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
+    with working("looking at the table", quiet=not given.is_scene):
+        setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit))
+    texts = (*given.domain.sources, *acting.sources, given.source)
+    tell_unreached(texts, setup.domain, setup.problem)
+    with located_in(*texts), planning_refused(texts):
+        found = counted("simulating", spread(setup, episodes, jobs), episodes)
+        result = simulation_result(setup, found)
+    echo_simulation(result, as_json)

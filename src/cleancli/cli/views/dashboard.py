@@ -12,7 +12,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from cleancli.cli.symbolic import Told
+from cleancli.api.symbolic import Told
 from cleancli.cli.views.table_map import rows_for, table_map
 from cleancli.execution.episode_state import Account, Move, Situation
 from cleancli.execution.events import (

@@ -10,9 +10,9 @@ from typing import Protocol
 from rich.console import Console, RenderableType
 from rich.live import Live
 
+from cleancli.api.symbolic import Told
 from cleancli.cli.kernels import how_loaded
 from cleancli.cli.progress import SLOW
-from cleancli.cli.symbolic import Told
 from cleancli.cli.views.dashboard import Shown, came_of, dashboard, names_of, updated
 from cleancli.cli.views.table_map import Place
 from cleancli.execution.episode_state import Situation

@@ -10,11 +10,11 @@ import click
 import numpy as np
 
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.cli.plan_job import PlanningRequest
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import literal_text
 from cleancli.planning.evaluation.belief_value import plan_beliefs
 from cleancli.planning.evaluation.forecast import Forecast
+from cleancli.planning.request import PlanningRequest
 
 MOST_ROWS = 30
 """Literals that a picture shows: those that change most. More are too small to read. Chosen."""

@@ -9,6 +9,7 @@ from rich.console import Console, RenderableType
 from rich.style import StyleType
 from rich.table import Table
 
+from cleancli.api.tables import TextTable
 from cleancli.cli.echo import wants_colour
 from cleancli.language.diagnostics.diagnostic import printable
 
@@ -35,6 +36,16 @@ def plain_table(*columns: str, left: int = 1) -> Table:
     for number, column in enumerate(columns):
         table.add_column(printable(column), justify="left" if number < left else "right")
     return table
+
+
+def table_of(table: TextTable) -> Table:
+    """The same, for a terminal."""
+    shown = plain_table(*table.heads)
+    for number, column in enumerate(shown.columns):
+        column.justify = "left" if number in table.words else "right"
+    for row in table.rows:
+        shown.add_row(*row)
+    return shown
 
 
 def print_table(table: Table) -> None:

@@ -13,19 +13,18 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import click
-
 from cleancli import __version__
-from cleancli.cli.inputs import located_in
-from cleancli.cli.refusal import planning_refused
 from cleancli.execution.episode_state import World
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
 from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.planning.plan import BadOption
+from cleancli.planning.refusal import planning_refused
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
 
@@ -60,19 +59,17 @@ def versions() -> dict[str, str]:
 def open_session(inputs: Inputs, world: World | None = None) -> Session:
     """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
 
-    Raises UsageError for what it has not, OtherWorld where the checkpoint is another one's.
+    Raises BadOption for what it has not, OtherWorld where the checkpoint is another one's.
     """
     given, options, job = inputs.given, inputs.options, inputs.job
+    if isinstance(given, Problem) and STRATEGIES[options.strategy].needs_places:
+        raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
+    if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+        raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
     with located_in(*inputs.sources), planning_refused(inputs.sources):
         try:
             if isinstance(given, Scene):
-                if job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
-                    raise click.UsageError(f"--job dustpan takes a second arm, which {given.robot} has not")
                 return table_session(inputs.domain, given, options, job, world)
-            if STRATEGIES[options.strategy].needs_places:
-                raise click.UsageError(
-                    f"--strategy {options.strategy} goes by places, which only a scene has"
-                )
             return symbolic_session(inputs.domain, given, options, world)
         except (KeyError, TypeError, ValueError) as error:
             if world is None:
@@ -83,7 +80,7 @@ def open_session(inputs: Inputs, world: World | None = None) -> Session:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other processes from working on the same run. Raises UsageError where one does already."""
+    """Keep other processes from working on the same run. Raises BadOption where one does already."""
     try:
         import fcntl  # not on Windows, where two at once are the user's own concern
     except ImportError:
@@ -95,7 +92,7 @@ def alone_in(folder: Path) -> Iterator[None]:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         os.close(handle)
-        raise click.UsageError(f"another process works on {folder}") from None
+        raise BadOption(f"another process works on {folder}") from None
     try:
         yield
     finally:
@@ -107,7 +104,7 @@ def none_left_where_refused(folder: Path) -> Iterator[None]:
     """Remove the folder of a run that is refused before its first action: it would tell nothing."""
     try:
         yield
-    except (Refused, click.UsageError):
+    except (Refused, BadOption):
         if not any(isinstance(record, Started) for record in read_journal(folder).records):
             shutil.rmtree(folder)
         raise

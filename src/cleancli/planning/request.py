@@ -1,16 +1,18 @@
-"""What `cleancli plan` works on, and what there is to say about its initial state."""
+"""What planners work on: a problem grounded for them, and what there is to say about its initial state."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.cli.action_syntax import Call
+from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, reaches_goal
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import Task, by_time
+from cleancli.language.calls import Call
 from cleancli.language.model import Domain, Problem
-from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options
+from cleancli.planning.reductions.subproblem import Fewer, fewer
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +31,25 @@ class PlanningRequest:
     def task(self) -> Task:
         """The grounded problem."""
         return self.prepared.task
+
+
+def requested(
+    domain: Domain,
+    problem: Problem,
+    options: Options,
+    *,
+    time_discounts: bool = False,
+    calls: Sequence[Call] | None = None,
+    left_out: tuple[str, ...] = (),
+) -> PlanningRequest:
+    """The task for planners, made smaller where that is needed (§4.2.1), but not where actions are called by
+    name or libPRADA is followed. Raises Refused, and NoDurationError where time is to discount."""
+    smaller = Fewer(problem)
+    if calls is None and not options.compat:
+        smaller = fewer(domain, problem, options.counted)
+    task = ground(domain, smaller.problem, compat=options.compat, named=calls or ())
+    prepared = prepare(by_time(task) if time_discounts else task)
+    return PlanningRequest(domain, smaller.problem, prepared, options, smaller.ignored, left_out)
 
 
 def numbered(task: Task, calls: Sequence[Call]) -> list[int]:

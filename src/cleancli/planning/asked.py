@@ -1,4 +1,4 @@
-"""What planners are asked for: by the command line, or else by the problem, or else the usual."""
+"""What planners are asked for: by whoever calls them, or else by the problem, or else the usual."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, NoReturn
 
-import click
-
 from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Problem
-from cleancli.planning.plan import Options
+from cleancli.planning.plan import BadOption, Options
 from cleancli.planning.registry import DEFAULT, PLANNERS
 
 OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
@@ -46,7 +44,7 @@ def planner_options(
     compat: bool = False,
     named: Sequence[str] = (),
 ) -> Options:
-    """The options; `named` are texts like `rule_threshold=0.05`. Raises BadParameter."""
+    """The options; `named` are texts like `rule_threshold=0.05`. Raises BadOption."""
     usual = Options(seed=1)
     asked = Options(
         samples=next(n for n in (samples, problem.samples, usual.samples) if n is not None),
@@ -61,27 +59,26 @@ def planner_options(
 
 
 def planner_named(asked: str | None, problem: Problem, compat: bool = False) -> str:
-    """The planner that the command line names, or else the problem; raises UsageError for an unknown one, and
-    for one that cannot do as libPRADA does where that is asked for."""
+    """The planner that is asked for, or else the problem's; raises BadOption for an unknown one, and for one
+    that cannot do as libPRADA does where that is asked for."""
     name = asked or problem.planner or ("prada" if compat else DEFAULT)
     if compat and name not in LIKE_LIBPRADA:
-        raise click.UsageError(f"--compat goes with {' or '.join(LIKE_LIBPRADA)}, not with {name}")
+        raise BadOption(f"--compat goes with {' or '.join(LIKE_LIBPRADA)}, not with {name}")
     if name not in PLANNERS:
         known = ", ".join(PLANNERS)
-        raise click.UsageError(f"the problem asks for the planner `{name}`; there is {known}")
+        whose = "the problem asks for the planner" if asked is None else "unknown planner"
+        raise BadOption(f"{whose} `{name}`; there is {known}")
     return name
 
 
 def planners_named(text: str) -> tuple[str, ...]:
-    """The planners of a list like `prada,uct`, each once; raises BadParameter."""
+    """The planners of a list like `prada,uct`, each once; raises BadOption."""
     names = tuple(dict.fromkeys(name for name in text.replace(",", " ").split()))
     for name in names:
         if name not in PLANNERS:
-            raise click.BadParameter(
-                f"unknown planner `{name}`; there is {', '.join(PLANNERS)}", param_hint="'--compare'"
-            )
+            raise BadOption(f"unknown planner `{name}`; there is {', '.join(PLANNERS)}", "--compare")
     if not names:
-        raise click.BadParameter(f"name planners: {', '.join(PLANNERS)}", param_hint="'--compare'")
+        raise BadOption(f"name planners: {', '.join(PLANNERS)}", "--compare")
     return names
 
 
@@ -116,4 +113,4 @@ def _number(name: str, kind: type[int] | type[float], text: str, low: float, hig
 
 
 def _bad(message: str) -> NoReturn:
-    raise click.BadParameter(message, param_hint="'--option'")
+    raise BadOption(message, "--option")

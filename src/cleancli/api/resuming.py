@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import errno
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import click
 import msgspec
 from msgspec import Meta
 
 from cleancli import __version__
-from cleancli.cli.echo import echo
-from cleancli.cli.run_session import LIBRARIES, Inputs, open_session, versions
+from cleancli.api.run_session import LIBRARIES, Inputs, open_session, versions
 from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
@@ -24,6 +22,7 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
+from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording import checkpoint
 from cleancli.recording.checkpoint import Saved
@@ -64,23 +63,30 @@ class Unfinished:
     begun: int
 
 
-def unfinished(folder: Path) -> Unfinished:
-    """Read a run that has not ended; nothing is changed. Raises Refused, OSError, and UsageError for one that
+Note = Callable[[str], None]
+"""Told what a person may want to know and need not act upon."""
+
+
+def _untold(_: str) -> None:
+    """Tell nobody."""
+
+
+def unfinished(folder: Path, note: Note = _untold) -> Unfinished:
+    """Read a run that has not ended; nothing is changed. Raises Refused, OSError, and BadOption for one that
     has ended."""
     run = read_run(folder)
     if run.header.episode is not None:
-        raise click.UsageError(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
+        raise BadOption(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
     began = run.header.versions.get("cleancli")
     if began != __version__:
-        raise click.UsageError(
-            f"{folder} began with cleancli {began}, and this is {__version__}: use that one"
-        )
+        raise BadOption(f"{folder} began with cleancli {began}, and this is {__version__}: use that one")
     refuse_other_names(folder)
     source = read_text(folder, RUN, LARGEST_HEADER)
     options = _options(run.header, decoded(source, _Begun, "E705", "record of a run").options, source)
     raw = msgspec.json.decode(source.text, type=dict[str, Any])
     inputs = _inputs(run, options, Job(run.header.options["job"]))
-    _tell_versions(run.header)
+    for difference in _other_versions(run.header):
+        note(difference)
     return Unfinished(
         inputs,
         {name: value for name, value in raw.items() if name not in ("episode", "truth")},
@@ -89,7 +95,7 @@ def unfinished(folder: Path) -> Unfinished:
     )
 
 
-def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Session]:
+def reopened(folder: Path, begun: Unfinished, note: Note = _untold) -> tuple[Saved | None, Session]:
     """The last checkpoint from which the run can go on, which is told if it is not the newest, and the place
     as it was then; the place as in the beginning, where the run came to no checkpoint.
 
@@ -112,7 +118,7 @@ def reopened(folder: Path, begun: Unfinished) -> tuple[Saved | None, Session]:
             failed += refusal.diagnostics
             continue
         for found in failed:
-            echo(f"note: {found.message}; going on from the one before", err=True)
+            note(f"{found.message}; going on from the one before")
         return saved, session
     if failed:
         raise Refused(failed)
@@ -194,12 +200,12 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
     )
 
 
-def _tell_versions(header: Header) -> None:
-    """Say which libraries differ from those the run began with: it may go on differently then."""
+def _other_versions(header: Header) -> Iterator[str]:
+    """Says which libraries differ from those the run began with: it may go on differently then."""
     found = versions()
     for name in LIBRARIES:
         old, now = header.versions.get(name), found.get(name)
         if old != now:
             here = f"this is {now}" if now else "which is not installed here"
             began = f"with {name} {old}" if old else f"without {name}"
-            echo(f"note: the run began {began}, {here}", err=True)
+            yield f"the run began {began}, {here}"

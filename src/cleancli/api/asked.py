@@ -1,0 +1,46 @@
+"""What callers ask planners for, whichever function they call."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cleancli.api.options import OBJECTIVES, check_least, check_one_of, check_seconds
+from cleancli.language.model import Problem
+from cleancli.planning.asked import planner_options
+from cleancli.planning.plan import Options
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What planners are asked for; None stands for what the problem says, or else for the usual. `options`
+    are those of planners, by name. Raises BadOption for what makes no sense."""
+
+    samples: int | None = None
+    seed: int | None = None
+    time_limit: float | None = None
+    threads: int | None = None
+    objective: str = "reward"
+    options: Mapping[str, object] | None = None
+
+    def __post_init__(self) -> None:
+        check_least(1, samples=self.samples, threads=self.threads)
+        check_least(0, seed=self.seed)
+        check_seconds("time_limit", self.time_limit, none_of_it=False)
+        check_one_of("objective", self.objective, OBJECTIVES)
+
+    @property
+    def time_discounts(self) -> bool:
+        """Whether later rewards are discounted by time, and not by the number of actions before."""
+        return self.objective == "time"
+
+    def of(self, problem: Problem, seed: int | None) -> Options:
+        """What planners are asked for in this problem, with this seed. Raises BadOption."""
+        return planner_options(
+            problem,
+            samples=self.samples,
+            seed=seed,
+            time_limit=self.time_limit,
+            threads=self.threads,
+            named=[f"{name}={value}" for name, value in (self.options or {}).items()],
+        )

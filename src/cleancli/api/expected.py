@@ -1,0 +1,129 @@
+"""What is expected of a plan step by step, as records, and as a table."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+from cleancli.api.tables import TextTable
+from cleancli.compiler.task import literal_text
+from cleancli.language.model import OutcomeKind
+from cleancli.planning.evaluation.forecast import Forecast, ForecastStep, Result
+from cleancli.planning.request import PlanningRequest
+
+SHOWN = 3
+"""Results of a step that the table shows; the others are in the data."""
+
+WORDS = (0, 2, 6)
+"""Columns of the table that hold words."""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleShare:
+    """A rule that may cover a step, and how likely it does."""
+
+    rule: str
+    probability: float
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedOutcome:
+    """What a step may come to: `kind` is "change", "nothing" or "noise"."""
+
+    probability: float
+    kind: str
+    effects: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedStep:
+    """One step of a plan: how likely a rule covers it, what it pays (not discounted), what remains after it
+    of the count that the reward wants decreased, and what may happen, likeliest first."""
+
+    action: str
+    covered: float
+    rules: tuple[RuleShare, ...]
+    reward: float
+    remaining: float | None
+    outcomes: tuple[ExpectedOutcome, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What is expected of a plan: exactly, or from so many drawn `runs`; `remaining` at the start."""
+
+    measure: str
+    runs: int | None
+    remaining: float | None
+    steps: tuple[ExpectedStep, ...]
+
+    @property
+    def source(self) -> str:
+        """Where the numbers come from."""
+        source = "the exact distribution" if self.runs is None else f"{self.runs} drawn runs"
+        return f"probabilities and expected rewards from {source}; reward is not discounted"
+
+    def table(self) -> TextTable:
+        """A row for each likely result of each step; the first also says what is expected of the step."""
+        heads = ("step", "covered", "by", "reward", "left", "chance", "what may happen")
+        rows: list[tuple[str, ...]] = []
+        if self.remaining is not None:
+            rows.append(("start", "", "", "", f"{self.remaining:.3f}", "", ""))
+        for number, step in enumerate(self.steps, start=1):
+            rows += _rows(number, step)
+        return TextTable(heads, tuple(rows), WORDS)
+
+
+def expected_of(job: PlanningRequest, found: Forecast) -> Expected:
+    """The forecast in words."""
+    measure = "exact" if found.runs is None else "sampled"
+    return Expected(measure, found.runs, found.remaining, tuple(_step(job, step) for step in found.steps))
+
+
+def _step(job: PlanningRequest, step: ForecastStep) -> ExpectedStep:
+    rules = tuple(RuleShare(job.domain.rules[rule].name, probability) for rule, probability in step.rules)
+    outcomes = tuple(_outcome(job, result) for result in step.results)
+    action = str(job.task.actions[step.action])
+    return ExpectedStep(action, step.covered, rules, step.reward, step.remaining, outcomes)
+
+
+def _outcome(job: PlanningRequest, result: Result) -> ExpectedOutcome:
+    effects = (literal_text(job.task.variables[variable], [value]) for variable, value in result.effects)
+    return ExpectedOutcome(result.probability, result.kind.value, tuple(effects))
+
+
+def _rows(number: int, step: ExpectedStep) -> list[tuple[str, ...]]:
+    left = "" if step.remaining is None else f"{step.remaining:.3f}"
+    rows: list[tuple[str, ...]] = []
+    pairs = itertools.zip_longest(_covering(step), _likely(step), fillvalue=None)
+    for index, (rule, result) in enumerate(pairs):
+        head = (f"{number}. {step.action}", _chance(step.covered)) if index == 0 else ("", "")
+        numbers = (f"{step.reward:.3f}", left) if index == 0 else ("", "")
+        rows.append((*head, rule or "", *numbers, *(result or ("", ""))))
+    return rows
+
+
+def _covering(step: ExpectedStep) -> list[str]:
+    """The rules that may cover the step, each with its probability unless it does wherever one does."""
+    named = [
+        each.rule if len(step.rules) == 1 else f"{_chance(each.probability)} {each.rule}"
+        for each in step.rules
+    ]
+    return named or ["no rule"]
+
+
+def _likely(step: ExpectedStep) -> list[tuple[str, str]]:
+    """The likeliest results with their probability, the others together, and that no rule covers it."""
+    found = [(each.probability, _text(each)) for each in step.outcomes[:SHOWN]]
+    found.append((sum(each.probability for each in step.outcomes[SHOWN:]), "other"))
+    found.append((1 - step.covered, "no rule covers it"))
+    return [(_chance(probability), text) for probability, text in found if probability > 1e-9]
+
+
+def _text(outcome: ExpectedOutcome) -> str:
+    otherwise = "changes nothing" if outcome.kind == OutcomeKind.CHANGE.value else outcome.kind
+    return ", ".join(outcome.effects) or otherwise
+
+
+def _chance(probability: float) -> str:
+    return f"{probability:.3f}"

@@ -1,0 +1,195 @@
+"""Why an action does what it does in a problem's initial state, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
+from cleancli.api.plain import fields_of
+from cleancli.api.seen import seen
+from cleancli.api.tables import TextTable, preformatted, shown
+from cleancli.compiler.explain import Attempt, Bound, Explanation, Failure, OutcomeHere, UnclearReference
+from cleancli.compiler.explain import explain as explained
+from cleancli.language.calls import read_action
+from cleancli.language.load import located_in
+from cleancli.language.model import (
+    Domain,
+    Equality,
+    Literal,
+    OutcomeKind,
+    Problem,
+    Quantified,
+    Symbol,
+    Value,
+)
+from cleancli.language.printing.printer import print_condition, print_fraction, symbols_of
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedOutcome:
+    """A possible result: `kind` is "change", "nothing" or "noise"."""
+
+    probability: float
+    kind: str
+    effects: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FailingLiteral:
+    """A part of a condition that does not hold, and what holds instead."""
+
+    literal: str
+    instead: str
+
+
+@dataclass(frozen=True, slots=True)
+class OtherRule:
+    """A rule of the action that does not apply: what of its condition fails, or which reference is
+    unclear."""
+
+    rule: str
+    binding: Mapping[str, str]
+    failing: tuple[FailingLiteral, ...]
+    unclear: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ExplanationResult:
+    """What an action would do, and by which `rule`; None: by none, and the default rule says what happens."""
+
+    action: str
+    arguments: tuple[str, ...]
+    rule: str | None
+    outcomes: tuple[ExplainedOutcome, ...]
+    other_rules: tuple[OtherRule, ...]
+    text: str
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli explain --json` prints."""
+        return fields_of(self, ("text",))
+
+    def __str__(self) -> str:
+        return self.text
+
+    def _repr_html_(self) -> str:
+        rows = tuple((f"{o.probability:g}", ", ".join(o.effects) or o.kind) for o in self.outcomes)
+        called = f"{self.action}({', '.join(self.arguments)})"
+        rule = "no rule covers it" if self.rule is None else f"rule {self.rule}"
+        table = TextTable(("probability", "what happens"), rows, (1,)).html()
+        return f"<div><p>{shown(called)}: {shown(rule)}</p>{table}{preformatted(self.text)}</div>"
+
+
+def explain(domain: GivenDomain, problem: GivenProblem, action: str) -> ExplanationResult:
+    """What an action like "join2(a1, a3)" would do in the initial state, and by which rule; if no rule covers
+    it, what each of its rules lacks. Raises Refused."""
+    return explanation(load_problem(problem, domain), action)
+
+
+def explanation(given: LoadedProblem, action: str) -> ExplanationResult:
+    """The same for a loaded problem; for a scene, the state is that of one look at its table."""
+    looked, _ = seen(given, None, {})
+    name, arguments = read_action(action, looked.domain, looked.problem)
+    with located_in(*given.sources):
+        found = explained(looked.domain, looked.problem, name, arguments)
+    return _result(looked.domain, looked.problem, found)
+
+
+def _result(domain: Domain, problem: Problem, found: Explanation) -> ExplanationResult:
+    symbols, covering = symbols_of(domain), found.covering
+    outcomes = found.default if covering is None else covering.outcomes
+    return ExplanationResult(
+        found.action,
+        tuple(found.arguments),
+        None if covering is None else covering.name,
+        tuple(ExplainedOutcome(float(o.probability), o.kind.value, tuple(_effects(o))) for o in outcomes),
+        tuple(_other(attempt, symbols) for attempt in found.attempts),
+        "\n".join(_lines(domain, problem, found)),
+    )
+
+
+def _other(attempt: Attempt, symbols: Mapping[str, Symbol]) -> OtherRule:
+    failing = (FailingLiteral(print_condition((f.part,), symbols), _instead(f)) for f in attempt.failures)
+    unclear = None if attempt.unclear is None else _unclear(attempt.unclear, symbols)
+    return OtherRule(attempt.name, dict(attempt.binding), tuple(failing), unclear)
+
+
+def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str]:
+    called = f"{found.action}({', '.join(found.arguments)})"
+    if found.covering is not None:
+        yield f"{called}: covered by rule {found.covering.name}{_binding(found.covering.binding)}"
+        yield from (f"  {_outcome(outcome)}" for outcome in found.covering.outcomes)
+    else:
+        yield f"{called}: no rule covers it in the initial state of {problem.name}"
+        yield "default"
+        yield from (f"  {_outcome(outcome)}" for outcome in found.default)
+    for attempt in found.attempts:
+        yield f"rule {attempt.name} does not apply{_binding(attempt.binding)}"
+        yield from _attempt(domain, attempt)
+
+
+def _attempt(domain: Domain, attempt: Attempt) -> Iterator[str]:
+    symbols = symbols_of(domain)
+    parts = [print_condition((failure.part,), symbols) for failure in attempt.failures]
+    width = max(map(len, parts), default=0)
+    for part, failure in zip(parts, attempt.failures, strict=True):
+        yield f"  {part:<{width}}  fails: {_instead(failure)}"
+        yield from (f"    since {reason}" for reason in _reasons(failure, symbols))
+    if attempt.unclear is not None:
+        yield f"  {_unclear(attempt.unclear, symbols)}"
+
+
+def _instead(failure: Failure) -> str:
+    """What holds where a part of a condition does not."""
+    match failure.part:
+        case Equality(equal=equal):
+            one, other = failure.objects
+            return f"{one} and {other} are different" if equal else f"both are {one}"
+        case Literal(symbol):
+            return f"{symbol}({', '.join(failure.objects)}) is {_value(failure.actual)}"
+        case Quantified(exists=exists):
+            return "nothing fits" if exists else f"there is{_or(failure.witnesses)}"
+
+
+def _reasons(failure: Failure, symbols: Mapping[str, Symbol]) -> Iterator[str]:
+    """What a derived predicate lacks that should hold, and what that lacks in turn."""
+    for reason in failure.because:
+        yield f"{print_condition((reason.part,), symbols)} fails: {_instead(reason)}"
+        yield from (f"  since {deeper}" for deeper in _reasons(reason, symbols))
+
+
+def _unclear(unclear: UnclearReference, symbols: Mapping[str, Symbol]) -> str:
+    condition = print_condition(unclear.reference.condition, symbols)
+    fitting = f"these fit:{_or(unclear.fitting)}" if unclear.fitting else "nothing fits"
+    return f"the reference to {condition} must fit one binding: {fitting}"
+
+
+def _or(bindings: Sequence[Bound]) -> str:
+    return " or".join(_binding(binding) for binding in bindings)
+
+
+def _outcome(outcome: OutcomeHere) -> str:
+    otherwise = "changes nothing here" if outcome.kind is OutcomeKind.CHANGE else outcome.kind.value
+    return f"{print_fraction(outcome.probability)}: {', '.join(_effects(outcome)) or otherwise}"
+
+
+def _effects(outcome: OutcomeHere) -> list[str]:
+    return [_effect(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
+
+
+def _effect(symbol: str, objects: tuple[str, ...], value: Value) -> str:
+    applied = f"{symbol}({', '.join(objects)})"
+    if isinstance(value, bool):
+        return applied if value else f"not {applied}"
+    return f"{applied} := {value}"
+
+
+def _binding(binding: Bound) -> str:
+    shown = ", ".join(f"?{variable} = {name}" for variable, name in binding)
+    return f" ({shown})" if shown else ""
+
+
+def _value(value: Value | None) -> str:
+    return (
+        "without a value" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+    )

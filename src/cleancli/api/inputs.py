@@ -1,0 +1,119 @@
+"""What callers hand in for a domain and a problem: the name of a shipped file, a path, a text, or what was
+loaded before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cleancli.api.tables import preformatted
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.find import find
+from cleancli.language.load import checked_domain, kind_of, read_source
+from cleancli.language.load import load_problem as checked_problem
+from cleancli.language.model import Domain, Problem
+
+if TYPE_CHECKING:
+    from cleancli.scene.model import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedDomain:
+    """A domain that holds no mistake; `sources` are its text and those that it includes. Prints as its
+    text."""
+
+    name: str
+    model: Domain
+    sources: tuple[Source, ...]
+
+    def __str__(self) -> str:
+        return self.sources[0].text
+
+    def __repr__(self) -> str:
+        return f"<domain {self.name} of {self.sources[0].path}>"
+
+    def _repr_html_(self) -> str:
+        return preformatted(str(self))
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedProblem:
+    """A problem of a domain, or a scene, that holds no mistake. Prints as its text."""
+
+    name: str
+    model: Problem | Scene
+    domain: LoadedDomain
+    source: Source
+
+    @property
+    def is_scene(self) -> bool:
+        """Whether it is a table to look at, and not a list of facts."""
+        return not isinstance(self.model, Problem)
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """All texts that went in, those of the domain first."""
+        return (*self.domain.sources, self.source)
+
+    def __str__(self) -> str:
+        return self.source.text
+
+    def __repr__(self) -> str:
+        return f"<{'scene' if self.is_scene else 'problem'} {self.name} of {self.source.path}>"
+
+    def _repr_html_(self) -> str:
+        return preformatted(str(self))
+
+
+GivenDomain = str | Path | LoadedDomain
+"""The name of a shipped domain, a path, a text, or one that is loaded."""
+
+GivenProblem = str | Path | LoadedProblem
+"""The name of a shipped problem or scene, a path, a text, or one that is loaded."""
+
+
+def load_domain(domain: GivenDomain, *, include_outside: bool = False) -> LoadedDomain:
+    """Read and check a domain; `include_outside` lets it include files from outside its folder.
+
+    A text is told from a name by its braces. Raises Refused with every mistake.
+    """
+    if isinstance(domain, LoadedDomain):
+        return domain
+    return opened_domain(source_of(domain, "domain"), include_outside)
+
+
+def opened_domain(source: Source, include_outside: bool, *, compat: bool = False) -> LoadedDomain:
+    """The domain of a text; `compat`: for planning as libPRADA does. Raises Refused."""
+    checked = checked_domain(source, include_outside, compat=compat)
+    model = checked.get()
+    return LoadedDomain(model.name, model, checked.sources)
+
+
+def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
+    """Read and check a problem of the domain, or a scene. Raises Refused with every mistake.
+
+    What scenes are made of takes time to load, and most files are none.
+    """
+    domain = load_domain(domain)
+    if isinstance(problem, LoadedProblem):
+        if problem.domain.model == domain.model:
+            return problem
+        problem_source = problem.source
+    else:
+        problem_source = source_of(problem, "problem")
+    if kind_of(problem_source) == "scene":
+        from cleancli.scene.check import load_scene
+
+        scene = load_scene(problem_source)
+        return LoadedProblem(scene.name, scene, domain, problem_source)
+    model = checked_problem(problem_source, domain.model)
+    return LoadedProblem(model.name, model, domain, problem_source)
+
+
+def source_of(given: str | Path, kind: str) -> Source:
+    """The text that is meant: this one, that of a file, or that of a shipped domain or problem. Raises
+    Refused (E001) where there is none."""
+    if isinstance(given, str) and "{" in given:
+        return Source(f"<{kind}>", given)
+    return read_source(find(str(given), f"{kind}s"))

@@ -1,0 +1,233 @@
+"""What is seen on a scene's table or in recorded frames: areas, symbols, and a picture of the last look."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cleancli.api.inputs import GivenDomain, load_domain, source_of
+from cleancli.api.options import check_least
+from cleancli.api.plain import plain
+from cleancli.api.tables import preformatted
+from cleancli.execution.seeds import Stream, derived
+from cleancli.geometry.rgbd import Frame
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
+from cleancli.language.model import Domain, State
+from cleancli.perception.area import Area
+from cleancli.perception.cap import left_out
+from cleancli.perception.occlusion import Known, remember
+from cleancli.perception.perceive import BadFrame
+from cleancli.perception.perceive import perceive as observation_of
+from cleancli.perception.pictures import Picture, draw
+from cleancli.perception.recorded import CAMERA, BadRecording, load_frames
+from cleancli.perception.rerun_file import Look
+from cleancli.perception.surface import NoSurface
+from cleancli.perception.symbols import symbolize
+from cleancli.recording.pictures import png_of
+from cleancli.scene.check import load_scene
+from cleancli.scene.model import Scene
+
+FRAMES = 3
+"""As many as a look of `execute` takes."""
+
+TOLD = 12
+"""Facts of one symbol up to which a person is told each; of 26 areas, 700 lie between two others."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationResult:
+    """What each look shows, as docs/python.md lists it; `png` is a picture of the last one, `doubts` what
+    speaks against how the camera and the surface are described."""
+
+    looks: tuple[Mapping[str, object], ...]
+    doubts: tuple[str, ...]
+    png: bytes
+    text: str
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli perceive --json` prints."""
+        return {"looks": plain(self.looks)}
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<observation of {plural(len(self.looks), 'look')}>"
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def _repr_html_(self) -> str:
+        return preformatted(self.text)
+
+
+def perceive(
+    scene_or_folder: str | Path,
+    *,
+    scene: str | Path = "two_groups",
+    domain: GivenDomain | None = None,
+    seed: int | None = None,
+) -> ObservationResult:
+    """What perception sees of the table of a scene (a name, a path or a text), or in the recorded frames of a
+    folder, which are understood with the surface and the thresholds of `scene`.
+
+    Raises Refused for mistakes in the texts, ValueError for options that make no sense, OSError for frames
+    that cannot be read.
+    """
+    check_least(0, seed=seed)
+    given = str(scene_or_folder)
+    is_folder = "{" not in given and Path(given).is_dir()
+    setting = load_scene(source_of(scene if is_folder else scene_or_folder, "problem"))
+    loaded = load_domain(setting.domain if domain is None else domain)
+    seed = setting.seed if seed is None else seed
+    sets = recorded(Path(given)) if is_folder else iter([(setting.name, photographed(setting, seed))])
+    looks, lines, last = list[Mapping[str, object]](), list[str](), None
+    with located_in(*loaded.sources):
+        for last in understood(sets, setting, loaded.model, seed):
+            looks.append(described(last))
+            lines += told(last)
+    assert last is not None, "a folder without frames is refused"
+    return ObservationResult(
+        tuple(looks), tuple(last.look.observation.doubts), png_of(drawn(last.look)), "\n".join(lines)
+    )
+
+
+def drawn(look: Look) -> Picture:
+    """The colour image with ellipses, names and symbols; RGB."""
+    frame = replace(look.frames[-1], camera=look.observation.camera)
+    return draw(frame, look.areas, look.state)
+
+
+@dataclass(frozen=True, slots=True)
+class SeenLook:
+    """A look, where its frames come from, and what is known from it and from those before."""
+
+    source: str
+    look: Look
+    known: Known
+    left_out: tuple[str, ...]
+
+
+def photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
+    """The scene's table with the tool at rest. The world is imported here: recorded frames need none."""
+    from cleancli.world.table import PybulletTable
+
+    with closing(PybulletTable(setting, derived(seed, Stream.WORLD))) as table:
+        return tuple(table.observe() for _ in range(FRAMES))
+
+
+def recorded(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
+    """The looks of a folder, in the order of their names. Raises OSError."""
+    if (folder / CAMERA).exists():
+        yield str(folder), load_frames(folder)
+        return
+    looks = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=_by_numbers)
+    if not looks:
+        raise BadRecording(f"{folder}: neither {CAMERA} nor a folder with one")
+    for look in looks:
+        yield str(look), load_frames(look)
+
+
+def _by_numbers(folder: Path) -> list[str | int]:
+    """Sorts `look-9` before `look-10`; words and numbers take turns, so that like meets like."""
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", folder.name)]
+
+
+def understood(
+    sets: Iterable[tuple[str, tuple[Frame, ...]]],
+    setting: Scene,
+    domain: Domain,
+    seed: int,
+) -> Iterator[SeenLook]:
+    """What each look shows; areas that are hidden in one stay as they were in the look before."""
+    rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
+    areas: tuple[Area, ...] = ()
+    named = 0
+    for source, frames in sets:
+        try:
+            observation = observation_of(frames, setting, rng)
+        except (BadFrame, NoSurface) as error:
+            raise BadRecording(f"{source}: {error}") from error
+        known = remember(areas, observation, setting.surface, None, named + 1)
+        areas = known.areas
+        named = max([named, *(int(area.name[1:]) for area in areas)])
+        _, state = symbolize(areas, setting, domain)
+        yield SeenLook(source, Look(frames, observation, areas, state), known, left_out(areas, setting))
+
+
+def described(seen: SeenLook) -> dict[str, object]:
+    """Lengths in metres and square metres, angles in radians, times in seconds."""
+    return {
+        "source": seen.source,
+        "clock": seen.look.frames[-1].clock,
+        "areas": [_area(area, seen) for area in seen.look.areas],
+        "left_out": seen.left_out,
+        "facts": _facts(seen.look.state),
+        "doubts": list(seen.look.observation.doubts),
+        "changes": [str(change) for change in seen.known.changes],
+        "unseen": {
+            "share": round(seen.known.unseen.share, 4),
+            "outlines": [
+                [[round(x, 4), round(y, 4)] for x, y in outline] for outline in seen.known.unseen.outlines()
+            ],
+        },
+    }
+
+
+def _area(area: Area, seen: SeenLook) -> dict[str, object]:
+    alone = {
+        fact.symbol: fact.value
+        for fact in sorted(seen.look.state)
+        if fact.objects == (area.name,) and fact.symbol != "dirt"
+    }
+    return {
+        "area": area.name,
+        "at": [round(place, 4) for place in area.ellipse.centre],
+        "diameters": [round(2 * axis, 4) for axis in area.ellipse.axes],
+        "angle": round(area.ellipse.angle, 4),
+        "covered": round(area.covered, 6),
+        "hidden": round(seen.known.hidden[area.name], 3),
+        **alone,
+    }
+
+
+def _facts(state: State) -> dict[str, list[list[str]]]:
+    """Symbol -> the areas and things for which it holds, of those that are about more than one."""
+    facts: dict[str, list[list[str]]] = {}
+    for fact in sorted(fact for fact in state if len(fact.objects) > 1):
+        facts.setdefault(fact.symbol, []).append(list(fact.objects))
+    return facts
+
+
+def told(seen: SeenLook) -> Iterator[str]:
+    areas, unseen = seen.look.areas, seen.known.unseen.share
+    hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
+    yield f"{seen.source}: {plural(len(areas), 'area')}{hidden}"
+    yield from (f"  {change}" for change in seen.known.changes)
+    yield from (f"  {_line(area, seen)}" for area in areas)
+    if seen.left_out:
+        yield f"  left out of plans: {', '.join(seen.left_out)}"
+    for symbol, holds in _facts(seen.look.state).items():
+        told = ", ".join(f"({' '.join(objects)})" for objects in holds)
+        yield f"  {symbol}: {told if len(holds) <= TOLD else f'{len(holds)} times; --json tells where'}"
+
+
+def _line(area: Area, seen: SeenLook) -> str:
+    (x, y), (long, short) = area.ellipse.centre, area.ellipse.axes
+    told = _area(area, seen)
+    said = [str(told["size"])] if "size" in told else []
+    said += [name for name, value in told.items() if value is True]
+    if share := seen.known.hidden[area.name]:
+        said.append("remembered" if share == 1 else f"{share:.0%} hidden")
+    words = "".join(f", {word}" for word in said)
+    return f"{area.name}: at ({_cm(x)}, {_cm(y)}) cm, {_cm(2 * long)} x {_cm(2 * short)} cm{words}"
+
+
+def _cm(metres: float) -> str:
+    return f"{metres * 100:.1f}".removesuffix(".0")

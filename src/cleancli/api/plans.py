@@ -1,0 +1,295 @@
+"""Plans for a problem, or for what one look at a scene shows; and what a given sequence is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.api.asked import Asked
+from cleancli.api.expected import Expected, expected_of
+from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
+from cleancli.api.options import check_one_of
+from cleancli.api.plain import fields_of
+from cleancli.api.seen import seen, timed
+from cleancli.api.tables import TextTable, shown
+from cleancli.compiler.semantics import reaches_goal
+from cleancli.language.calls import read_actions
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
+from cleancli.planning.asked import planner_named
+from cleancli.planning.evaluation.forecast import Forecast, forecast
+from cleancli.planning.evaluation.value import Evaluation, Sampled
+from cleancli.planning.evaluation.value import evaluate as values_of
+from cleancli.planning.plan import Plan
+from cleancli.planning.refusal import planning_refused
+from cleancli.planning.registry import PLANNERS
+from cleancli.planning.request import PlanningRequest, numbered, requested, why_nothing
+
+_NOTHING = {
+    "goal": "nothing worth doing: the goal holds already",
+    "horizon": "nothing to do: the horizon is 0, so a plan has no steps",
+    "no rule": "nothing to do: no rule of any action covers this state;"
+    " `cleancli explain` says of an action what its rules lack",
+    "margin": "nothing worth doing: no plan found is worth more than that"
+    " (for prada and aprada, {margin:g} more)",
+}
+
+_BESIDE = ("objects", "margin", "counted")
+"""What only the text of a plan tells."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanResult:
+    """A plan, as docs/python.md lists it. `explained` is None unless that was asked for."""
+
+    problem: str
+    planner: str
+    plan: tuple[str, ...]
+    value: float
+    measure: str
+    samples: int
+    horizon: int
+    coverage: float | None
+    goal_reached: bool
+    empty_because: str | None
+    ignored: tuple[str, ...]
+    left_out: tuple[str, ...]
+    seconds: Mapping[str, float]
+    explained: Expected | None
+    objects: int
+    margin: float
+    counted: int
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli plan --json` prints."""
+        return _dictionary(self, _BESIDE)
+
+    def __str__(self) -> str:
+        steps = [f"{number:3}. {action}" for number, action in enumerate(self.plan, start=1)]
+        if self.explained is not None and self.plan:
+            steps = [str(self.explained.table()), self.explained.source]
+        return "\n".join((*self.beginning(), *steps, *self.ending()))
+
+    def _repr_html_(self) -> str:
+        rows = tuple((str(number), action) for number, action in enumerate(self.plan, start=1))
+        table = TextTable(("step", "action"), rows, (1,))
+        if self.explained is not None:
+            table = self.explained.table()
+        told = "".join(f"<p>{shown(line)}</p>" for line in (*self.beginning(), *self.ending()))
+        return f"<div>{table.html() if self.plan else ''}{told}</div>"
+
+    def beginning(self) -> Iterator[str]:
+        """What stands above the steps: why there are none, or that the goal holds."""
+        if self.empty_because is not None:
+            yield _NOTHING[self.empty_because].format(margin=self.margin)
+        elif self.goal_reached:
+            yield "the goal holds already; this is worth doing all the same:"
+
+    def ending(self) -> Iterator[str]:
+        """What stands below the steps: what was not planned for, and the value."""
+        yield from not_planned_for(self.left_out, self.ignored, self.counted)
+        sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
+        coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"
+        yield (
+            f"value {self.value:.4f} ({self.measure}) by {self.planner}{sampled},"
+            f" horizon {self.horizon}, {plural(self.objects, 'object')}{coverage}"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationResult:
+    """What a sequence is worth: by PRADA's belief, exactly (None where too many states may occur), and
+    sampled (None where the exact value is known)."""
+
+    problem: str
+    plan: tuple[str, ...]
+    horizon: int
+    beyond_horizon: tuple[str, ...]
+    factored: float
+    exact: float | None
+    sampled: Sampled | None
+    seconds: Mapping[str, float]
+    explained: Expected | None
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli plan --evaluate ... --json` prints."""
+        return _dictionary(self)
+
+    def __str__(self) -> str:
+        steps = [] if self.explained is None else [str(self.explained.table()), self.explained.source]
+        return "\n".join((*steps, str(self.table()), *self.ending()))
+
+    def _repr_html_(self) -> str:
+        steps = "" if self.explained is None else self.explained.table().html()
+        told = "".join(f"<p>{shown(line)}</p>" for line in self.ending())
+        return f"<div>{steps}{self.table().html()}{told}</div>"
+
+    def table(self) -> TextTable:
+        """A row for each way to value the sequence."""
+        by_belief = "by PRADA's belief, in which variables are independent"
+        rows = [("factored", f"{self.factored:.4f}", by_belief)]
+        if self.exact is not None:
+            rows.append(("exact", f"{self.exact:.4f}", "from the distribution over states"))
+        elif self.sampled is not None:
+            rows.append(("exact", "-", "too many states may occur"))
+        if self.sampled is not None:
+            error = f"± {self.sampled.error:.4f} (standard error), {plural(self.sampled.runs, 'run')}"
+            rows.append(("sampled", f"{self.sampled.value:.4f}", error))
+        return TextTable(("value", "of the sequence", "how"), tuple(rows), (0, 2))
+
+    def ending(self) -> Iterator[str]:
+        """What stands below the table: how long the sequence is, and what of it lies beyond the horizon."""
+        yield f"{plural(len(self.plan), 'action')}, horizon {self.horizon}"
+        if self.beyond_horizon:
+            one = "action lies beyond the horizon and is not counted"
+            many = "actions lie beyond the horizon and are not counted"
+            yield f"{plural(len(self.beyond_horizon), one, many)}:"
+            yield f"  {' '.join(self.beyond_horizon)}"
+
+
+def plan(
+    domain: GivenDomain,
+    problem: GivenProblem,
+    *,
+    planner: str | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    objective: str = "reward",
+    options: Mapping[str, object] | None = None,
+    explain: bool = False,
+) -> PlanResult:
+    """The best plan found. `options` of planners by name (docs/commands.md lists them); with `explain` also
+    what is expected of each step.
+
+    Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
+    no sense.
+    """
+    check_one_of("planner", planner, tuple(PLANNERS))
+    asked = Asked(samples, seed, time_limit, threads, objective, options)
+    given, seconds = load_problem(problem, domain), dict[str, float]()
+    job = _request(given, asked, None, seconds)
+    with located_in(*given.sources), planning_refused(given.sources):
+        found = PLANNERS[planner_named(planner, job.problem)](job.prepared, job.options)
+        seconds |= found.seconds
+        actions = numbered(job.task, [(action.name, action.objects) for action in found.actions])
+        return plan_result(job, found, _forecast(job, actions, explain, seconds), seconds)
+
+
+def evaluate(
+    domain: GivenDomain,
+    problem: GivenProblem,
+    actions: str | Sequence[str],
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    objective: str = "reward",
+    options: Mapping[str, object] | None = None,
+    explain: bool = False,
+) -> EvaluationResult:
+    """What a sequence of actions is worth: a text like "wipe(a) wipe(b)", or a list of such.
+
+    Raises as `plan` does.
+    """
+    asked = Asked(samples, seed, None, threads, objective, options)
+    given, seconds = load_problem(problem, domain), dict[str, float]()
+    text = actions if isinstance(actions, str) else " ".join(actions)
+    job = _request(given, asked, text, seconds)
+    with located_in(*given.sources), planning_refused(given.sources):
+        indices = numbered(job.task, read_actions(text, job.domain, job.problem))
+        with timed(seconds, "evaluate"):
+            found = values_of(job.prepared, indices, job.options)
+        counted = indices[: max(job.task.horizon, 0)]
+        return evaluation_result(job, indices, found, _forecast(job, counted, explain, seconds), seconds)
+
+
+def plan_result(
+    job: PlanningRequest, found: Plan, expected: Forecast | None, seconds: Mapping[str, float]
+) -> PlanResult:
+    """The plan with all that there is to say about it."""
+    return PlanResult(
+        problem=job.problem.name,
+        planner=found.planner,
+        plan=tuple(map(str, found.actions)),
+        value=found.value,
+        measure=found.measure,
+        samples=found.samples,
+        horizon=found.horizon,
+        coverage=found.coverage,
+        goal_reached=reaches_goal(job.task, job.task.initial),
+        empty_because=None if found.actions else why_nothing(job.task),
+        ignored=job.ignored,
+        left_out=job.left_out,
+        seconds=dict(seconds),
+        explained=None if expected is None else expected_of(job, expected),
+        objects=len(job.problem.objects),
+        margin=job.options.margin,
+        counted=job.options.counted,
+    )
+
+
+def evaluation_result(
+    job: PlanningRequest,
+    actions: Sequence[int],
+    found: Evaluation,
+    expected: Forecast | None,
+    seconds: Mapping[str, float],
+) -> EvaluationResult:
+    """What a sequence is worth, and which actions lie beyond the horizon and so do not count."""
+    names = tuple(str(job.task.actions[action]) for action in actions)
+    return EvaluationResult(
+        problem=job.problem.name,
+        plan=names,
+        horizon=job.task.horizon,
+        beyond_horizon=names[max(job.task.horizon, 0) :],
+        factored=found.factored,
+        exact=found.exact,
+        sampled=found.sampled,
+        seconds=dict(seconds),
+        explained=None if expected is None else expected_of(job, expected),
+    )
+
+
+def not_planned_for(left_out: Sequence[str], ignored: Sequence[str], counted: int) -> Iterator[str]:
+    """Says which objects are in no plan, and why."""
+    if left_out:
+        yield f"planned without {', '.join(left_out)}: beyond `most` of the scene's `symbols` (§4.2.1)"
+    if ignored:
+        yield (
+            f"planned without {', '.join(ignored)}: more than {counted} are too many to plan for at once"
+            f" (§4.2.1; `--option counted={counted + len(ignored)}` takes all)"
+        )
+
+
+def _request(
+    given: LoadedProblem, asked: Asked, actions: str | None, seconds: dict[str, float]
+) -> PlanningRequest:
+    """The problem, ready for planners, or for a sequence of actions to be valued."""
+    looked, seed = seen(given, asked.seed, seconds)
+    options = asked.of(looked.problem, seed)
+    calls = None if actions is None else read_actions(actions, looked.domain, looked.problem)
+    with located_in(*given.sources), planning_refused(given.sources), timed(seconds, "ground"):
+        return requested(
+            looked.domain,
+            looked.problem,
+            options,
+            time_discounts=asked.time_discounts,
+            calls=calls,
+            left_out=looked.left_out,
+        )
+
+
+def _forecast(
+    job: PlanningRequest, actions: Sequence[int], wanted: bool, seconds: dict[str, float]
+) -> Forecast | None:
+    if not wanted:
+        return None
+    with timed(seconds, "explain"):
+        return forecast(job.prepared, actions, job.options.seed)
+
+
+def _dictionary(result: PlanResult | EvaluationResult, without: Sequence[str] = ()) -> dict[str, object]:
+    """All of a result; what was not asked for is not there."""
+    return fields_of(result, without if result.explained is not None else (*without, "explained"))

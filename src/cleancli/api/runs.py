@@ -1,0 +1,280 @@
+"""A run from its beginning, or from where it was cut short, to its end, with all that its folder keeps."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cleancli.api.inputs import LoadedProblem
+from cleancli.api.plain import plain
+from cleancli.api.resuming import Note, reopened, unfinished
+from cleancli.api.run_session import (
+    Inputs,
+    alone_in,
+    interruptions,
+    none_left_where_refused,
+    open_session,
+    versions,
+)
+from cleancli.api.symbolic import told_of
+from cleancli.api.tables import TextTable, shown
+from cleancli.compiler.task import NoDurationError
+from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.events import Ended, Event, Looked
+from cleancli.execution.loop import clean
+from cleancli.execution.session import Session
+from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.strategies import STRATEGIES
+from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
+from cleancli.language.model import Domain, Problem
+from cleancli.planning.refusal import planning_refused
+from cleancli.recording.begun import begun_folder, named
+from cleancli.recording.checkpoint import cut_back
+from cleancli.recording.folder import FILES, RUN
+from cleancli.recording.journal import Interrupted, Resumed
+from cleancli.recording.journal_writer import Entries
+from cleancli.recording.run_folder import Recorder, write_run
+from cleancli.report.page import PAGE
+from cleancli.report.run import FORMAT
+from cleancli.scene.calibration import as_text
+
+_SHORT = 0.05
+"""Seconds that are shown as 0.0."""
+
+
+class RunStopped(KeyboardInterrupt):
+    """Ctrl-C has ended a run in good order; the message says how to go on with what is in the `folder`."""
+
+    def __init__(self, message: str, folder: Path) -> None:
+        super().__init__(message)
+        self.folder = folder
+
+    def __reduce__(self) -> tuple[type[RunStopped], tuple[str, Path]]:
+        """Exceptions are pickled by their message alone."""
+        return RunStopped, (str(self), self.folder)
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedRun:
+    """A run that is about to begin, or to go on: then it was `resumed` from the state `saved` last, or from
+    its beginning. `header` is its run.json as far as it is known."""
+
+    inputs: Inputs
+    session: Session
+    folder: Path
+    header: Mapping[str, object]
+    video: bool
+    resumed: Resumed | None = None
+    saved: EpisodeState | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world."""
+
+    folder: Path
+    clean: bool
+    reason: str
+    actions: int
+    seconds: Mapping[str, float]
+    truth: Mapping[str, object]
+    told: str
+    video: bool
+    record: Mapping[str, object]
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli execute --json` prints: the folder's run.json."""
+        return {name: plain(value) for name, value in self.record.items()}
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _repr_html_(self) -> str:
+        rows = tuple((kind.replace("_", " "), f"{spent:.1f}") for kind, spent in self.seconds.items())
+        told = "".join(f"<p>{shown(line)}</p>" for line in self._lines())
+        return f"<div>{told}{TextTable(('seconds of', 's'), rows).html()}</div>"
+
+    def _lines(self) -> Iterator[str]:
+        """The symbolic world is not called clean, and has no looks that would take time."""
+        kinds = {kind: s for kind, s in self.seconds.items() if s >= _SHORT or not self.told}
+        done = "done" if self.told else "clean"
+        yield (f"{'' if self.clean else 'not '}{done}: {self.reason}, after {plural(self.actions, 'action')}")
+        if self.told:
+            yield f"in the end: {self.told}"
+        if kinds:
+            spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
+            yield f"seconds: {sum(self.seconds.values()):.1f} ({spent})"
+        if "particles" in self.truth:
+            yield from _left(self.truth)
+        yield f"record: {self.folder}/  page: {PAGE}" + ("  video: video.mp4" if self.video else "")
+
+
+@contextmanager
+def new_run(inputs: Inputs, runs: Path, video: bool) -> Iterator[OpenedRun]:
+    """A run that begins, in a new folder in `runs`; a folder that would tell nothing is removed. Raises
+    Refused, BadOption, OSError."""
+    options = inputs.options
+    with closing(open_session(inputs)) as session, begun_folder(runs) as begun:
+        header = _header(options, session.setup.job, _copied(inputs, begun))
+        write_run(begun, header)
+        folder = named(begun, f"{inputs.given.name}-seed{options.seed}")
+        with none_left_where_refused(folder):
+            yield OpenedRun(inputs, session, folder, header, video)
+
+
+@contextmanager
+def resumed_run(folder: Path, note: Note) -> Iterator[OpenedRun]:
+    """A run that was cut short, from its last checkpoint on. Raises Refused, BadOption, OSError."""
+    with alone_in(folder):
+        begun = unfinished(folder, note)
+        saved, session = reopened(folder, begun, note)
+        with closing(session):
+            dropped = cut_back(folder, saved)
+            episode = None if saved is None else saved.episode
+            resumed = Resumed(0 if episode is None else episode.actions, dropped)
+            yield OpenedRun(begun.inputs, session, folder, begun.header, begun.video, resumed, episode)
+
+
+def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
+    """The loop to its end, recorded and followed.
+
+    Raises RunStopped on Ctrl-C, TERM and HUP, Refused for what cannot be planned, and OSError with a note
+    where the record cannot be written; in each case the run can go on from its folder.
+    """
+    inputs, cell, folder = run.inputs, run.session.cell, run.folder
+    told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
+    last, event = "", None
+    entries = Entries(inputs.domain, lambda: cell.clock, None if run.saved is None else run.saved.spent)
+    with (
+        located_in(*inputs.sources),
+        planning_refused(inputs.sources),
+        Recorder(
+            folder, run.header, run.session.picture, run.video, entries, run.session.save, run.resumed
+        ) as recorder,
+    ):
+        try:
+            with interruptions() as pressed:
+                for event in clean(run.session.setup, cell, run.saved):
+                    recorder.write(event)
+                    follow(event)
+                    if told is not None and isinstance(event, Looked):
+                        last = told(event.situation)
+                    if pressed:
+                        raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            run.session.stop()
+            recorder.note(Interrupted(cell.clock))
+            how = "stopped with the tool up" if told is None else "stopped"
+            raise RunStopped(f"{how}; go on with: cleancli execute --resume {folder}", folder) from None
+        except OSError as error:
+            run.session.stop()
+            error.add_note(f"go on later with `cleancli execute --resume {folder}`")
+            raise
+    assert isinstance(event, Ended), "an episode's last event closes it"
+    truth = run.session.truth()
+    recorder.finish(truth)
+    return _result(run, event, truth, last)
+
+
+def inputs_of(given: LoadedProblem, options: EpisodeOptions, job: str | None) -> Inputs:
+    """What goes into a run."""
+    return Inputs(given.domain.model, given.model, given.sources, options, None if job is None else Job(job))
+
+
+def discounts_time(objective: str | None, given: LoadedProblem) -> bool:
+    """Whether plans discount by time: as it is asked for, or else where the domain says how long each action
+    takes. Raises Refused (E902) where one is asked for and not known."""
+    with planning_refused(given.sources):
+        return _by_time(objective, given.domain.model)
+
+
+def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str) -> RunResult:
+    record: dict[str, Any] = json.loads((run.folder / RUN).read_text(encoding="utf-8"))
+    filmed = run.video and run.session.picture is not None
+    return RunResult(
+        run.folder,
+        ended.clean,
+        ended.reason,
+        ended.actions,
+        ended.spent.by_kind(),
+        dict(truth),
+        told,
+        filmed,
+        record,
+    )
+
+
+def _by_time(objective: str | None, domain: Domain) -> bool:
+    """Whether plans discount by time. Raises NoDurationError where they are to and one is not known."""
+    unknown = [action.name for action in domain.actions if action.duration is None]
+    if objective == "time" and unknown:
+        raise NoDurationError(unknown)
+    return objective == "time" or (objective is None and not unknown)
+
+
+def _copied(inputs: Inputs, folder: Path) -> dict[str, object]:
+    """Copy what went in into the folder, and say which is which."""
+    (folder / FILES).mkdir()
+    texts = [(source.path, source.text) for source in inputs.sources]
+    entries = [_copy(*each, number, folder) for number, each in enumerate(texts)]
+    given = inputs.given
+    if isinstance(given, Problem) or given.calibration is None:
+        return {"files": entries}
+    path = Path(inputs.sources[-1].path).parent / given.calibration.path
+    return {
+        "files": entries,
+        "calibration": _copy(str(path), as_text(given.calibration), len(entries), folder),
+    }
+
+
+def _copy(path: str, text: str, number: int, folder: Path) -> dict[str, str]:
+    """Names of files may be the same in different folders, or those of files that no system likes."""
+    name = re.sub(r"[^\w.-]", "_", Path(path).name) or "_"
+    name = f"{number}-{name}" if (folder / FILES / name).exists() else name
+    (folder / FILES / name).write_bytes(text.encode())
+    return {
+        "path": printable(path),
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "copy": f"{FILES}/{name}",
+    }
+
+
+def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> dict[str, object]:
+    """What another person needs to run the same again."""
+    return {
+        "format": FORMAT,
+        "versions": versions(),
+        "seed": options.seed,
+        "options": {
+            "strategy": options.strategy,
+            "planner": options.planner or STRATEGIES[options.strategy].planner,
+            "samples": options.samples,
+            "objective": "time" if options.by_time else "reward",
+            "job": job.value,
+            "known": options.known,
+            "max_actions": options.max_actions,
+            "max_seconds": options.max_seconds,
+        },
+        **copied,
+    }
+
+
+def _left(truth: Mapping[str, object]) -> Iterator[str]:
+    """Where the dirt truly is."""
+    yield (
+        f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
+        f" {truth['on_table']} on the table, {truth['on_floor']} on the floor"
+        + (f", {truth['in_dustpan']} in the dustpan" if truth["in_dustpan"] else "")
+    )
+    if truth["on_table"]:
+        yield f"left on the table at (m): {truth['left_on_table_at']}"
+    if truth["ink_left"]:
+        yield f"ink left: {truth['ink_left']:.0%}"

@@ -1,0 +1,32 @@
+"""The problem that is meant, or what one look at a scene shows of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from cleancli.api.inputs import LoadedProblem
+from cleancli.execution.observed import ObservedProblem, look
+from cleancli.language.load import located_in
+from cleancli.scene.model import Scene
+
+
+def seen(
+    given: LoadedProblem, seed: int | None, seconds: dict[str, float]
+) -> tuple[ObservedProblem, int | None]:
+    """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
+    model = given.domain.model
+    if not isinstance(given.model, Scene):
+        return ObservedProblem(model, given.model, ()), seed
+    seed = given.model.seed if seed is None else seed
+    with timed(seconds, "look"), located_in(*given.sources):
+        return look(model, given.model, seed), seed
+
+
+@contextmanager
+def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
+    """Note how long a phase takes."""
+    started = time.perf_counter()
+    yield
+    seconds[phase] = time.perf_counter() - started

@@ -1,0 +1,191 @@
+"""What planners achieve in the symbolic world, over many episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from cleancli.api.asked import Asked
+from cleancli.api.inputs import (
+    GivenDomain,
+    GivenProblem,
+    LoadedDomain,
+    LoadedProblem,
+    load_domain,
+    load_problem,
+)
+from cleancli.api.options import check_least, check_one_of
+from cleancli.api.plain import fields_of, plain
+from cleancli.api.seen import seen
+from cleancli.api.tables import TextTable, shown
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
+from cleancli.planning.asked import planner_named
+from cleancli.planning.plan import Options
+from cleancli.planning.refusal import planning_refused
+from cleancli.planning.registry import PLANNERS
+from cleancli.simulation.batch import Batch, Round, spread
+from cleancli.simulation.compatibility import refuse_unlike
+from cleancli.simulation.episode import Episode, EpisodeLimits
+from cleancli.simulation.summary import Estimate, Summary, summarized
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationResult:
+    """What planners achieved: a summary of each, and all its episodes, in the planners' order."""
+
+    problem: str
+    domain: str
+    world: str
+    objective: str
+    options: Options
+    max_actions: int
+    commit: int
+    planners: tuple[Summary, ...]
+    episodes: tuple[tuple[Episode, ...], ...]
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli simulate --json` prints."""
+        return {
+            "problem": self.problem,
+            "domain": self.domain,
+            "world": self.world,
+            "objective": self.objective,
+            "options": plain(self.options),
+            "limits": {"max_actions": self.max_actions, "commit": self.commit},
+            "planners": [
+                {**fields_of(summary), "rows": plain(rows)}
+                for summary, rows in zip(self.planners, self.episodes, strict=True)
+            ],
+        }
+
+    def __str__(self) -> str:
+        return "\n".join((str(self.table()), *self.ending()))
+
+    def _repr_html_(self) -> str:
+        told = "".join(f"<p>{shown(line)}</p>" for line in self.ending())
+        return f"<div>{self.table().html()}{told}</div>"
+
+    def table(self) -> TextTable:
+        """A row for each planner."""
+        compared = len(self.planners) > 1
+        columns = ["planner", "return", "plain", "actions", "robot s", "success %", "ms/plan", "95 %"]
+        if compared:
+            columns.insert(2, "over first")
+        return TextTable(tuple(columns), tuple(_row(each, compared) for each in self.planners))
+
+    def ending(self) -> Iterator[str]:
+        """What the numbers are, and why episodes ended."""
+        episodes = plural(self.planners[0].episodes, "episode")
+        yield f"means of {episodes}; ± and to: 95 % intervals (Student's t, Wilson's)"
+        for summary in self.planners:
+            reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
+            yield f"{summary.planner} ended: {reasons}"
+
+
+def simulate(
+    domain: GivenDomain,
+    problem: GivenProblem,
+    *,
+    planner: str | Sequence[str] | None = None,
+    episodes: int = 100,
+    world: GivenDomain | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    time_limit: float | None = None,
+    max_actions: int = 60,
+    commit: int = 1,
+    jobs: int = 1,
+    objective: str = "reward",
+) -> SimulationResult:
+    """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
+    plan again; the world acts by the rules of `world`, or else of `domain`.
+
+    Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
+    no sense. With several `jobs` a script must keep `if __name__ == "__main__":`, as for any processes.
+    """
+    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
+    check_least(1, episodes=episodes, commit=commit, jobs=jobs)
+    check_least(0, max_actions=max_actions)
+    names = (planner,) if isinstance(planner, str) else tuple(planner or ())
+    for name in names:
+        check_one_of("planner", name, tuple(PLANNERS))
+    given = load_problem(problem, domain)
+    acting = given.domain if world is None else load_domain(world)
+    setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit))
+    sources = (*given.domain.sources, *acting.sources, given.source)
+    with located_in(*sources), planning_refused(sources):
+        return simulation_result(setup, spread(setup, episodes, jobs))
+
+
+def batch(
+    given: LoadedProblem,
+    world: LoadedDomain,
+    planners: Sequence[str],
+    asked: Asked,
+    limits: EpisodeLimits,
+) -> Batch:
+    """What is to be simulated; a scene is looked at once, with its own seed. Raises Refused where the world
+    speaks another language than the domain, and BadOption."""
+    looked, _ = seen(given, None, {})
+    if world is given.domain:
+        acting = looked.domain
+    else:
+        acting = world.model
+        refuse_unlike(looked.domain, acting, looked.problem, given.domain.sources, world.sources)
+    return Batch(
+        looked.domain,
+        acting,
+        looked.problem,
+        tuple(dict.fromkeys(planners)) or (planner_named(None, looked.problem),),
+        asked.of(looked.problem, asked.seed),
+        limits,
+        asked.time_discounts,
+    )
+
+
+def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult:
+    """All episodes, put in order, with what they come to. Raises what planners raise."""
+    ordered = sorted(rounds, key=lambda each: each[0].number)
+    found = tuple(zip(*ordered, strict=True))
+    summaries = (
+        summarized(name, each, found[0] if each is not found[0] else None)
+        for name, each in zip(setup.planners, found, strict=True)
+    )
+    return SimulationResult(
+        problem=setup.problem.name,
+        domain=setup.domain.name,
+        world=setup.world.name,
+        objective="time" if setup.timed else "reward",
+        options=setup.options,
+        max_actions=setup.limits.max_actions,
+        commit=setup.limits.commit,
+        planners=tuple(summaries),
+        episodes=found,
+    )
+
+
+def _row(summary: Summary, compared: bool) -> tuple[str, ...]:
+    gain = [_mean(summary.gain, 3)] if compared else []
+    found = [_mean(summary.plain, 3), _mean(summary.actions, 2), _mean(summary.seconds, 1)]
+    planning = [_milliseconds(spent) for spent in (summary.planning_median, summary.planning_95)]
+    returned = _mean(summary.discounted, 3)
+    return (summary.planner, returned, *gain, *found, _share(summary.success), *planning)
+
+
+def _mean(estimate: Estimate | None, digits: int) -> str:
+    if estimate is None:
+        return "-"
+    half = "" if estimate.high is None else f" ± {estimate.high - estimate.mean:.{digits}f}"
+    return f"{estimate.mean:.{digits}f}{half}"
+
+
+def _share(estimate: Estimate | None) -> str:
+    """Not symmetric, so with both ends."""
+    if estimate is None or estimate.low is None or estimate.high is None:
+        return "-"
+    return f"{100 * estimate.mean:.1f} ({100 * estimate.low:.1f} to {100 * estimate.high:.1f})"
+
+
+def _milliseconds(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{1000 * seconds:.1f}"

@@ -1,0 +1,146 @@
+"""Results: they cannot be changed, can be pickled, and are well-formed HTML in which all is escaped."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import re
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import FrozenInstanceError, fields, replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+import cleancli
+from cleancli.api.tables import TextTable
+
+EVIL = '<script>alert("&")</script>\x1b[31m'
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """One of each kind; an observation takes pybullet."""
+    given = ("cleaning", "three_areas")
+    run = cleancli.execute(*given, seed=5, samples=50, runs=tmp_path_factory.mktemp("runs"))
+    found: dict[str, Any] = {
+        "plan": cleancli.plan(*given, seed=1, samples=50),
+        "explained": cleancli.plan(*given, seed=1, samples=50, explain=True),
+        "evaluate": cleancli.evaluate(*given, "moveToContainerFast(a1)", explain=True),
+        "simulate": cleancli.simulate(*given, episodes=2, samples=50, planner=["prada", "prada+"]),
+        "explain": cleancli.explain(*given, "join2(a1, a2)"),
+        "execute": run,
+        "learn": cleancli.learn("cleaning", run.folder),
+        "domain": cleancli.load_domain("cleaning"),
+        "problem": cleancli.load_problem("three_areas", "cleaning"),
+    }
+    return found
+
+
+NAMES = ["plan", "explained", "evaluate", "simulate", "explain", "execute", "learn", "domain", "problem"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shown_in_a_notebook(name: str, results: dict[str, Any]) -> None:
+    page = ElementTree.fromstring(results[name]._repr_html_())
+    assert "".join(page.itertext()).strip()
+    if name not in ("domain", "problem"):
+        assert page.find(".//table") is not None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_pickled_and_frozen(name: str, results: dict[str, Any]) -> None:
+    result = results[name]
+    again = pickle.loads(pickle.dumps(result))
+    assert again == result
+    assert str(again) == str(result)
+    assert not hasattr(result, "__dict__")
+    with pytest.raises(FrozenInstanceError):
+        setattr(result, fields(result)[0].name, "changed")
+
+
+@pytest.mark.parametrize("name", NAMES[:-2])
+def test_plain_dictionaries(name: str, results: dict[str, Any]) -> None:
+    data = results[name].to_dict()
+    assert json.loads(json.dumps(data)) == data
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_all_texts_are_escaped(name: str, results: dict[str, Any]) -> None:
+    """Every text that a result holds is made evil, one at a time."""
+    result = results[name]
+    for field in fields(result):
+        value = getattr(result, field.name)
+        evil: Any = EVIL
+        if isinstance(value, tuple) and value and isinstance(value[0], str):
+            evil = (EVIL, *value[1:])
+        elif not isinstance(value, str) or field.name == "empty_because":
+            continue
+        html = replace(result, **{field.name: evil})._repr_html_()
+        assert "<script" not in html
+        assert "\x1b" not in html
+        ElementTree.fromstring(html)
+
+
+def test_tables_escape_and_align() -> None:
+    table = TextTable(("name", EVIL), (("a", "1"), (EVIL, "12")))
+    page = ElementTree.fromstring(table.html())
+    cells = [cell.text for cell in page.iter() if cell.tag in ("th", "td")]
+    evil = EVIL.replace("\x1b", "\\x1b")
+    assert cells == ["name", evil, "a", "1", evil, "12"]
+    lines = str(table).splitlines()
+    assert len({len(line) for line in lines[1:]}) == 1
+    assert not re.search("[\x00-\x08\x1b]", str(table))
+
+
+def test_an_observation_is_a_picture() -> None:
+    pytest.importorskip("pybullet")
+    seen = cleancli.perceive("two_groups")
+    assert seen._repr_png_().startswith(b"\x89PNG\r\n")
+    assert pickle.loads(pickle.dumps(seen)) == seen
+    ElementTree.fromstring(seen._repr_html_())
+    assert json.loads(json.dumps(seen.to_dict())) == seen.to_dict()
+
+
+def test_refusals_are_pickled() -> None:
+    with pytest.raises(cleancli.Refused) as refused:
+        cleancli.load_domain("domain d { types { spot spot } }")
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert str(again) == str(refused.value)
+    assert again.diagnostics == refused.value.diagnostics
+
+
+def test_threads_find_what_one_finds(tmp_path: Path) -> None:
+    """Plans, and a run outside the main thread, where no signal is to be had."""
+
+    def planned(seed: int) -> tuple[str, ...]:
+        return cleancli.plan("cleaning", "three_areas", seed=seed, samples=50, planner="prada").plan
+
+    alone = [planned(seed) for seed in range(6)]
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(planned, range(6))) == alone
+        run = threads.submit(
+            cleancli.execute, "cleaning", "three_areas", seed=5, samples=50, runs=tmp_path
+        ).result()
+    assert run.clean
+
+
+def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
+    """Ctrl-C at any event leaves a folder that can be gone on with, to the end that it had come to alone."""
+    whole = cleancli.execute("cleaning", "three_areas", seed=5, samples=50, runs=tmp_path)
+    seen: list[object] = []
+
+    def stop(event: object) -> None:
+        seen.append(event)
+        if len(seen) == 7:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="go on with: cleancli execute --resume") as stopped:
+        cleancli.execute("cleaning", "three_areas", seed=5, samples=50, runs=tmp_path, on_event=stop)
+    folder = stopped.value.folder  # type: ignore[attr-defined]
+    assert str(folder) in str(stopped.value)
+    resumed = cleancli.resume(folder, on_event=seen.append)
+    assert (resumed.actions, resumed.clean, resumed.told) == (whole.actions, whole.clean, whole.told)
+    assert resumed.folder == folder
+    assert len(seen) > 7
