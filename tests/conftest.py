@@ -23,6 +23,7 @@ if importlib.util.find_spec("pybullet") is None:
     _excused: list[BaseException] = []
     """Kept, because what a fixture raised is raised again for each test that asks for it."""
 
+    _REASON = "needs pybullet, which is not installed"
     _tell = MissingPhysics.__init__
 
     def _note(missing: MissingPhysics) -> None:
@@ -32,8 +33,10 @@ if importlib.util.find_spec("pybullet") is None:
     MissingPhysics.__init__ = _note  # type: ignore[method-assign]
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_setup() -> None:
+    def pytest_runtest_setup(item: pytest.Item) -> None:
         _said.clear()
+        if item.get_closest_marker("needs_pybullet"):
+            pytest.skip(_REASON)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
@@ -43,5 +46,5 @@ if importlib.util.find_spec("pybullet") is None:
             _excused.append(error)
             path, line, _ = item.location
             report.outcome = "skipped"
-            report.longrepr = (path, line or 0, "Skipped: needs pybullet, which is not installed")
+            report.longrepr = (path, line or 0, f"Skipped: {_REASON}")
         return report  # type: ignore[return-value]

@@ -144,6 +144,7 @@ def test_prada_plus_chooses_by_the_exact_value(tmp_path: Path) -> None:
         assert f"libPRADA's way chooses {best}" not in lines
 
 
+@pytest.mark.needs_pybullet
 def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
     result = _run("physics.py", "--quick", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -161,6 +162,7 @@ def test_outcomes_of_an_action_are_tabulated_by_grasp(tmp_path: Path) -> None:
     assert int(ways["bowed, slow"].removesuffix(" mm")) > 5, "a motion straight in joint space bows"
 
 
+@pytest.mark.needs_pybullet
 def test_no_particle_is_lost_by_random_actions(tmp_path: Path) -> None:
     for robot in ("gantry", "wam", "reem"):
         result = _run("conservation.py", "4", "--robot", robot, cwd=tmp_path)
@@ -189,6 +191,7 @@ def test_conservation_draws_by_its_seed_and_goes_on_where_it_stopped(
     assert kept.read_text(encoding="utf-8").replace('"on_floor": 9', '"on_floor": ', 1) == whole
 
 
+@pytest.mark.needs_pybullet
 def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
     arguments = ("--frames", "2", "--first", "3", "--clean", "2", "--worst", "worst")
     result = _run("perception.py", *arguments, cwd=tmp_path)
@@ -202,6 +205,7 @@ def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
     assert len(list((tmp_path / "worst").glob("*.png"))) == 2
 
 
+@pytest.mark.needs_pybullet
 def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: Path) -> None:
     kept = tmp_path / "kept.jsonl"
     first = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
@@ -244,6 +248,7 @@ def test_times_of_strategies_are_of_clean_runs_and_the_others_are_counted(
     assert (wipe["seconds"], wipe["left"], wipe["not clean"]) == ("", "8", "1 of 1")
 
 
+@pytest.mark.needs_pybullet
 def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:
     """Few pushes: the figure is in docs/perception.md, here it is only far from chance."""
     result = _run("identity.py", "4", cwd=tmp_path)
@@ -258,6 +263,7 @@ def test_a_run_killed_at_random_moments_loses_nothing(tmp_path: Path) -> None:
     assert re.search(r"symbolic: 2 runs, [1-9]\d* kills, 0 failures", result.stdout)
 
 
+@pytest.mark.needs_pybullet
 def test_no_changed_file_crashes_or_stalls_a_command(tmp_path: Path) -> None:
     """Few of each kind here; what was tried is not tried again."""
     arguments = ("--inputs", "6", "--keep", str(tmp_path / "kept"), "--seed", "3")

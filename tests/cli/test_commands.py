@@ -219,6 +219,7 @@ def _without(name: str, version: Callable[[str], str]) -> Callable[[str], str]:
     return found
 
 
+@pytest.mark.needs_pybullet
 def test_record_that_cannot_be_written_is_an_error_before_motion(tmp_path: Path) -> None:
     (tmp_path / "runs").write_text("a file where the folder should be", encoding="utf-8")
     result = cleancli("execute", "cleaning", "two_groups", cwd=tmp_path)

@@ -174,6 +174,7 @@ def test_importing_registers() -> None:
     assert gymnasium.spec("cleancli/CleanTable-v0").max_episode_steps == cleancli.environment.MOST_ACTIONS
 
 
+@pytest.mark.needs_pybullet
 def test_the_example_of_the_documents_runs(few: str) -> None:
     text = (ROOT / "docs" / "gym.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)

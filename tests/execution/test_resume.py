@@ -156,6 +156,7 @@ def test_ctrl_c_is_kept_until_the_loop_looks_and_works_at_once_the_third_time() 
         press(3)
 
 
+@pytest.mark.needs_pybullet
 def test_a_table_goes_on_after_a_kill(tmp_path: Path) -> None:
     words = ["execute", "cleaning", "two_groups", "--seed", "1", "--no-video", "--quiet"]
     process = subprocess.Popen([sys.executable, "-m", "cleancli.cli.main", *words])
@@ -171,6 +172,7 @@ def test_a_table_goes_on_after_a_kill(tmp_path: Path) -> None:
     assert json.loads((folder / "run.json").read_text())["truth"]["on_table"] == 0
 
 
+@pytest.mark.needs_pybullet
 def test_ctrl_c_stops_with_the_tool_up_and_says_how_to_go_on(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["cleancli.cli.main", "execute", "cleaning", "two_groups", "--seed", "1", "--no-video"]
     with subprocess.Popen([sys.executable, "-m", *words], stderr=subprocess.PIPE, text=True) as process:

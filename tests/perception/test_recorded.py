@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import cv2
@@ -34,7 +34,9 @@ def test_a_round_trip_keeps_colour_camera_and_clock_and_depth_to_a_millimetre(
         assert after.depth.dtype == np.float32
         assert after.clock == before.clock
         np.testing.assert_array_equal(after.camera.pose, before.camera.pose)
-        assert replace(after.camera, pose=before.camera.pose) == before.camera
+        for field in fields(before.camera):
+            if field.name != "pose":
+                assert getattr(after.camera, field.name) == getattr(before.camera, field.name)
 
 
 def test_perception_sees_the_same_in_loaded_frames(frames: tuple[Frame, ...], tmp_path: Path) -> None:

@@ -181,6 +181,7 @@ print(table.truth().positions.tobytes().hex(), frame.depth.tobytes().hex(), fram
 """
 
 
+@pytest.mark.needs_pybullet
 def test_the_same_seed_is_the_same_world_bit_for_bit_in_another_process(
     in_two_processes: Callable[[str], tuple[str, str]],
 ) -> None:
@@ -195,6 +196,7 @@ def test_another_seed_is_another_world(scene: MakeScene) -> None:
         assert not np.array_equal(one.truth().positions, other.truth().positions)
 
 
+@pytest.mark.needs_pybullet
 def test_the_robot_interface_needs_no_engine_and_importing_it_is_silent() -> None:
     script = (
         "import sys; import cleancli.world.robot, cleancli.world.table\n"

@@ -164,6 +164,7 @@ print(table.truth().positions.tobytes().hex(), table.observe().depth.tobytes().h
 """
 
 
+@pytest.mark.needs_pybullet
 def test_the_same_seed_is_the_same_run_bit_for_bit_in_another_process(
     in_two_processes: Callable[[str], tuple[str, str]],
 ) -> None:

@@ -111,7 +111,7 @@ def _is_flat(view: _View, thresholds: Thresholds) -> bool:
     for frame in view.frames:
         on_plane = surface.surface_mask(frame, view.seen_as, view.extent, thresholds)
         known = surface.known_depth(frame) & view.inner
-        if (known & ~on_plane).sum() > 1e-4 * max(known.sum(), 1):
+        if (known & ~on_plane).sum() > 1e-4 * max(int(known.sum()), 1):
             return False
     return True
 

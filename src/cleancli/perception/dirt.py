@@ -77,10 +77,10 @@ def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
 
 def without_small_patches(dirt: Mask, pixel_areas: Depth, thresholds: Thresholds) -> Mask:
     """The patches of dirt that are large enough."""
-    _, labels = cv2.connectedComponents(dirt.view(np.uint8), connectivity=8)
+    labels = np.asarray(cv2.connectedComponents(dirt.view(np.uint8), connectivity=8)[1], np.int32)
     sizes = np.bincount(labels[dirt], pixel_areas[dirt], minlength=1)
     large = sizes >= thresholds.patch
-    return np.asarray(large.take(np.asarray(labels, np.int32)))
+    return np.asarray(large.take(labels))
 
 
 def believed(
@@ -104,11 +104,12 @@ def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Th
     brightness = np.maximum(cv2.blur(cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), (3, 3)), np.uint8(DARKEST))
     limit = np.float32(thresholds.gradient) * brightness
     smooth = surface & (squares < limit * limit)
-    number, labels = cv2.connectedComponents(smooth.view(np.uint8), connectivity=4)
+    number, found = cv2.connectedComponents(smooth.view(np.uint8), connectivity=4)
+    labels = np.asarray(found, np.int32)
     core = cv2.erode(smooth.view(np.uint8), np.ones((CORE, CORE), np.uint8)).view(np.bool_)
     sizes = np.bincount(labels[core], pixel_areas[core], minlength=number)
     large = sizes > thresholds.background
-    return np.asarray(large.take(np.asarray(labels, np.int32)))
+    return np.asarray(large.take(labels))
 
 
 def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
