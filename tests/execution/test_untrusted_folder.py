@@ -329,9 +329,9 @@ def test_options_that_cannot_be_are_refused(
     name: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edited(folder, lambda header: header["options"].update({name: OPTIONS[name]}))
-    refused(resumed(folder), folder, capsys, "E705")
+    refused(resumed(folder), folder, capsys, "error[E705]: ")
     edited(folder, lambda header: header["options"].pop(name))
-    refused(resumed(folder), folder, capsys, "E705", name)
+    refused(resumed(folder), folder, capsys, "error[E705]: ", name)
 
 
 def test_a_mistake_in_run_json_is_shown_in_its_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

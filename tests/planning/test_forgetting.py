@@ -59,3 +59,36 @@ def test_whether_a_clean_area_is_scattered_is_forgotten() -> None:
 
     assert kept(("dirt", "a")) == kept(("dirt", "a"), ("scattered", "b"))
     assert kept(("dirt", "a")) != kept(("dirt", "a"), ("scattered", "a"))
+
+
+STAGES = """domain stages {
+  types { pot }
+  predicates { glazed(?p - pot) }
+  functions { stage(?p - pot): raw < dry < fired < broken }
+  derived { done := count ?p - pot: stage(?p) = fired, glazed(?p) }
+  actions { glaze(?p - pot)  dry(?p - pot)  fire(?p - pot)  drop(?p - pot) }
+  rule glazed: glaze(?p) { when stage(?p) = dry then 1: glazed(?p) }
+  rule dried: dry(?p) { when stage(?p) = raw then 1: stage(?p) := dry }
+  rule fired: fire(?p) { when stage(?p) = dry then 1: stage(?p) := fired }
+  rule dropped: drop(?p) { when stage(?p) < broken then 1: stage(?p) := broken }
+  reward { done }
+}"""
+
+
+def test_what_matters_again_after_several_steps_is_kept() -> None:
+    """A glaze pays on a fired pot alone, which a raw one becomes in two steps, and a broken one never."""
+    text = "objects { p - pot } init { stage(p) = raw } horizon = 4"
+    task = domains.task(STAGES, text)
+    number = {variable.symbol: index for index, variable in enumerate(task.variables)}
+    glazed, stage = number["glazed"], number["stage"]
+    stages = list(task.variables[stage].values)
+
+    def kept(value: str) -> bool:
+        states = []
+        for glaze in (0, 1):
+            state = list(task.initial)
+            state[stage], state[glazed] = stages.index(value), glaze
+            states.append(prepare(replace(task, initial=tuple(state))).forgetful.task.initial)
+        return states[0] != states[1]
+
+    assert [value for value in stages if kept(str(value))] == ["raw", "dry", "fired"]

@@ -19,6 +19,7 @@ from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.simulation import agent as agents
 from cleancli.simulation import batch
+from cleancli.simulation import episode as episodes
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode
 from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
@@ -282,3 +283,8 @@ def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPa
     with pytest.raises(NoDurationError) as error:
         list(found)
     assert error.value.actions == ("push",)
+
+
+def test_streams_of_an_episode_keep_their_numbers_for_ever() -> None:
+    """They are part of what a seed means: with others the same seed would be another episode."""
+    assert {stream.name: stream.value for stream in episodes._Stream} == {"WORLD": 0, "PLANNING": 1}
