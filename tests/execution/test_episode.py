@@ -17,11 +17,10 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.session import table_session
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.table_cell import look_once
-from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
-from cleancli.learning.experience import decode
+from cleancli.learning.experience import read_experience
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder
 from cleancli.scene.check import load_scene
@@ -98,7 +97,8 @@ def test_the_record_is_whole(episode: tuple[list[Event], Mapping[str, object], P
     text = (folder / "experience.jsonl").read_text(encoding="utf-8")
     seen = [event for event in acted if event.seen]
     assert seen, "nothing was seen whole"
-    assert decode(Source("x", text), domain) == tuple(event.transition for event in seen)
+    read = tuple(read_experience(folder / "experience.jsonl", domain))
+    assert read == tuple(event.transition for event in seen)
     assert [json.loads(line)["number"] for line in text.splitlines()] == [event.number for event in seen]
     run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     assert run["episode"]["actions"] == len(acted)
