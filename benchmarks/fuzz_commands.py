@@ -37,7 +37,8 @@ import fuzz_inputs as inputs
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import SUMMARIES, run
-from cleancli.language.diagnostics.diagnostic import Level, Refused
+from cleancli.language.diagnostics.diagnostic import Level
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.recording import run_folder
 

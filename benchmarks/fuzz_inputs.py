@@ -21,7 +21,7 @@ from typing import Any, AnyStr
 
 import numpy as np
 
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -22,7 +22,8 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "language"))
 
 import generate
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import domain_named, kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem

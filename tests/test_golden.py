@@ -13,7 +13,8 @@ import pytest
 
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import render
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source

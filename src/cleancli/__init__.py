@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from cleancli.api.observations import perceive
     from cleancli.api.plans import evaluate, plan
     from cleancli.api.simulations import simulate
-    from cleancli.language.diagnostics.diagnostic import Refused
+    from cleancli.language.diagnostics.refused import Refused
 
 __version__ = "0.1.0"
 
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 _PLACES = {
-    "Refused": "language.diagnostics.diagnostic",
+    "Refused": "language.diagnostics.refused",
     "evaluate": "api.plans",
     "execute": "api.executions",
     "explain": "api.explanations",

@@ -9,7 +9,8 @@ from pathlib import Path
 from cleancli.cli.inputs import open_loaded
 from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import render
 from cleancli.language.load import (
     checked_domain,

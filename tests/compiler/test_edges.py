@@ -9,7 +9,7 @@ from cleancli.compiler import rewards, semantics
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import SupportTooLargeError, exact_value, forward
 from cleancli.compiler.task import Task
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 
 MOP = """domain d {
   types { area }

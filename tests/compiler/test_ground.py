@@ -14,7 +14,8 @@ from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, exact_value, reward, sample, successors
 from cleancli.compiler.task import RewardCondition, StateVariable, Task, held, literal_text, without
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import OutcomeKind
 

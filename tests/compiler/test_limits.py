@@ -13,7 +13,8 @@ from handmade import A, B, M, false, noise, one_of, outcome, put, true
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.grounding_size import RULE_LIMIT, count_groundings
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain, load_problem
 from cleancli.language.model import (
     Action,

@@ -17,7 +17,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.semantics import covering_rule, reaches_goal, reward, sample, successors
 from cleancli.compiler.task import GroundState, Task
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
 
 STATES = 40

@@ -8,7 +8,7 @@ import pytest
 from cleancli.compiler import ground as ground_module
 from cleancli.compiler import grounding_size, partial_evaluation
 from cleancli.compiler.ground import ground
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 
 TEXT = """domain d {
   types { area }

@@ -17,7 +17,8 @@ from cleancli.compiler.explain import explain
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import successors
 from cleancli.compiler.task import Task
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Fact, Problem, State, Value
 from cleancli.learning.experience import Transition

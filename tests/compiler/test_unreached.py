@@ -12,7 +12,8 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import reaches_goal, successors
 from cleancli.compiler.task import held
 from cleancli.compiler.unreached import Unreached, unreached
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 
 ROOMS = """domain rooms {

@@ -13,7 +13,8 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.compiler.ground import ground
 from cleancli.conversion.convert import Converted, Wishes, convert
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.printing.formatter import layout

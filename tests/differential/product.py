@@ -25,7 +25,8 @@ from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, exact_value, reaches_goal, reward, standing
 from cleancli.compiler.task import GroundState, Task, by_time
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode

@@ -16,7 +16,7 @@ from gymnasium.utils.env_checker import check_env
 
 import cleancli.environment
 from cleancli.environment.clean_table import IMPOSSIBLE, CleanTable
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 
 ROOT = Path(__file__).parents[2]
 FEW = """

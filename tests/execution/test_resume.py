@@ -23,7 +23,7 @@ from cleancli.cli.main import run
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import Account, EpisodeState, FailedAttempt, Move, Situation
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Area

@@ -17,7 +17,7 @@ import pytest
 
 from cleancli.api.resuming import unfinished
 from cleancli.cli.main import run
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.learning.experience import Transition, encode
 from cleancli.recording import run_folder
 from cleancli.recording.arrays import BadArrays, packed, unpacked

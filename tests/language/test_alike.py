@@ -14,7 +14,8 @@ import pytest
 
 from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.lifted_state import ConflictError, StateView
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State, Value
 

@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cleancli.files.replace import Replacement, replace_file, write_all, write_atomically
-from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Outcome

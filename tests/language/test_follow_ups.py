@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain
 
 TEXT = """domain d {

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import checked_domain, domain_named, load_domain, load_problem, read_source
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm

@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from cleancli.compiler.lifted_state import StateView
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from lark import Tree
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.grammar import grammar
 from cleancli.language.parsing.parse import kind_of, parse

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from cleancli.language import syntax
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_problem, read_source
 
 TEXT = """\

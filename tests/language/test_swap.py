@@ -26,7 +26,7 @@ import pytest
 from cleancli.files import exchange as swap
 from cleancli.files import lease
 from cleancli.files.replace import Replacement, replace_file, write_all, write_atomically
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 
 TRACED = {lease.__file__, swap.__file__}
 OLD, NEW, THEIRS = "old text", "new text that is longer", "theirs"
@@ -314,7 +314,7 @@ def test_two_processes_of_this_program_write_one_after_the_other(tmp_path: Path)
     path.write_text("0")
     script = (
         "import sys; from pathlib import Path; from cleancli.files.replace import write_atomically\n"
-        "from cleancli.language.diagnostics.diagnostic import Refused\n"
+        "from cleancli.language.diagnostics.refused import Refused\n"
         "done = 0\n"
         "while done < 30:\n"
         "    text = Path(sys.argv[1]).read_text()\n"

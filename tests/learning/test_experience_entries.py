@@ -7,7 +7,8 @@ import json
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain
 from cleancli.learning.experience import Transition, decode
 

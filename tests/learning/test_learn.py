@@ -7,7 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State

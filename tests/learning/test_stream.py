@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import render
 from cleancli.language.load import load_domain, read_source
 from cleancli.learning import experience

@@ -9,7 +9,7 @@ import pytest
 import synthetic
 
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize

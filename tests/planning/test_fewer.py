@@ -6,7 +6,8 @@ import domains
 import pytest
 
 from cleancli.compiler.task import held
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_problem
 from cleancli.language.model import Domain, Fact, Problem, without_objects
 from cleancli.planning.reductions.subproblem import fewer

@@ -20,7 +20,8 @@ from cleancli.compiler.task import Task, holds
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.conversion.read import read
 from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable, variables_of
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain, load_problem, read_source
 from cleancli.language.printing.formatter import layout
 from cleancli.planning.evaluation.belief_value import plan_value

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from run_folders import RECORDS, SECONDS, header, write_run
 
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.recording.journal import Chance, Expected, FactEntry, Started
 from cleancli.report.account import row_of
 from cleancli.report.run import read_run

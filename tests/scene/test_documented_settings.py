@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Scene

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.scene.check import load_scene
 
 DIRT = "dirt { group { count = 3  at = (0 cm, 0 cm)  radius = 1 cm } }"

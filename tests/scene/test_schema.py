@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.scene.check import load_scene
 from cleancli.scene.schema import INNER, KEYS, NEEDED, TOP
 

@@ -18,8 +18,9 @@ from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.untrusted import decoded
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.language.model import Problem
 from cleancli.planning.plan import BadOption

@@ -8,8 +8,9 @@ from typing import TextIO
 
 import click
 
-from cleancli.language.diagnostics.diagnostic import Refused, printable
+from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.messages import MOST, Excerpt, excerpt
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import render
 
 _SHOWN, _LEFT_OUT = f"{__name__}.shown", f"{__name__}.left_out"

@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import domain_named, kind_of
 from cleancli.language.parsing.parse import parse
 from cleancli.language.refactoring.name_index import Occurrence, names_in

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from cleancli.cli.echo import echo_exactly
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import read_source, read_stream
 
 STDIN = "-"

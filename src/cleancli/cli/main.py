@@ -19,7 +19,8 @@ from cleancli.cli.completion import light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.streams import NoReader, finish, prepare
 from cleancli.files.interrupt import ENDING
-from cleancli.language.diagnostics.diagnostic import Refused, printable
+from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.world.errors import MissingPhysics
 
 SUMMARIES = {

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from cleancli.cli.echo import echo_refused
 from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.language.checking.declarations import sections_of
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parsing.parse import kind_of
 from cleancli.language.parsing.read import parse_as

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.lifted_state import ConflictError, StateView
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
     Assign,
     Domain,

@@ -28,7 +28,8 @@ from cleancli.compiler.task import (
     Task,
     literal_text,
 )
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, OutcomeKind, Problem
 
 Called = tuple[str, tuple[str, ...]]

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
 
 Changes = Mapping[Fluent, frozenset[Value]]

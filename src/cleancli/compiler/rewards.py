@@ -17,7 +17,8 @@ from cleancli.compiler.ground_formula import Formula, Known, disjoint
 from cleancli.compiler.instances import closure_refused
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, wanted_decreased
 
 

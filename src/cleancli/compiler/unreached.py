@@ -16,7 +16,7 @@ from cleancli.compiler.instances import instances
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.static_join import Universe
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
     Count,
     Domain,

@@ -18,8 +18,9 @@ from cleancli.conversion.records import (
     is_variable,
     variables_of,
 )
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import OutcomeKind
 from cleancli.language.printing.printer import print_fraction

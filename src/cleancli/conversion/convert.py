@@ -14,7 +14,8 @@ from cleancli.conversion.records import Kind, Library
 from cleancli.conversion.rules import Translated, default_of, rules_of
 from cleancli.conversion.symbols import Vocabulary, facts, parameters, vocabulary
 from cleancli.conversion.text import Remarks, domain_text, problem_text
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, load_domain
 from cleancli.language.model import (
     Action,

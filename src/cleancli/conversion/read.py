@@ -11,7 +11,8 @@ from itertools import pairwise
 
 from cleancli.conversion.records import Atom, Declaration, Kind, Library, LibraryRule, Result
 from cleancli.conversion.scan import Scanner, Token, Unreadable, tokens_of
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import OutcomeKind
 
 DEFAULT = "default"

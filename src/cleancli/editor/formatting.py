@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from cleancli.editor.library import Document
-from cleancli.language.diagnostics.diagnostic import Refused, Span
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.printing.formatter import layout
 

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.checking.include import is_outside
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import kind_of, read_source
 from cleancli.language.parsing.parse import Parsed, parse
 from cleancli.language.parsing.recovery import blank, outline

@@ -9,8 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from cleancli.editor.library import Document, Library
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem

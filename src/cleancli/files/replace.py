@@ -11,7 +11,8 @@ from pathlib import Path
 
 from cleancli.files.exchange import New, overwrite, put_in_place, written_by_another
 from cleancli.files.lease import Meanwhile, Original, locked
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 
 
 def write_atomically(path: Path | str, text: str, expected_old_text: str | None) -> None:

@@ -10,7 +10,8 @@ from typing import TypeVar
 
 import msgspec
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 
 PNG = b"\x89PNG\r\n\x1a\n"
 

@@ -6,8 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Action, Domain, Object, Problem
 from cleancli.language.printing.printer import print_signature

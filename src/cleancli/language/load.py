@@ -11,7 +11,8 @@ from cleancli.language.checking.declarations import sections_of
 from cleancli.language.checking.domain import check_domain
 from cleancli.language.checking.include import Read, with_includes
 from cleancli.language.checking.problem import check_problem
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parsing.parse import kind_of

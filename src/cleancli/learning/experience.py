@@ -11,8 +11,9 @@ from typing import Any, BinaryIO
 
 from cleancli.compiler.fluents import canonical_state
 from cleancli.files.plain import in_units, open_plain
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.language.parsing.read import refused_as
 

@@ -11,7 +11,8 @@ from itertools import combinations, permutations
 from math import hypot
 
 from cleancli.geometry.ellipse import Ellipse, extent, gap
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds

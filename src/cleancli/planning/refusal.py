@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import NoDurationError
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.refactoring.name_index import Kind, names_in
 from cleancli.language.syntax import ActionNode
 from cleancli.planning.plan import PlanningRefused

@@ -21,8 +21,9 @@ from msgspec import Meta
 from cleancli.execution.episode_state import EpisodeState, World
 from cleancli.files.exchange import remove_leftovers
 from cleancli.files.replace import replace_file
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.recording.arrays import BadArrays, packed, unpacked
 from cleancli.recording.folder import (
     APPENDED,

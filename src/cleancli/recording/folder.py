@@ -13,7 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from cleancli.files.plain import read_plain
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 
 RUN = "run.json"
 JOURNAL = "journal.jsonl"

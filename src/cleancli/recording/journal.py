@@ -15,7 +15,8 @@ import msgspec
 from msgspec import Meta
 
 from cleancli.execution.setup import MOST
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import State, Value
 from cleancli.recording.folder import JOURNAL, read_text
 

@@ -14,7 +14,8 @@ import msgspec
 from msgspec import Meta
 
 from cleancli.files.untrusted import decoded
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN, check_folder, read_text, videos
 from cleancli.recording.journal import Acted, Count, Failed, Metres, Record, Seconds, Spent, read_journal
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import parse_as
 from cleancli.language.syntax import SceneNode, Section

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Condition, Domain, Literal, Problem, Quantified, Symbol, Variable
 from cleancli.language.refactoring.name_index import Kind, names_in

@@ -16,8 +16,9 @@ from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
 from cleancli.files.replace import write_atomically
 from cleancli.geometry.rgbd import Frame
-from cleancli.language.diagnostics.diagnostic import Level, Refused
+from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode

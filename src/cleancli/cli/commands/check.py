@@ -13,9 +13,10 @@ from cleancli.cli.elsewhere import without_used_elsewhere
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
 from cleancli.cli.inputs import check_file
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
 from cleancli.language.diagnostics.messages import MOST, distinct, excerpt
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import as_json, as_sarif, render
 
 

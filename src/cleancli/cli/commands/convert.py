@@ -13,7 +13,8 @@ from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.conversion.convert import Converted, Wishes, convert
 from cleancli.files.replace import Replacement, write_all
-from cleancli.language.diagnostics.diagnostic import Level, Refused
+from cleancli.language.diagnostics.diagnostic import Level
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.load import read_source
 

@@ -11,7 +11,7 @@ from cleancli.cli.echo import echo, echo_exactly, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import STDIN, echo_difference, expanded, read
 from cleancli.files.replace import write_atomically
-from cleancli.language.diagnostics.diagnostic import Refused
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.printing.formatter import layout
 
 

@@ -12,8 +12,9 @@ from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
 from cleancli.files.replace import Replacement, write_all
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.find import find
 from cleancli.language.load import Checked, checked_domain, kind_of, load_problem, read_source

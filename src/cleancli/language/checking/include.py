@@ -13,7 +13,8 @@ from pathlib import Path
 
 from cleancli.language import syntax
 from cleancli.language.checking.declarations import SECTIONS, refuse_repeated, sections_of
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.parsing.read import LARGEST, parse_as
 

@@ -1,25 +1,60 @@
-"""Mistakes as data, and the refusal that carries them and shows them as its text."""
+"""A mistake as data: a diagnostic says what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import enum
+import re
+from dataclasses import dataclass
 
-from cleancli.language.diagnostics.messages import excerpt
-from cleancli.language.diagnostics.mistake import Diagnostic, Level, Source, Span, printable
-from cleancli.language.diagnostics.render import render
-
-__all__ = ["Diagnostic", "Level", "Refused", "Source", "Span", "printable"]
+from cleancli.language.record import Record
 
 
-class Refused(Exception):
-    """Input that can't be used; carries every diagnostic found and the sources they point into. Its text is
-    what `cleancli check` prints of them."""
+class Source(Record):
+    """A text and the name its messages go by (a path, or `<stdin>`)."""
 
-    def __init__(self, diagnostics: Iterable[Diagnostic], sources: Iterable[Source] = ()) -> None:
-        self.diagnostics = tuple(diagnostics)
-        self.sources = tuple(sources)
-        super().__init__(self.diagnostics, self.sources)
+    path: str
+    text: str
 
-    def __str__(self) -> str:
-        part = excerpt(self.diagnostics)
-        return "\n".join(filter(None, (render(part.shown, self.sources).rstrip(), part.note)))
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Half-open range of character offsets in the source at `path`."""
+
+    path: str
+    start: int
+    end: int
+
+
+class Level(enum.Enum):
+    """How bad a diagnostic is; only errors keep a file from being used."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+class Diagnostic(Record):
+    """One mistake: a stable code (docs/diagnostics.md), a message, its place and a way out."""
+
+    code: str
+    message: str
+    span: Span | None
+    label: str = ""
+    help: str = ""
+    level: Level = Level.ERROR
+
+
+_STEERING = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Control characters, marks that turn the direction of text, line ends, and halves of characters."""
+
+
+def printable(text: str, keep: str = "") -> str:
+    r"""The text with each character that steers a terminal written as `\x1b` or `\u202e`, and a byte of a
+    file name that is no text as `\xff`; those of `keep` stay."""
+    return _STEERING.sub(lambda found: found[0] if found[0] in keep else _escape(ord(found[0])), text)
+
+
+def _escape(code: int) -> str:
+    if 0xDC80 <= code <= 0xDCFF:
+        code -= 0xDC00
+        return f"\\x{code:02x}"
+    return f"\\x{code:02x}" if code < 0x20 else f"\\u{code:04x}"

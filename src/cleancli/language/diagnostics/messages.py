@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 
-from cleancli.language.diagnostics.mistake import Diagnostic, Level
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.record import Record
 

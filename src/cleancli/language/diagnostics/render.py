@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import quote
 
 from cleancli import __version__
-from cleancli.language.diagnostics.mistake import Diagnostic, Level, Source, Span, printable
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span, printable
 from cleancli.language.diagnostics.source_lines import Lines
 
 _TAB = 4

@@ -6,7 +6,8 @@ import difflib
 import re
 from collections.abc import Iterable
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import Lines
 
 RESERVED = frozenset(

@@ -16,7 +16,8 @@ from typing import cast
 from lark import UnexpectedInput
 from lark.lexer import PatternStr
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.errors import Reader
 from cleancli.language.parsing.grammar import grammar

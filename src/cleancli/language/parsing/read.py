@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cleancli.files.plain import TooLarge, in_units, read_plain
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.parsing.parse import kind_of, parse
 from cleancli.language.syntax import Root

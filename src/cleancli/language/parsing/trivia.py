@@ -12,7 +12,8 @@ from typing import cast
 from lark import Token as LarkToken
 from lark import UnexpectedInput
 
-from cleancli.language.diagnostics.diagnostic import Refused, Source
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.grammar import grammar
 from cleancli.language.parsing.parse import parse

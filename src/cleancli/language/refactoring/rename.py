@@ -8,7 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Sequence
 
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Refused, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED, meant
 from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence, names_in
