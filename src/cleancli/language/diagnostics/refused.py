@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
-from cleancli.language.diagnostics.messages import excerpt
-from cleancli.language.diagnostics.render import render
 
 
 class Refused(Exception):
@@ -19,5 +17,9 @@ class Refused(Exception):
         super().__init__(self.diagnostics, self.sources)
 
     def __str__(self) -> str:
+        # Loaded here: every command that starts loads this module, and few refusals are read as text.
+        from cleancli.language.diagnostics.messages import excerpt
+        from cleancli.language.diagnostics.render import render
+
         part = excerpt(self.diagnostics)
         return "\n".join(filter(None, (render(part.shown, self.sources).rstrip(), part.note)))
