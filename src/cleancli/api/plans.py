@@ -13,7 +13,7 @@ from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
-from cleancli.language.calls import read_actions
+from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.planning.asked import planner_named
@@ -169,7 +169,7 @@ def plan(
     check_one_of("planner", planner, tuple(PLANNERS))
     asked = Asked(samples, seed, time_limit, threads, objective, options)
     given, seconds = load_problem(problem, domain), dict[str, float]()
-    job = _request(given, asked, None, seconds)
+    job, _ = _request(given, asked, None, seconds)
     with located_in(*given.sources), planning_refused(given.sources):
         found = PLANNERS[planner_named(planner, job.problem)](job.prepared, job.options)
         seconds |= found.seconds
@@ -196,9 +196,9 @@ def evaluate(
     asked = Asked(samples, seed, None, threads, objective, options)
     given, seconds = load_problem(problem, domain), dict[str, float]()
     text = actions if isinstance(actions, str) else " ".join(actions)
-    job = _request(given, asked, text, seconds)
+    job, calls = _request(given, asked, text, seconds)
     with located_in(*given.sources), planning_refused(given.sources):
-        indices = numbered(job.task, read_actions(text, job.domain, job.problem))
+        indices = numbered(job.task, calls)
         with timed(seconds, "evaluate"):
             found = values_of(job.prepared, indices, job.options)
         counted = indices[: max(job.task.horizon, 0)]
@@ -265,13 +265,13 @@ def not_planned_for(left_out: Sequence[str], ignored: Sequence[str], counted: in
 
 def _request(
     given: LoadedProblem, asked: Asked, actions: str | None, seconds: dict[str, float]
-) -> PlanningRequest:
-    """The problem, ready for planners, or for a sequence of actions to be valued."""
+) -> tuple[PlanningRequest, Sequence[Call]]:
+    """The problem, ready for planners, or for a sequence of actions to be valued, which is read as well."""
     looked, seed = seen(given, asked.seed, seconds)
     options = asked.of(looked.problem, seed)
     calls = None if actions is None else read_actions(actions, looked.domain, looked.problem)
     with located_in(*given.sources), planning_refused(given.sources), timed(seconds, "ground"):
-        return requested(
+        job = requested(
             looked.domain,
             looked.problem,
             options,
@@ -279,6 +279,7 @@ def _request(
             calls=calls,
             left_out=looked.left_out,
         )
+    return job, calls or ()
 
 
 def _forecast(

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import click
 
 from cleancli.api.expected import Expected
+from cleancli.api.plain import plain
 from cleancli.api.plans import EvaluationResult, PlanResult, not_planned_for
 from cleancli.cli.kernels import has_compiled
 from cleancli.cli.views.tables import plain_table, print_table, table_of
@@ -112,12 +113,8 @@ def _not_planned_for(job: PlanningRequest) -> dict[str, object]:
 def _row_data(row: Comparison) -> dict[str, object]:
     if row.plan is None:
         return {"planner": row.planner, "refused": row.refusal}
-    true = _sampled_data(row.true) if isinstance(row.true, Sampled) else {"value": row.true, "error": 0.0}
+    true = plain(row.true) if isinstance(row.true, Sampled) else {"value": row.true, "error": 0.0}
     return {**_plan_data(row.plan), "true": true, "seconds": dict(row.plan.seconds)}
-
-
-def _sampled_data(found: Sampled) -> dict[str, object]:
-    return {"value": found.value, "error": found.error, "runs": found.runs}
 
 
 def _echo_data(data: Mapping[str, object]) -> None:
