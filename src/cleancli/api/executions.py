@@ -11,7 +11,6 @@ from cleancli.api.runs import (
     OpenedRun,
     RunResult,
     carry_out,
-    discounts_time,
     inputs_of,
     new_run,
     resumed_run,
@@ -62,17 +61,9 @@ def execute(
     check_between(1, MOST, samples=samples)
     check_seconds("max_seconds", max_seconds, none_of_it=True, most=MOST)
     given = load_problem(problem, domain)
-    options = EpisodeOptions(
-        strategy,
-        planner,
-        samples,
-        max_actions,
-        max_seconds,
-        next(n for n in (seed, given.model.seed, 1) if n is not None),
-        discounts_time(objective, given),
-        known,
-    )
-    with new_run(inputs_of(given, options, job), Path(runs), video) as run:
+    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known)
+    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job)
+    with new_run(inputs, Path(runs), video) as run:
         return _followed(run, on_event)
 
 

@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -184,16 +184,22 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     return _result(run, event, truth, last)
 
 
-def inputs_of(given: LoadedProblem, options: EpisodeOptions, job: str | None) -> Inputs:
-    """What goes into a run."""
-    return Inputs(given.domain.model, given.model, given.sources, options, None if job is None else Job(job))
-
-
-def discounts_time(objective: str | None, given: LoadedProblem) -> bool:
-    """Whether plans discount by time: as it is asked for, or else where the domain says how long each action
-    takes. Raises Refused (E902) where one is asked for and not known."""
+def inputs_of(
+    given: LoadedProblem, asked: EpisodeOptions, *, seed: int | None, objective: str | None, job: str | None
+) -> Inputs:
+    """What goes into a run: where it is not asked for, the problem's seed, and time as the objective if the
+    domain says how long each action takes. Raises Refused (E902) where time is asked for and one is not
+    known."""
     with planning_refused(given.sources):
-        return _by_time(objective, given.domain.model)
+        by_time = _by_time(objective, given.domain.model)
+    chosen = next(n for n in (seed, given.model.seed, asked.seed) if n is not None)
+    return Inputs(
+        given.domain.model,
+        given.model,
+        given.sources,
+        replace(asked, seed=chosen, by_time=by_time),
+        None if job is None else Job(job),
+    )
 
 
 def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str) -> RunResult:

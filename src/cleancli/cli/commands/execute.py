@@ -13,7 +13,6 @@ from cleancli.api.runs import (
     OpenedRun,
     RunStopped,
     carry_out,
-    discounts_time,
     inputs_of,
     new_run,
     resumed_run,
@@ -151,17 +150,9 @@ def command(
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     given = open_given(domain, problem)
-    options = EpisodeOptions(
-        strategy,
-        planner,
-        samples,
-        max_actions,
-        max_seconds,
-        next(n for n in (seed, given.model.seed, 1) if n is not None),
-        discounts_time(objective, given),
-        known,
-    )
-    with new_run(inputs_of(given, options, job), runs, video) as opened:
+    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known)
+    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job)
+    with new_run(inputs, runs, video) as opened:
         return _carry_out(opened, said)
 
 
