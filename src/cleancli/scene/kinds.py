@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
@@ -27,15 +27,9 @@ ANGLE_UNITS = ("deg", "rad")
 
 
 class Kind(Protocol):
-    """What a setting's value may be."""
+    """What a setting's value may be; `units` are what its numbers may be followed by."""
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        """What its numbers may be followed by."""
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The names that it may be, where it is one of several."""
+    units: ClassVar[tuple[str, ...]]
 
     def read(self, value: SettingValue, report: Report) -> Any:
         """The value, lengths in metres and angles in radians; None, after a report, for what is none."""
@@ -66,30 +60,14 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class _Plain:
-    """A kind without units and names."""
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return ()
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        return ()
-
-
-@dataclass(frozen=True, slots=True)
-class Length(_Plain):
+class Length:
     """Metres from `least`, or above 0, to `most`; 0 and lengths below it where these are allowed."""
 
+    units: ClassVar[tuple[str, ...]] = LENGTH_UNITS
     least: float = 0.0
     most: float = LONGEST
     zero: bool = False
     negative: bool = False
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return LENGTH_UNITS
 
     def read(self, value: SettingValue, report: Report) -> float | None:
         metres = _metres(value, report)
@@ -109,9 +87,10 @@ class Length(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Number(_Plain):
+class Number:
     """A number without a unit from `low`, which is excluded unless `including` says otherwise, to `high`."""
 
+    units: ClassVar[tuple[str, ...]] = ()
     low: float
     high: float = math.inf
     including: bool = False
@@ -130,9 +109,10 @@ class Number(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Whole(_Plain):
+class Whole:
     """A whole number from `low` to `high`, both included."""
 
+    units: ClassVar[tuple[str, ...]] = ()
     low: int
     high: int
 
@@ -150,15 +130,12 @@ class Whole(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Choice(_Plain):
+class Choice:
     """A name, one of some where they are known; `what` they are, if the key does not say it."""
 
+    units: ClassVar[tuple[str, ...]] = ()
     choices: tuple[str, ...] | None = None
     what: str | None = None
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        return self.choices or ()
 
     def read(self, value: SettingValue, report: Report) -> str | None:
         if not isinstance(value, Word):
@@ -175,12 +152,10 @@ class Choice(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Point(_Plain):
+class Point:
     """A point `(x, y)` in metres."""
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        return LENGTH_UNITS
+    units: ClassVar[tuple[str, ...]] = LENGTH_UNITS
 
     def read(self, value: SettingValue, report: Report) -> tuple[float, float] | None:
         if not isinstance(value, Pair):
@@ -193,14 +168,11 @@ class Point(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Line(_Plain):
+class Line:
     """One point `(x, y)` or several `((x, y), ...)` in metres; `most` at most."""
 
+    units: ClassVar[tuple[str, ...]] = LENGTH_UNITS
     most: int
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return LENGTH_UNITS
 
     def read(self, value: SettingValue, report: Report) -> tuple[tuple[float, float], ...] | None:
         if not isinstance(value, Pair | Points):
@@ -216,15 +188,12 @@ class Line(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Angle(_Plain):
+class Angle:
     """Radians, from `low` to `high` degrees."""
 
+    units: ClassVar[tuple[str, ...]] = ANGLE_UNITS
     low: float
     high: float
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return ANGLE_UNITS
 
     def read(self, value: SettingValue, report: Report) -> float | None:
         if not isinstance(value, Quantity):
@@ -244,15 +213,12 @@ class Angle(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Angles(_Plain):
+class Angles:
     """Two angles `(a, b)`, each within its own bounds."""
 
+    units: ClassVar[tuple[str, ...]] = ANGLE_UNITS
     first: Angle
     second: Angle
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return ANGLE_UNITS
 
     def read(self, value: SettingValue, report: Report) -> tuple[float, float] | None:
         if not isinstance(value, Pair):
@@ -266,8 +232,10 @@ class Angles(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class File(_Plain):
+class File:
     """A path in quotation marks."""
+
+    units: ClassVar[tuple[str, ...]] = ()
 
     def read(self, value: SettingValue, report: Report) -> str | None:
         if not isinstance(value, Quoted):
@@ -280,8 +248,10 @@ class File(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Colour(_Plain):
+class Colour:
     """`rgb(red, green, blue)`, each a whole number from 0 to 255."""
+
+    units: ClassVar[tuple[str, ...]] = ()
 
     def read(self, value: SettingValue, report: Report) -> tuple[int, int, int] | None:
         if not isinstance(value, Call) or value.name.text != "rgb" or len(value.arguments) != 3:
@@ -298,8 +268,10 @@ class Colour(_Plain):
 
 
 @dataclass(frozen=True, slots=True)
-class Image(_Plain):
+class Image:
     """`width x height` in pixels, each from 16 to 4096, and not more than MOST_PIXELS in all."""
+
+    units: ClassVar[tuple[str, ...]] = ()
 
     def read(self, value: SettingValue, report: Report) -> tuple[int, int] | None:
         if not isinstance(value, ImageSize):

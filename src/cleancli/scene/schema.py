@@ -63,7 +63,9 @@ class Key:
     @property
     def values(self) -> tuple[str, ...]:
         """What a value of it may be, or looks like."""
-        return (self.example,) if self.example else self.kind.words
+        if self.example:
+            return (self.example,)
+        return self.kind.choices or () if isinstance(self.kind, Choice) else ()
 
 
 _RGB = "rgb(205, 198, 184)"
