@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.language.model import Problem
-from cleancli.planning.asked import ALLOWED, planner_options
+from cleancli.planning.choice import ALLOWED, planner_options
 from cleancli.planning.plan import BadOption, Options
 
 PAGE = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from cleancli.cli.main import run
-from cleancli.planning.asked import ALLOWED, OWN
+from cleancli.planning.choice import ALLOWED, OWN
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 

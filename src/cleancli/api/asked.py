@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cleancli.api.options import OBJECTIVES, check_least, check_one_of, check_seconds
+from cleancli.api.checks import OBJECTIVES, check_least, check_one_of, check_seconds
 from cleancli.language.model import Problem
-from cleancli.planning.asked import planner_options
+from cleancli.planning.choice import planner_options
 from cleancli.planning.plan import Options
 
 

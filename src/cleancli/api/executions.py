@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from cleancli.api.checks import OBJECTIVES, check_between, check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_problem
-from cleancli.api.options import OBJECTIVES, check_between, check_one_of, check_seconds
 from cleancli.api.runs import (
     OpenedRun,
     RunResult,

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cleancli.api.checks import check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
-from cleancli.api.options import check_one_of, check_seconds
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.files.replace import Replacement, write_all

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from cleancli.api.checks import check_least
 from cleancli.api.inputs import GivenDomain, load_domain, source_of
-from cleancli.api.options import check_least
 from cleancli.api.plain import plain
 from cleancli.api.tables import preformatted
 from cleancli.execution.seeds import Stream, derived

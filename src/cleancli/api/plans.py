@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cleancli.api.asked import Asked
+from cleancli.api.checks import check_one_of
 from cleancli.api.expected import Expected, expected_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
-from cleancli.api.options import check_one_of
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
@@ -16,7 +16,7 @@ from cleancli.compiler.semantics import reaches_goal
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
-from cleancli.planning.asked import planner_named
+from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.evaluation.value import evaluate as values_of

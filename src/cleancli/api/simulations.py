@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from cleancli.api.asked import Asked
+from cleancli.api.checks import check_least, check_one_of
 from cleancli.api.inputs import (
     GivenDomain,
     GivenProblem,
@@ -14,13 +15,12 @@ from cleancli.api.inputs import (
     load_domain,
     load_problem,
 )
-from cleancli.api.options import check_least, check_one_of
 from cleancli.api.plain import fields_of, plain
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
-from cleancli.planning.asked import planner_named
+from cleancli.planning.choice import planner_named
 from cleancli.planning.plan import Options
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS

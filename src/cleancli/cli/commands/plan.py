@@ -19,7 +19,7 @@ from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, ech
 from cleancli.cli.views.plan_picture import check_picture, draw_picture
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.load import located_in
-from cleancli.planning.asked import planner_named, planner_options, planners_named
+from cleancli.planning.choice import planner_named, planner_options, planners_named
 from cleancli.planning.compare import compared
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import evaluate
