@@ -14,8 +14,8 @@ from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.kernels import state_graph
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.planners import beam
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
 from cleancli.planning.registry import PLANNERS
@@ -75,7 +75,7 @@ def test_a_narrow_beam_finds_no_more_than_a_wide_one(seed: int) -> None:
 def test_a_search_without_room_ends_with_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
     task = replace(all_outcomes(domains.costly_task(2))[0], horizon=4)
     whole = worth(task, 4, 10_000)
-    monkeypatch.setattr(beam, "EDGE_LIMIT", 40)
+    monkeypatch.setattr(state_graph, "EDGE_LIMIT", 40)
     assert 0.0 < worth(task, 4, 10_000) <= whole
 
 

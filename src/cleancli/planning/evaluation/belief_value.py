@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import ModuleType
 
 import numpy as np
 
 from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Task
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 
 
@@ -23,29 +23,24 @@ def plan_value(
     does."""
     actions = actions[: max(task.horizon, 0)]
     tables = lower(task, independent=compat)
-    return float(_values(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0][0])
+    return float(worth_of(task, tables, rule_threshold, [np.asarray(actions, dtype=np.int32)])[0][0])
 
 
 def plan_beliefs(prepared: Prepared, actions: Sequence[int], rule_threshold: float) -> Floats:
     """PRADA's factored belief before the first action and after each: the probability of each value of each
     variable (actions + 1, S)."""
-    found: Floats = _inference().beliefs(
-        prepared.tables, prepared.task.initial, actions, threshold=rule_threshold
-    )
-    return found
+    initial = prepared.task.initial
+    return kernels.belief_search.beliefs(prepared.tables, initial, actions, threshold=rule_threshold)
 
 
-def _inference() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning.kernels import belief_search
-
-    return belief_search
-
-
-def _values(task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]) -> tuple[Floats, Floats]:
-    """As `Worth` says."""
+def worth_of(
+    task: Task, tables: Tables, threshold: float, sequences: Sequence[Ints]
+) -> tuple[Floats, Floats]:
+    """The values of sequences of action indices, and their earliness (planning/preference.py)."""
     steps = max(task.horizon, 0)
-    rewards, progress = _inference().step_rewards(tables, task.initial, sequences, steps, threshold=threshold)
+    rewards, progress = kernels.belief_search.step_rewards(
+        tables, task.initial, sequences, steps, threshold=threshold
+    )
     factors = np.zeros_like(rewards)
     for row, actions in enumerate(sequences):
         discount, payment = np.full(steps, task.discount), np.ones(steps)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from cleancli.compiler.semantics import (
     idle_earliness,
     idle_worth,
 )
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.forecast import FEW_STATES, drawn_course, exact_course
@@ -100,7 +100,7 @@ def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = R
     task = prepared.task
     actions = actions[: max(task.horizon, 0)]
     idle = idle_worth(task.discount, task.horizon)
-    mean, square = _states().sequence_value(
+    mean, square = kernels.transitions.sequence_value(
         prepared.process,
         np.array(task.initial, dtype=np.int32),
         np.array(actions, dtype=np.int32),
@@ -109,10 +109,3 @@ def sampled(prepared: Prepared, actions: Sequence[int], seed: int, runs: int = R
         np.uint64(seed % 2**64),
     )
     return Sampled(float(mean), math.sqrt(max(square - mean**2, 0.0) / runs), runs)
-
-
-def _states() -> ModuleType:
-    """The one place that loads numba for rollouts."""
-    from cleancli.planning.kernels import transitions
-
-    return transitions

@@ -1,0 +1,30 @@
+"""Compiled inner loops of planners, a module each, which is imported when it is first named.
+
+All need numba, which takes longer to load than most plans take: so what may end without a plan writes
+`from cleancli.planning import kernels`, and `kernels.uct_tree` where it runs the loop.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False  # mypy takes it for true by its name
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from cleancli.planning.kernels import annealing as annealing
+    from cleancli.planning.kernels import belief_search as belief_search
+    from cleancli.planning.kernels import sparse_sampling as sparse_sampling
+    from cleancli.planning.kernels import state_graph as state_graph
+    from cleancli.planning.kernels import transitions as transitions
+    from cleancli.planning.kernels import uct_tree as uct_tree
+
+_LOOPS = frozenset(
+    {"annealing", "belief_search", "sparse_sampling", "state_graph", "transitions", "uct_tree"}
+)
+
+
+def __getattr__(name: str) -> ModuleType:
+    if name not in _LOOPS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return import_module(f"{__name__}.{name}")

@@ -8,7 +8,7 @@ from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
-from cleancli.planning.kernels.state_graph import EDGE_LIMIT, Enumeration, Graph, backward
+from cleancli.planning import kernels
 
 
 def best_sequence(
@@ -20,7 +20,7 @@ def best_sequence(
     `width` new states; of more, those are followed that have been paid most on some way to them, with what
     they are paid if nothing is done any more (of equals the first).
     """
-    enumeration = Enumeration(process, initial, EDGE_LIMIT)
+    enumeration = kernels.state_graph.Enumeration(process, initial, kernels.state_graph.EDGE_LIMIT)
     idle = idle_worth(discount, steps)
     paid, factor = np.zeros(1), np.ones(1)
     for step in range(steps):
@@ -36,7 +36,7 @@ def best_sequence(
             enumeration.keep(layer, new[kept])
             paid, factor = paid[kept], factor[kept]
     graph = enumeration.graph()
-    best = backward(graph, process, discount, steps)[1]
+    best = kernels.state_graph.backward(graph, process, discount, steps)[1]
     sequence: list[int] = []
     state = 0
     for step in range(steps):
@@ -50,7 +50,7 @@ def best_sequence(
 
 
 def _ways(
-    process: Process, graph: Graph, layer: range, paid: Floats, factor: Floats
+    process: Process, graph: kernels.state_graph.Graph, layer: range, paid: Floats, factor: Floats
 ) -> tuple[Floats, Floats]:
     """What the best way to each state after a layer has been paid, and what comes then is worth; both are
     given for the layer's states."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from types import ModuleType
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.value import earliness, sampled
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.planners import beam
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
 from cleancli.planning.trajectory import beats_nothing, course_plan
 
@@ -40,7 +40,7 @@ def _determinized(
     process = lower_process(certain)
     _ = prepared.process  # is made when first asked for
     times.append(time.perf_counter())
-    beam, horizon = _beam(), max(task.horizon, 0)
+    horizon = max(task.horizon, 0)
     # Makes numba load or compile what it will run.
     beam.best_sequence(process, task.initial, task.discount, steps=1, width=1)
     sampled(prepared, (), options.seed, 1)
@@ -54,10 +54,3 @@ def _determinized(
         course = ()
     times.append(time.perf_counter())
     return course_plan(name, task, course, value, times=times, measure="sampled", samples=RUNS)
-
-
-def _beam() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning.planners import beam
-
-    return beam

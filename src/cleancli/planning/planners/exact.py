@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from types import ModuleType
 
 import numpy as np
 
 from cleancli.compiler.task import GroundState
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.planners import rational
@@ -41,12 +41,12 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
     Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
     """
     task, process = prepared.task, prepared.process
-    module, horizon = _reachable(), max(task.horizon, 0)
-    enumeration = module.Enumeration(process, task.initial, limit)
+    horizon = max(task.horizon, 0)
+    enumeration = kernels.state_graph.Enumeration(process, task.initial, limit)
     if not enumeration.reach(horizon):
         raise TooManyStatesError(enumeration.number, limit)
     graph = enumeration.graph()
-    values, best = module.backward(graph, process, task.discount, horizon)
+    values, best = kernels.state_graph.backward(graph, process, task.discount, horizon)
 
     def choose(step: int, state: GroundState) -> int | None:
         action = best[step, np.flatnonzero((graph.states == state).all(axis=1))[0]]
@@ -58,18 +58,13 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
 def few_states(prepared: Prepared, limit: int, steps: int) -> bool:
     """Whether no more than `limit` states can be reached within so many steps."""
     steps = min(steps, max(prepared.task.horizon, 0))
-    graph = _reachable().reachable(prepared.process, prepared.task.initial, limit, steps)
+    graph = kernels.state_graph.reachable(prepared.process, prepared.task.initial, limit, steps)
     return graph is not None
 
 
 def load(prepared: Prepared) -> None:
     """Makes numba load or compile what `optimum` runs."""
-    module, process = _reachable(), prepared.process
-    module.backward(module.reachable(process, prepared.task.initial, module.EDGE_LIMIT, 1), process, 1.0, 1)
-
-
-def _reachable() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning.kernels import state_graph
-
-    return state_graph
+    loops, process = kernels.state_graph, prepared.process
+    graph = loops.reachable(process, prepared.task.initial, loops.EDGE_LIMIT, 1)
+    if graph is not None:
+        loops.backward(graph, process, 1.0, 1)

@@ -10,14 +10,15 @@ import numpy as np
 
 from cleancli.compiler.lowering.belief_tables import lower
 from cleancli.compiler.ragged import Floats, Ints
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.evaluation.belief_value import _inference, _values
+from cleancli.planning.evaluation.belief_value import worth_of
 from cleancli.planning.evaluation.coverage import coverage, enough_samples
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.preference import preferred
 
 Worth = Callable[[Sequence[Ints]], tuple[Floats, Floats]]
-"""The values of sequences of action indices, and their earliness (planning/preference.py)."""
+"""`worth_of` (planning/evaluation/belief_value.py) in one task."""
 
 
 def prada(prepared: Prepared, options: Options) -> Plan:
@@ -32,9 +33,11 @@ def best_sampled(
     task, limit = prepared.task, options.time_limit
     times = [time.perf_counter()]
     tables = lower(task, independent=True) if options.compat else prepared.tables
-    worth = partial(_values, task, tables, options.rule_threshold)
+    worth = partial(worth_of, task, tables, options.rule_threshold)
     times.append(time.perf_counter())
-    draw = partial(_inference().best_sequence, tables, task.initial, threshold=options.rule_threshold)
+    draw = partial(
+        kernels.belief_search.best_sequence, tables, task.initial, threshold=options.rule_threshold
+    )
     draw(0, task.discount, 1, 0)  # makes numba load or compile what will run
     nothing, latest = (float(found[0]) for found in worth([np.zeros(0, dtype=np.int32)]))
     times.append(time.perf_counter())

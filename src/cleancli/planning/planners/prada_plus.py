@@ -11,8 +11,8 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from types import ModuleType
 
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.planners import exact
@@ -52,7 +52,7 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
         times.append(time.perf_counter())
         return course_plan("prada+", task, course, value, times=times)
     found, tried = _annealed(prepared, options, times[-1])
-    worth, best = _annealing().worth, found[0]
+    worth, best = kernels.annealing.worth, found[0]
     known = worth(prepared, best, FRESH_WORDS, options.seed)
     for actions in found[1:]:
         other = worth(prepared, actions, FRESH_WORDS, options.seed)
@@ -86,12 +86,10 @@ def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[lis
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     plans = (prada(prepared, replace(options, samples=few, time_limit=None)).actions, options.previous)
     starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
-    annealing = _annealing()
 
     def chain(index: int, moves: int) -> Actions:
         seed = options.seed + (index + 2) * 2**32
-        best: Actions = annealing.chain(prepared, starts[index % len(starts)], moves, WORDS, seed)
-        return best
+        return kernels.annealing.chain(prepared, starts[index % len(starts)], moves, WORDS, seed)
 
     found: list[Actions] = []
     tried = 0
@@ -125,13 +123,6 @@ def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, i
 
 def _load(prepared: Prepared) -> None:
     """Makes numba load or compile what will run."""
-    _annealing().chain(prepared, (), 0, WORDS, 0)
+    kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1))
     exact.load(prepared)
-
-
-def _annealing() -> ModuleType:
-    """The one place that loads numba for the annealing."""
-    from cleancli.planning.kernels import annealing
-
-    return annealing

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from types import ModuleType
 
 from cleancli.compiler.task import GroundState
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.trajectory import course_plan, likeliest_course
@@ -20,10 +20,9 @@ def sst(prepared: Prepared, options: Options) -> Plan:
     times = [time.perf_counter()]
     task, process = prepared.task, prepared.process
     times.append(time.perf_counter())
-    sparse_sampling = _sampling()
 
     def look(step: int, state: GroundState, depth: int) -> tuple[float, int]:
-        value, action = sparse_sampling.look_ahead(
+        return kernels.sparse_sampling.look_ahead(
             process,
             state,
             task.discount,
@@ -32,7 +31,6 @@ def sst(prepared: Prepared, options: Options) -> Plan:
             branching=max(options.branching, 1),
             seed=options.seed,
         )
-        return float(value), int(action)
 
     def choose(step: int, state: GroundState) -> int | None:
         action = look(step, state, options.depth)[1]
@@ -44,10 +42,3 @@ def sst(prepared: Prepared, options: Options) -> Plan:
     course = likeliest_course(task, choose)
     times.append(time.perf_counter())
     return course_plan("sst", task, course, value, times=times)
-
-
-def _sampling() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning.kernels import sparse_sampling
-
-    return sparse_sampling

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from types import ModuleType
 
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
@@ -22,7 +22,7 @@ def uct(prepared: Prepared, options: Options) -> Plan:
     task = prepared.task
     _ = prepared.process  # is made when first asked for
     times.append(time.perf_counter())
-    search = _tree().Search(prepared, options.exploration, options.seed)
+    search = kernels.uct_tree.Search(prepared, options.exploration, options.seed)
     search.run(1)  # makes numba load or compile what it will run
     times.append(time.perf_counter())
     end = None if options.time_limit is None else times[-1] + options.time_limit
@@ -32,10 +32,3 @@ def uct(prepared: Prepared, options: Options) -> Plan:
     course = likeliest_course(task, search.choose) if beats_nothing(task, value) else ()
     times.append(time.perf_counter())
     return course_plan("uct", task, course, value, times=times, samples=search.played)
-
-
-def _tree() -> ModuleType:
-    """The one place that loads numba, which takes longer than most plans."""
-    from cleancli.planning.kernels import uct_tree
-
-    return uct_tree
