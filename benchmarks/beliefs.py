@@ -113,13 +113,13 @@ def main() -> None:
             library, ours = (plan_value(task, actions, compat=compat) for compat in (True, False))
             exact = exact_value(task, actions)
             print(f"  {', '.join(plan):25}  {library:8.3f}  {ours:6.3f}  {exact:5.3f}")
-        for label, name, compat in (
-            ("libPRADA's way", "prada", True),
-            ("prada", "prada", False),
-            ("prada+", "prada+", False),
+        # Sequences are compared here, so nothing is solved beyond them.
+        for label, planner, compat in (
+            ("libPRADA's way", PLANNERS["prada"], True),
+            ("prada", PLANNERS["prada"], False),
+            ("prada+", PLANNERS["prada+"].having(solve=0), False),
         ):
-            # Sequences are compared here, so nothing is solved beyond them.
-            plan = PLANNERS[name](prepare(task), Options(1_000, seed, compat=compat, solve=0))
+            plan = planner(prepare(task), Options(1_000, seed, compat=compat))
             chosen = ", ".join(str(action) for action in plan.actions) or "nothing"
             print(f"  {label} chooses {chosen}")
         print()

@@ -16,8 +16,9 @@ import os
 import statistics
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from cleancli.language.load import checked_domain, load_problem, read_source
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options
+from cleancli.planning.planner import Planner
 from cleancli.planning.registry import PLANNERS
 
 FOLDER = Path(__file__).parent / "libprada"
@@ -86,14 +88,14 @@ def tasks(areas: int) -> Iterator[Task]:
         yield ground(domain, load_problem(converted.sources[1], domain), compat=compat)
 
 
-def planned(planner: str, task: Task, truth: Prepared, seeds: range, options: Options) -> Result:
+def planned(planner: Planner[Any], task: Task, truth: Prepared, seeds: range, options: Options) -> Result:
     """Plans of all seeds; `truth` is the task by which they are carried out, whatever happens."""
     prepared, values, true, seconds = prepare(task), [], [], []
-    PLANNERS[planner](prepared, Options(1, compat=options.compat))  # loads what will run
+    planner(prepared, Options(1, compat=options.compat))  # loads what will run
     for seed in seeds:
-        chosen = Options(options.samples, seed, threads=1, compat=options.compat, solve=options.solve)
+        chosen = replace(options, seed=seed, threads=1)
         started = time.process_time()
-        plan = PLANNERS[planner](prepared, chosen)
+        plan = planner(prepared, chosen)
         seconds.append(time.process_time() - started)
         actions = [truth.task.actions.index(action) for action in plan.actions]
         values.append(plan.value)
@@ -121,7 +123,7 @@ def main() -> None:
         task, compat = tasks(areas)
         truth = prepare(task)
         literal, shortened = (
-            planned(planner, compat, truth, seeds, Options(samples, compat=True))
+            planned(PLANNERS[planner], compat, truth, seeds, Options(samples, compat=True))
             for planner in ("prada", "aprada")
         )
         spread = literal.error * len(seeds) ** 0.5
@@ -132,9 +134,10 @@ def main() -> None:
             f"  {literal.true:.3f} ({theirs.true:.3f})  {shortened.value:12.3f} ± {shortened.error:.3f}",
             flush=True,
         )
-        own = planned("prada", task, truth, seeds, Options(samples))
+        own = planned(PLANNERS["prada"], task, truth, seeds, Options(samples))
         # Without exact solutions of small problems: the search is what is compared.
-        few, many = (planned("prada+", task, truth, seeds, Options(n, solve=0)) for n in (FEW, samples))
+        searching = PLANNERS["prada+"].having(solve=0)
+        few, many = (planned(searching, task, truth, seeds, Options(n)) for n in (FEW, samples))
         rows.append((areas, theirs, own, few, many))
     print()
     print(

@@ -10,18 +10,18 @@ is printed as soon as it is known.
 from __future__ import annotations
 
 import argparse
-import ast
 import os
 import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 
+from written import planner_of
+
 from cleancli.compiler.ground import ground
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan, PlanningRefused
-from cleancli.planning.registry import PLANNERS
 from planning import DOMAIN, layout
 
 USUAL = (
@@ -40,23 +40,14 @@ WARM = 50
 """Samples of the plan that loads what will run."""
 
 
-def planner(written: str, seed: int) -> tuple[str, Options]:
-    """`uct:samples=1000` as a name and options."""
-    name, _, settings = written.partition(":")
-    values = dict(part.split("=") for part in settings.split(",") if part)
-    options = Options(seed=seed, threads=1)
-    return name, replace(options, **{option: ast.literal_eval(value) for option, value in values.items()})
-
-
 def plans(written: str, prepared: Prepared, seeds: Sequence[int]) -> tuple[list[Plan], float]:
     """Those of all seeds, and the median seconds of CPU that one took. Raises PlanningRefused."""
-    name, options = planner(written, 0)
-    PLANNERS[name](prepared, replace(options, samples=WARM))
+    planner, options = planner_of(written, Options(threads=1))
+    planner(prepared, replace(options, samples=WARM))
     found, spent = [], []
     for seed in seeds:
-        _, options = planner(written, seed)
         began = time.process_time()
-        found.append(PLANNERS[name](prepared, options))
+        found.append(planner(prepared, replace(options, seed=seed)))
         spent.append(time.process_time() - began)
     return found, statistics.median(spent)
 

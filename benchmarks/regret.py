@@ -18,7 +18,6 @@ stand there are not played again.
 from __future__ import annotations
 
 import argparse
-import ast
 import itertools
 import json
 import math
@@ -34,13 +33,15 @@ from typing import Any
 import numpy as np
 from instances import FAMILIES, instance
 from kept import Kept
+from written import planner_of
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import GroundAction
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Options
-from cleancli.planning.registry import PLANNERS, Planner
+from cleancli.planning.planner import Planner, Plans
+from cleancli.planning.registry import PLANNERS
 
 STATES = 5_000
 WORTH = 0.2
@@ -112,7 +113,7 @@ def game_of(prepared: Prepared, steps: int) -> Game | None:
 class Policy:
     """A planner's first actions by step and state, asked for when first wanted."""
 
-    def __init__(self, game: Game, planner: Planner, options: Options) -> None:
+    def __init__(self, game: Game, planner: Plans, options: Options) -> None:
         self._game, self._planner, self._options = game, planner, options
         actions = game.prepared.task.actions
         self._number: dict[GroundAction, int] = {action: index for index, action in enumerate(actions)}
@@ -192,15 +193,14 @@ def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> tuple[fl
     return float(np.mean(losses)), float(np.std(losses, ddof=1) / math.sqrt(episodes))
 
 
-def planner_of(text: str, asked: Asked, seed: int) -> tuple[Planner, Options]:
-    """The planner of a text like `uct:exploration=1,depth=3`, and its options; KeyError or TypeError where
-    there is no such planner or option."""
-    name, _, settings = text.partition(":")
-    options = Options(samples=asked.samples, seed=seed, threads=1, margin=0.0)
+def player_of(text: str, asked: Asked, seed: int) -> tuple[Planner[Any], Options]:
+    """The planner of a text like `uct:exploration=1`, with the options of this comparison. Raises as
+    `planner_of` does."""
+    name, margin = text.partition(":")[0], "margin=0.0" if "prada" in text else ""
+    options = Options(samples=asked.samples, seed=seed, threads=1)
     if name in ANYTIME:
         options = replace(options, samples=ANYTIME[name], time_limit=asked.time_limit)
-    pairs = [setting.partition("=") for setting in settings.split(",") if setting]
-    return PLANNERS[name], replace(options, **{key: ast.literal_eval(value) for key, _, value in pairs})
+    return planner_of(f"{name}:{margin},{text.partition(':')[2]}", options)
 
 
 def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
@@ -214,7 +214,7 @@ def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
         return f"the optimum gains less than {WORTH}"
     result = []
     for name in asked.planners:
-        policy = Policy(game, *planner_of(name, asked, seed))
+        policy = Policy(game, *player_of(name, asked, seed))
         loss, error = exact_loss(game, policy, asked.pairs), 0.0
         if loss is None:
             loss, error = drawn_loss(game, policy, asked.episodes, seed)

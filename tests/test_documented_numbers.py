@@ -9,7 +9,6 @@ from __future__ import annotations
 import importlib
 import math
 import re
-from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import pytest
 
 from cleancli.planning.plan import Options
+from cleancli.planning.registry import PLANNERS
 
 ROOT = Path(__file__).parent.parent
 NUMBERS = """
@@ -119,5 +119,6 @@ def test_the_document_states_the_number_of_the_code(expression: str, name: str, 
 
 @pytest.mark.parametrize("option", OPTIONS)
 def test_options_of_planners_are_as_documented(option: str) -> None:
-    assert OPTIONS[option].format(getattr(Options(), option)) in page("planning.md")
-    assert option in {field.name for field in fields(Options)}
+    records = (Options(), *(planner.own for planner in PLANNERS.values()))
+    (usual,) = {getattr(record, option) for record in records if hasattr(record, option)}
+    assert OPTIONS[option].format(usual) in page("planning.md")

@@ -138,7 +138,7 @@ def test_a_shipped_domain_is_not_written_to(loaded: bool, tmp_path: Path) -> Non
         ("plan", {"objective": "money"}, "'money' is not one of 'reward', 'time'"),
         ("plan", {"options": {"margn": 1}}, "unknown option `margn`"),
         ("plan", {"options": {"margin": "much"}}, "`margin` wants a number, not `much`"),
-        ("plan", {"options": {"depth": 1.5}}, "`depth` wants a whole number, not `1.5`"),
+        ("plan", {"planner": "sst", "options": {"depth": 1.5}}, "`depth` wants a whole number, not `1.5`"),
         ("plan", {"options": {"seed": 1}}, "`seed` has an option of its own"),
         ("simulate", {"episodes": 0}, "0 is not in the range x>=1"),
         ("simulate", {"planner": ["prada", "best"]}, "'best' is not one of"),

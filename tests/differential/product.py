@@ -160,7 +160,7 @@ class Grounded:
     def plan(self, planner: str, arithmetic: str, *, timed: bool) -> tuple[list[Call], float]:
         """What a planner wants done, and what it says that is worth."""
         prepared = prepare(by_time(self.task) if timed else self.task)
-        plan = PLANNERS[planner](prepared, Options(seed=1, margin=0.0, arithmetic=arithmetic, threads=1))
+        plan = PLANNERS[planner].having(**own(planner, arithmetic))(prepared, Options(seed=1, threads=1))
         return [(action.name, action.objects) for action in plan.actions], plan.value
 
     def value(self, calls: Sequence[Call], *, timed: bool) -> float | None:
@@ -208,10 +208,16 @@ def command(folder: Path, name: str, *words: str) -> dict[str, Any]:
     return found
 
 
+def own(planner: str, arithmetic: str) -> dict[str, object]:
+    """The options that only some planners have, so that what is worth anything is planned."""
+    return {"arithmetic": arithmetic} if planner == "exact" else {"margin": 0.0}
+
+
 def planned(folder: Path, planner: str, arithmetic: str, *, timed: bool) -> tuple[list[Call], float]:
     """As `Grounded.plan`, by the command line."""
     objective = ("--objective", "time") if timed else ()
-    options = ("--option", "margin=0", "--option", f"arithmetic={arithmetic}")
+    named = (f"{name}={value}" for name, value in own(planner, arithmetic).items())
+    options = [part for text in named for part in ("--option", text)]
     said = command(folder, "plan", "--planner", planner, *options, *objective)
     return calls_of(said["plan"]), said["value"]
 

@@ -8,22 +8,18 @@ from fractions import Fraction
 
 import domains
 import pytest
+from planned import planned
 
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundAction, GroundOutcome, GroundRule, Task
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.forecast import ForecastStep, forecast
-from cleancli.planning.plan import Options, Plan
-from cleancli.planning.registry import PLANNERS
+from cleancli.planning.plan import Plan
 
 EIGHT = "objects { a b c d e f g h - area } init { %s } horizon = 8" % ", ".join(  # noqa: UP031
     f"{symbol}({name})" for name in "abcdefgh" for symbol in ("dirt", "scattered")
 )
-
-
-def planned(planner: str, task: Task, **options: object) -> Plan:
-    return PLANNERS[planner](prepare(task), replace(Options(), **options))  # type: ignore[arg-type]
 
 
 def true_value(task: Task, plan: Plan) -> float:

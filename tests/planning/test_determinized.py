@@ -9,16 +9,15 @@ from fractions import Fraction
 
 import domains
 import pytest
+from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
-from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels import state_graph
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
-from cleancli.planning.registry import PLANNERS
 
 SWEEP = """
 domain d {
@@ -35,7 +34,7 @@ domain d {
 
 
 def plan(name: str, task: Task, **options: int) -> Plan:
-    return PLANNERS[name](prepare(task), Options(**options))
+    return planned(name, task, **options)
 
 
 def sweeping(outcomes: str) -> Task:

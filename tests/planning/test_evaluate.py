@@ -27,6 +27,7 @@ from cleancli.planning.evaluation.belief_value import plan_beliefs
 from cleancli.planning.evaluation.forecast import Forecast, exact_course, forecast
 from cleancli.planning.evaluation.value import evaluate, exact
 from cleancli.planning.plan import Options, TooManyStatesError
+from cleancli.planning.registry import PLANNERS
 
 SEEDS = range(6)
 
@@ -140,8 +141,8 @@ def test_too_many_states_are_not_followed() -> None:
 
 def test_planners_side_by_side() -> None:
     task, _ = case(2)
-    options = Options(samples=500, states=3)
-    rows = list(compared(("prada", "exact"), prepare(task), options))
+    planners = PLANNERS["prada"], PLANNERS["exact"].having(states=3)
+    rows = list(compared(planners, prepare(task), Options(samples=500)))
     assert [row.planner for row in rows] == ["prada", "exact"]
     assert rows[0].plan is not None
     assert rows[0].true == pytest.approx(

@@ -12,15 +12,15 @@ import domains
 import numpy as np
 import optimal
 import pytest
+from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, progress, reward, successors
 from cleancli.compiler.task import GroundCondition, GroundState, Task
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
-from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.plan import Plan, TooManyStatesError
 from cleancli.planning.planners import rational
-from cleancli.planning.registry import PLANNERS
 
 
 def optimum(task: Task) -> Callable[[GroundState, int], float]:
@@ -87,7 +87,7 @@ def test_too_many_states_are_none_and_room_grows() -> None:
 
 
 def exact(task: Task, **options: Any) -> Plan:
-    return PLANNERS["exact"](prepare(task), Options(**options))
+    return planned("exact", task, **options)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -105,7 +105,7 @@ def test_floats_fractions_and_the_recursion_agree(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_no_sequence_is_worth_more(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=3)
-    plan = exact(task, margin=0.0)
+    plan = exact(task)
     rng = np.random.default_rng(seed)
     sequences = [rng.integers(6, size=3).tolist() for _ in range(50)]
     sequences.append([task.actions.index(action) for action in plan.actions])

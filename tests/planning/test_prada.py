@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import reference
 from numba import njit
+from planned import planned
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -270,10 +271,8 @@ def test_the_reported_value_is_the_plans() -> None:
 
 def test_same_seed_same_plan_in_another_process() -> None:
     script = (
-        "import domains; from cleancli.planning.planners.prada import prada;"
-        "from cleancli.planning.plan import Options;"
-        "from cleancli.planning.compiled_task import prepare;"
-        "p = prada(prepare(domains.random_task(5)), Options(300, 11));"
+        "import domains; from planned import planned;"
+        "p = planned('prada', domains.random_task(5), samples=300, seed=11);"
         "print([str(a) for a in p.actions], p.value)"
     )
     run = [sys.executable, "-c", script]
@@ -488,5 +487,5 @@ def test_a_plan_is_worth_more_than_stopping_by_more_than_the_margin(margin: floa
         reward { 0.05 * decrease(n) }
       }"""
     problem = "objects { a1 - area } init { dirt(a1) } horizon = 1 discount = 1"
-    found = prada(domains.task(domain, problem), Options(samples=100, margin=margin))
+    found = planned("prada", domains.task(domain, problem), samples=100, margin=margin)
     assert len(found.actions) == length

@@ -19,15 +19,15 @@ from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.planners.prada import prada
-from cleancli.planning.planners.prada_plus import prada_plus
+from cleancli.planning.planners.prada import PradaOptions, prada
+from cleancli.planning.planners.prada_plus import PradaPlusOptions, prada_plus
 
 WORDS = 300
 
 
 def search(task: Task, options: Options) -> Plan:
     """A plan of the search alone: as if too many states could be reached."""
-    return prada_plus(prepare(task), replace(options, solve=0))
+    return prada_plus(prepare(task), options, PradaPlusOptions(solve=0))
 
 
 def indices(task: Task, plan: Plan) -> list[int]:
@@ -105,7 +105,7 @@ def best_of_all(task: Task) -> tuple[float, Sequence[int]]:
 @pytest.mark.parametrize("seed", range(6))
 def test_few_states_are_solved(seed: int) -> None:
     task = domains.weighted_task(seed)
-    plan = prada_plus(prepare(task), Options())
+    plan = prada_plus(prepare(task), Options(), PradaPlusOptions())
     assert (plan.measure, plan.samples) == ("policy", 0)
     assert plan.value == pytest.approx(optimum(task)(task.initial, task.horizon)[0], abs=1e-9)
     assert plan.value >= search(task, Options(4000, seed)).value - 0.02 * abs(plan.value)
@@ -158,7 +158,10 @@ def test_a_gain_is_reached_by_way_of_equals(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
     task = replace(domains.weighted_task(seed), horizon=8)
-    ours, theirs = search(task, Options(2000, seed)), prada(prepare(task), Options(2000, seed))
+    ours, theirs = (
+        search(task, Options(2000, seed)),
+        prada(prepare(task), Options(2000, seed), PradaOptions()),
+    )
     value, other = (exact_value(task, indices(task, plan)) for plan in (ours, theirs))
     assert value >= other - 0.03 * abs(other)
 

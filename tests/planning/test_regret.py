@@ -117,17 +117,17 @@ def test_the_loop_earns_the_value_that_is_printed(regret: ModuleType, seed: int)
 
 def test_planners_may_have_options(regret: ModuleType) -> None:
     asked = regret.Asked((), 1, 2, 0.5, 300)
-    planner, options = regret.planner_of("prada:rule_threshold=0.1,samples=20", asked, 3)
+    planner, options = regret.player_of("prada:rule_threshold=0.1,samples=20", asked, 3)
     assert (planner, options.samples, options.rule_threshold, options.seed) == (
-        regret.PLANNERS["prada"],
+        regret.PLANNERS["prada"].having(margin=0.0),
         20,
         0.1,
         3,
     )
-    assert regret.planner_of("prada", asked, 3)[1].samples == 300
+    assert regret.player_of("prada", asked, 3)[1].samples == 300
     for wrong in ("prado", "prada:sample=3"):
         with pytest.raises((KeyError, TypeError)):
-            regret.planner_of(wrong, asked, 3)
+            regret.player_of(wrong, asked, 3)
 
 
 def test_instances_are_of_all_families_and_vary(regret: ModuleType) -> None:

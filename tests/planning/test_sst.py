@@ -7,15 +7,14 @@ from typing import Any
 
 import domains
 import pytest
+from planned import planned
 
 from cleancli.compiler.task import Task
-from cleancli.planning.compiled_task import prepare
-from cleancli.planning.plan import Options, Plan
-from cleancli.planning.registry import PLANNERS
+from cleancli.planning.plan import Plan
 
 
 def plan(name: str, task: Task, **options: Any) -> Plan:
-    return PLANNERS[name](prepare(task), Options(margin=0.0, **options))
+    return planned(name, task, **options)
 
 
 @pytest.mark.parametrize("seed", range(6))

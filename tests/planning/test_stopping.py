@@ -12,6 +12,7 @@ import domains
 import numpy as np
 import optimal
 import pytest
+from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, standing, successors
@@ -20,10 +21,9 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.value import earliness
 from cleancli.planning.kernels import annealing
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes
-from cleancli.planning.registry import PLANNERS
 
 DOORS = """
 domain doors {
@@ -58,10 +58,10 @@ def doors(reward: str, inside: str, rules: str = "") -> Task:
     return domains.task(DOORS % (rules, reward), f"objects {{ a1 - door }} {inside}")
 
 
-def planned(name: str, task: Task) -> tuple[list[str], Plan]:
+def chosen_by(name: str, task: Task) -> tuple[list[str], Plan]:
     planner, options = PLANS.get(name, (name, {}))
     chosen: dict[str, Any] = options
-    plan = PLANNERS[planner](prepare(task), Options(**{"samples": 4000, **chosen}))
+    plan = planned(planner, task, **{"samples": 4000, **chosen})
     return [str(action) for action in plan.actions], plan
 
 
@@ -71,7 +71,7 @@ def planned(name: str, task: Task) -> tuple[list[str], Plan]:
 @pytest.mark.parametrize("name", [*PLANS, "uct"])
 def test_without_an_action_that_waits_nothing_waits(name: str) -> None:
     task = doors("5 * goal - opened", "goal { open(a1) } horizon = 4 discount = 1")
-    actions, plan = planned(name, task)
+    actions, plan = chosen_by(name, task)
     assert [action for action in actions if action != "flick()"] == ["start(a1)"]
     if name not in ("prada", "uct"):  # whose lamp may be flicked in the meantime, for a value of up to 4
         assert plan.value == pytest.approx(exact_value(task, [task.actions.index(a) for a in plan.actions]))
@@ -83,7 +83,7 @@ def test_an_action_that_waits_is_a_choice_like_others(name: str, discount: str) 
     """What opens the door pays 5 and costs 1 in each step from then on, so it is best done last."""
     reward, inside = "5 * goal - opened", f"goal {{ open(a1) }} horizon = 4 discount = {discount}"
     task = without_lamp(doors(reward, inside, WAIT))
-    actions, plan = planned(name, task)
+    actions, plan = chosen_by(name, task)
     assert actions == ["wait()", "wait()", "wait()", "start(a1)"]
     if name != "uct":
         assert plan.value == pytest.approx(4 * float(discount) ** 3)
@@ -99,7 +99,7 @@ def without_lamp(task: Task) -> Task:
 @pytest.mark.parametrize("name", [*PLANS, "uct"])
 def test_where_stopping_is_best_the_plan_is_empty_and_worth_it(name: str) -> None:
     task = without_lamp(doors("goal - opened + 2 * left", "init { dirt(a1) } goal { open(a1) } horizon = 5"))
-    actions, plan = planned(name, task)
+    actions, plan = chosen_by(name, task)
     assert actions == []
     assert plan.value == pytest.approx(2 * sum(0.95**k for k in range(5)))
 
@@ -111,7 +111,7 @@ def test_where_stopping_is_best_the_plan_is_empty_and_worth_it(name: str) -> Non
 @pytest.mark.parametrize("discount", ["1", "0.9"])
 def test_nothing_is_put_off_and_nothing_done_in_vain(name: str, discount: str) -> None:
     task = doors("decrease(left)", f"init {{ dirt(a1) }} horizon = 6 discount = {discount}")
-    actions, plan = planned(name, task)
+    actions, plan = chosen_by(name, task)
     assert actions == ["wipe(a1)"]
     assert plan.value == pytest.approx(1)
 
@@ -119,9 +119,9 @@ def test_nothing_is_put_off_and_nothing_done_in_vain(name: str, discount: str) -
 @pytest.mark.parametrize("name", PLANS)
 def test_a_goal_that_pays_nothing_is_reached_where_that_costs_nothing(name: str) -> None:
     task = doors("decrease(left)", "goal { open(a1) } horizon = 3")
-    assert planned(name, task)[0] == ["start(a1)"]
+    assert chosen_by(name, task)[0] == ["start(a1)"]
     dear = replace(task, actions=tuple(replace(a, cost=Fraction(1, 100)) for a in task.actions))
-    assert planned(name, dear)[0] == []
+    assert chosen_by(name, dear)[0] == []
 
 
 def odd(seed: int) -> Task:
@@ -147,7 +147,7 @@ def test_policies_are_the_best(name: str, seed: int) -> None:
     task = odd(seed)
     best = optimal.optimum(task)
     value, _, first = best(task.initial, 3)
-    actions, plan = planned(name, task)
+    actions, plan = chosen_by(name, task)
     assert plan.value == pytest.approx(value, abs=1e-8)
     assert actions[:1] == ([] if first is None else [str(task.actions[first])])
 
@@ -179,7 +179,7 @@ def test_sequences_are_the_best_and_soonest(seed: int) -> None:
     beam = best_sequence(lower_process(task), task.initial, task.discount, steps=2, width=999)
     assert worth[beam] == pytest.approx((most, soonest), abs=1e-8)
     for name in ("prada+, not solved", "prada"):
-        chosen = tuple(task.actions.index(a) for a in planned(name, task)[1].actions)
+        chosen = tuple(task.actions.index(a) for a in chosen_by(name, task)[1].actions)
         assert worth[chosen] == pytest.approx((most, soonest), abs=1e-8)
 
 

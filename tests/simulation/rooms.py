@@ -10,7 +10,7 @@ from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.registry import Planner
+from cleancli.planning.planner import Plans
 
 DOORS = """
 domain doors {
@@ -64,7 +64,7 @@ def problem(known: Domain, inside: str = TWO_DOORS) -> Problem:
     return load_problem(Source("problem.nid", text), known)
 
 
-def saying(*actions: str) -> Planner:
+def saying(*actions: str) -> Plans:
     """A planner that always says the same actions, written like `push(a)` or `storm()`."""
     calls = [text.removesuffix(")").split("(") for text in actions]
     said = tuple(GroundAction(name, (argument,) if argument else (), None) for name, argument in calls)

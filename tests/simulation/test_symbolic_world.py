@@ -17,6 +17,7 @@ from cleancli.compiler.task import NoDurationError, by_time
 from cleancli.language.model import Fact
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.planner import Planner
 from cleancli.simulation import agent as agents
 from cleancli.simulation import batch
 from cleancli.simulation import episode as episodes
@@ -267,14 +268,15 @@ def test_success_without_goal_is_an_empty_count() -> None:
 def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Threads in place of processes, which would not know this planner; the first episode is run before."""
 
-    def late(prepared: Prepared, options: Options) -> Plan:
+    def late(prepared: Prepared, options: Options, own: None) -> Plan:
         if prepared.task.horizon < 3:
             raise NoDurationError(["push"])
         return rooms.plan(prepared, prepared.task.actions[:1])
 
-    monkeypatch.setattr(batch, "PLANNERS", {"late": late})
     monkeypatch.setattr(batch, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
-    setup = batch.Batch(DOORS, DOORS, PROBLEM, ("late",), Options(), EpisodeLimits(max_actions=1))
+    setup = batch.Batch(
+        DOORS, DOORS, PROBLEM, (Planner("late", late, None),), Options(), EpisodeLimits(max_actions=1)
+    )
     assert len(list(batch.spread(setup, 9, 2))) == 9
     found = batch.spread(
         replace(setup, limits=EpisodeLimits(max_actions=2), options=Options(seed=UNLUCKY)), 9, 2

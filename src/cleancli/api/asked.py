@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cleancli.api.checks import OBJECTIVES, check_least, check_one_of, check_seconds
 from cleancli.language.model import Problem
-from cleancli.planning.choice import planner_options
+from cleancli.planning.choice import planner_options, with_named
 from cleancli.planning.plan import Options
+from cleancli.planning.planner import Planner
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,13 +36,16 @@ class Asked:
         """Whether later rewards are discounted by time, and not by the number of actions before."""
         return self.objective == "time"
 
-    def of(self, problem: Problem, seed: int | None) -> Options:
-        """What planners are asked for in this problem, with this seed. Raises BadOption."""
-        return planner_options(
+    def of(
+        self, problem: Problem, seed: int | None, planners: Sequence[str]
+    ) -> tuple[tuple[Planner[Any], ...], Options]:
+        """These planners, and what all are asked for in this problem, with this seed. Raises BadOption."""
+        options = planner_options(
             problem,
             samples=self.samples,
             seed=seed,
             time_limit=self.time_limit,
             threads=self.threads,
-            named=[f"{name}={value}" for name, value in (self.options or {}).items()],
         )
+        named = [f"{name}={value}" for name, value in (self.options or {}).items()]
+        return with_named(planners, options, named)

@@ -21,6 +21,7 @@ from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.evaluation.value import evaluate as values_of
 from cleancli.planning.plan import Plan
+from cleancli.planning.planners.prada import PradaOptions
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.planning.request import PlanningRequest, numbered, requested, why_nothing
@@ -169,9 +170,9 @@ def plan(
     check_one_of("planner", planner, tuple(PLANNERS))
     asked = Asked(samples, seed, time_limit, threads, objective, options)
     given, seconds = load_problem(problem, domain), dict[str, float]()
-    job, _ = _request(given, asked, None, seconds)
+    job, _ = _request(given, asked, seconds, planner=planner)
     with located_in(*given.sources), planning_refused(given.sources):
-        found = PLANNERS[planner_named(planner, job.problem)](job.prepared, job.options)
+        found = job.planners[0](job.prepared, job.options)
         seconds |= found.seconds
         actions = numbered(job.task, [(action.name, action.objects) for action in found.actions])
         return plan_result(job, found, _forecast(job, actions, explain, seconds), seconds)
@@ -196,7 +197,7 @@ def evaluate(
     asked = Asked(samples, seed, None, threads, objective, options)
     given, seconds = load_problem(problem, domain), dict[str, float]()
     text = actions if isinstance(actions, str) else " ".join(actions)
-    job, calls = _request(given, asked, text, seconds)
+    job, calls = _request(given, asked, seconds, actions=text)
     with located_in(*given.sources), planning_refused(given.sources):
         indices = numbered(job.task, calls)
         with timed(seconds, "evaluate"):
@@ -225,7 +226,7 @@ def plan_result(
         seconds=dict(seconds),
         explained=None if expected is None else expected_of(job, expected),
         objects=len(job.problem.objects),
-        margin=job.options.margin,
+        margin=_margin(job),
         counted=job.options.counted,
     )
 
@@ -264,22 +265,35 @@ def not_planned_for(left_out: Sequence[str], ignored: Sequence[str], counted: in
 
 
 def _request(
-    given: LoadedProblem, asked: Asked, actions: str | None, seconds: dict[str, float]
+    given: LoadedProblem,
+    asked: Asked,
+    seconds: dict[str, float],
+    *,
+    planner: str | None = None,
+    actions: str | None = None,
 ) -> tuple[PlanningRequest, Sequence[Call]]:
-    """The problem, ready for planners, or for a sequence of actions to be valued, which is read as well."""
+    """The problem, ready for its planner, or for a sequence of actions to be valued, which is read too."""
     looked, seed = seen(given, asked.seed, seconds)
-    options = asked.of(looked.problem, seed)
+    names = [planner_named(planner, looked.problem)] if actions is None else []
+    planners, options = asked.of(looked.problem, seed, names)
     calls = None if actions is None else read_actions(actions, looked.domain, looked.problem)
     with located_in(*given.sources), planning_refused(given.sources), timed(seconds, "ground"):
         job = requested(
             looked.domain,
             looked.problem,
+            planners,
             options,
             time_discounts=asked.time_discounts,
             calls=calls,
             left_out=looked.left_out,
         )
     return job, calls or ()
+
+
+def _margin(job: PlanningRequest) -> float:
+    """What PRADA asks of a plan, with the usual value where the planner has no such option."""
+    own = job.planners[0].own
+    return own.margin if isinstance(own, PradaOptions) else PradaOptions().margin
 
 
 def _forecast(

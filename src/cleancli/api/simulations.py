@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cleancli.api.asked import Asked
@@ -21,7 +21,6 @@ from cleancli.api.tables import TextTable, shown
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.planning.choice import planner_named
-from cleancli.planning.plan import Options
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, Round, spread
@@ -32,13 +31,14 @@ from cleancli.simulation.summary import Estimate, Summary, summarized
 
 @dataclass(frozen=True, slots=True)
 class SimulationResult:
-    """What planners achieved: a summary of each, and all its episodes, in the planners' order."""
+    """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
+    those of all planners, and those of their own that these have."""
 
     problem: str
     domain: str
     world: str
     objective: str
-    options: Options
+    options: Mapping[str, object]
     max_actions: int
     commit: int
     planners: tuple[Summary, ...]
@@ -128,6 +128,8 @@ def batch(
     """What is to be simulated; a scene is looked at once, with its own seed. Raises Refused where the world
     speaks another language than the domain, and BadOption."""
     looked, _ = seen(given, None, {})
+    names = tuple(dict.fromkeys(planners)) or (planner_named(None, looked.problem),)
+    chosen, options = asked.of(looked.problem, asked.seed, names)
     if world is given.domain:
         acting = looked.domain
     else:
@@ -137,8 +139,8 @@ def batch(
         looked.domain,
         acting,
         looked.problem,
-        tuple(dict.fromkeys(planners)) or (planner_named(None, looked.problem),),
-        asked.of(looked.problem, asked.seed),
+        chosen,
+        options,
         limits,
         asked.time_discounts,
     )
@@ -149,15 +151,18 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
     ordered = sorted(rounds, key=lambda each: each[0].number)
     found = tuple(zip(*ordered, strict=True))
     summaries = (
-        summarized(name, each, found[0] if each is not found[0] else None)
-        for name, each in zip(setup.planners, found, strict=True)
+        summarized(planner.name, each, found[0] if each is not found[0] else None)
+        for planner, each in zip(setup.planners, found, strict=True)
     )
+    options = fields_of(setup.options)
+    for planner in setup.planners:
+        options |= fields_of(planner.own)
     return SimulationResult(
         problem=setup.problem.name,
         domain=setup.domain.name,
         world=setup.world.name,
         objective="time" if setup.timed else "reward",
-        options=setup.options,
+        options=options,
         max_actions=setup.limits.max_actions,
         commit=setup.limits.commit,
         planners=tuple(summaries),

@@ -1,37 +1,20 @@
-"""What planners are asked for: by whoever calls them, or else by the problem, or else the usual."""
+"""Which planners, with which options: as whoever calls says, or else the problem, or else the usual."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Sequence
+from dataclasses import Field, fields, replace
 from typing import Any, NoReturn
 
 from cleancli.language.diagnostics.sink import meant
 from cleancli.language.model import Problem
 from cleancli.planning.plan import BadOption, Options
+from cleancli.planning.planner import Planner
 from cleancli.planning.registry import DEFAULT, PLANNERS
-
-OWN = ("samples", "seed", "time_limit", "threads", "previous", "compat")
-"""Fields of `Options` that have an option of their own, or none."""
 
 LIKE_LIBPRADA = ("prada", "aprada")
 """Planners that know beliefs alone, and so can plan with rules that overlap."""
-
-ALLOWED: Mapping[str, tuple[float, float] | frozenset[str]] = {
-    "counted": (1, 1_000_000),
-    "rule_threshold": (0, 1),
-    "margin": (0, math.inf),
-    "solve": (0, 10_000_000),
-    "states": (1, 10_000_000),
-    "arithmetic": frozenset({"float", "rational"}),
-    "exploration": (0, math.inf),
-    "branching": (1, 1_000),
-    "depth": (1, 100),
-    "width": (1, 10_000_000),
-}
-"""The least and the most of every other field that is a number, or the words that it may be
-(docs/commands.md lists them)."""
 
 
 def planner_options(
@@ -42,20 +25,16 @@ def planner_options(
     time_limit: float | None = None,
     threads: int | None = None,
     compat: bool = False,
-    named: Sequence[str] = (),
 ) -> Options:
-    """The options; `named` are texts like `rule_threshold=0.05`. Raises BadOption."""
+    """The options of all planners that have a word of their own wherever they are asked for."""
     usual = Options(seed=1)
-    asked = Options(
+    return Options(
         samples=next(n for n in (samples, problem.samples, usual.samples) if n is not None),
         seed=next(n for n in (seed, problem.seed, usual.seed) if n is not None),
         time_limit=time_limit,
         threads=usual.threads if threads is None else threads,
         compat=compat,
     )
-    for text in named:
-        asked = _with(asked, text)
-    return asked
 
 
 def planner_named(asked: str | None, problem: Problem, compat: bool = False) -> str:
@@ -82,23 +61,55 @@ def planners_named(text: str) -> tuple[str, ...]:
     return names
 
 
-def _with(options: Options, text: str) -> Options:
-    name, _, value = (part.strip() for part in text.partition("="))
-    known = {field.name: field.default for field in fields(Options) if field.name not in OWN}
-    if name not in known:
-        own = name.replace("-", "_")
-        if own in OWN and own != "previous":
-            _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
-        _bad(f"unknown option `{name}`; {meant(name, known, 'option')}")
-    allowed, default = ALLOWED[name], known[name]
-    read: Any
-    if isinstance(allowed, frozenset):
-        if value not in allowed:
-            _bad(f"`{name}` is {' or '.join(sorted(allowed))}, not `{value}`")
-        read = value
-    else:
-        read = _number(name, int if isinstance(default, int) else float, value, *allowed)
-    return replace(options, **{name: read})
+def with_named(
+    planners: Sequence[str], options: Options, named: Sequence[str]
+) -> tuple[tuple[Planner[Any], ...], Options]:
+    """The planners, and the options of all planners, with what texts like `rule_threshold=0.05` ask for.
+
+    An option goes to each of these planners that has it. Raises BadOption, also where none has.
+    """
+    chosen = [PLANNERS[name] for name in planners]
+    for text in named:
+        name, _, value = (part.strip() for part in text.partition("="))
+        takes = [name in named_options(planner.own) for planner in chosen]
+        if name in named_options(options):
+            options = replace(options, **{name: _value(named_options(options)[name], value)})
+        elif any(takes):
+            chosen = [
+                planner.having(**{name: _value(named_options(planner.own)[name], value)}) if has else planner
+                for planner, has in zip(chosen, takes, strict=True)
+            ]
+        else:
+            _refuse(name, planners)
+    return tuple(chosen), options
+
+
+def named_options(record: Any) -> dict[str, Field[Any]]:
+    """The fields of a dataclass of options that are asked for by name."""
+    return {field.name: field for field in fields(record) if "allowed" in field.metadata}
+
+
+def _refuse(name: str, planners: Sequence[str]) -> NoReturn:
+    """Say where an option belongs that no planner takes here."""
+    own = name.replace("-", "_")
+    if own in {"samples", "seed", "time_limit", "threads", "compat"}:
+        _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
+    owners = [planner.name for planner in PLANNERS.values() if name in named_options(planner.own)]
+    if owners:
+        others = f", not of {' or '.join(planners)}" if planners else ", and a given sequence is valued"
+        _bad(f"`{name}` is an option of {' and '.join(owners)}{others}")
+    records = [Options(), *(planner.own for planner in PLANNERS.values())]
+    _bad(f"unknown option `{name}`; {meant(name, (n for r in records for n in named_options(r)), 'option')}")
+
+
+def _value(field: Field[Any], text: str) -> Any:
+    """What a text says of an option; raises BadOption."""
+    allowed: tuple[Any, ...] = field.metadata["allowed"]
+    if isinstance(field.default, str):
+        if text not in allowed:
+            _bad(f"`{field.name}` is {' or '.join(allowed)}, not `{text}`")
+        return text
+    return _number(field.name, int if isinstance(field.default, int) else float, text, *allowed)
 
 
 def _number(name: str, kind: type[int] | type[float], text: str, low: float, high: float) -> int | float:

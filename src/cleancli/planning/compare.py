@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.value import Sampled, exact, sampled
 from cleancli.planning.plan import Options, Plan, PlanningRefused
-from cleancli.planning.registry import PLANNERS
+from cleancli.planning.planner import Planner
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,15 +24,17 @@ class Comparison:
     refusal: str = ""
 
 
-def compared(names: Iterable[str], prepared: Prepared, options: Options) -> Iterator[Comparison]:
+def compared(planners: Iterable[Planner[Any]], prepared: Prepared, options: Options) -> Iterator[Comparison]:
     """A row for each planner as it is done, all with the same options."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
-    for name in names:
+    for planner in planners:
         try:
-            plan = PLANNERS[name](prepared, options)
+            plan = planner(prepared, options)
         except (PlanningRefused, SupportTooLargeError) as error:
-            yield Comparison(name, None, None, str(error))
+            yield Comparison(planner.name, None, None, str(error))
             continue
         actions = [number[action] for action in plan.actions]
-        value = exact(prepared, actions)
-        yield Comparison(name, plan, sampled(prepared, actions, options.seed) if value is None else value)
+        true: float | Sampled | None = exact(prepared, actions)
+        if true is None:
+            true = sampled(prepared, actions, options.seed)
+        yield Comparison(planner.name, plan, true)

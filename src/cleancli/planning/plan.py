@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TypeVar
 
 from cleancli.compiler.task import GroundAction
+
+V = TypeVar("V", int, float, str)
+
+
+def option(usual: V, *allowed: float | str) -> V:
+    """A field of a dataclass that can be asked for by its name: the usual value, then the least and the most
+    of a number, or the words that it may be (docs/commands.md lists them)."""
+    made: V = field(default=usual, metadata={"allowed": allowed})
+    return made
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What planners are asked for; each reads what concerns it (docs/planning.md lists which).
+    """What all planners are asked for; each reads what concerns it (docs/planning.md lists which), and has
+    options of its own (planning/planner.py).
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
     depend on them. `previous`: what is left of the last plan, to start from. `counted`: a problem in which
     the reward counts more objects is made smaller before it is grounded (planning/reductions/subproblem.py).
-
-    prada, aprada: a plan must be worth `margin` more than doing nothing; rules less likely than
-    `rule_threshold` are taken not to apply; `compat` computes literally as libPRADA does. prada+: solved
-    exactly where at most `solve` states can be reached. exact: at most so many `states`, and "float" or
-    "rational" `arithmetic`. uct: `exploration` is how much an action that was tried seldom is favoured.
-    sst: so many results of each action are drawn (`branching`), so many steps deep (`depth`). likeliest,
-    all-outcomes: so many states a step are followed (`width`).
+    Where beliefs are computed, rules less likely than `rule_threshold` are taken not to apply, and `compat`
+    computes literally as libPRADA does.
     """
 
     samples: int = 10_000
@@ -30,17 +36,9 @@ class Options:
     time_limit: float | None = None
     threads: int = 2
     previous: tuple[GroundAction, ...] = ()
-    counted: int = 30
-    rule_threshold: float = 0.03
-    margin: float = 0.05
     compat: bool = False
-    solve: int = 10_000
-    states: int = 100_000
-    arithmetic: str = "float"
-    exploration: float = 0.3
-    branching: int = 3
-    depth: int = 2
-    width: int = 2_000
+    counted: int = option(30, 1, 1_000_000)
+    rule_threshold: float = option(0.03, 0, 1)
 
 
 @dataclass(frozen=True, slots=True)

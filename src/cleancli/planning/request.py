@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, reaches_goal
@@ -12,17 +13,19 @@ from cleancli.language.calls import Call
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options
+from cleancli.planning.planner import Planner
 from cleancli.planning.reductions.subproblem import Fewer, fewer
 
 
 @dataclass(frozen=True, slots=True)
 class PlanningRequest:
-    """A problem, ready for planners that are asked with these options; `ignored` are objects that it had too
-    many of (§4.2.1), `left_out` the areas beyond its scene's cap."""
+    """A problem, ready for these planners with these options (no planner where a given sequence is valued);
+    `ignored` are objects that it had too many of (§4.2.1), `left_out` the areas beyond its scene's cap."""
 
     domain: Domain
     problem: Problem
     prepared: Prepared
+    planners: tuple[Planner[Any], ...]
     options: Options
     ignored: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
@@ -36,6 +39,7 @@ class PlanningRequest:
 def requested(
     domain: Domain,
     problem: Problem,
+    planners: tuple[Planner[Any], ...],
     options: Options,
     *,
     time_discounts: bool = False,
@@ -49,7 +53,7 @@ def requested(
         smaller = fewer(domain, problem, options.counted)
     task = ground(domain, smaller.problem, compat=options.compat, named=calls or ())
     prepared = prepare(by_time(task) if time_discounts else task)
-    return PlanningRequest(domain, smaller.problem, prepared, options, smaller.ignored, left_out)
+    return PlanningRequest(domain, smaller.problem, prepared, planners, options, smaller.ignored, left_out)
 
 
 def numbered(task: Task, calls: Sequence[Call]) -> list[int]:

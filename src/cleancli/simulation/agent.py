@@ -10,8 +10,8 @@ from cleancli.compiler.task import GroundState, by_time
 from cleancli.language.model import Domain, Object, Problem, State
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
+from cleancli.planning.planner import Plans
 from cleancli.planning.reductions.subproblem import fewer
-from cleancli.planning.registry import Planner
 from cleancli.simulation.symbolic_world import assignment_of, unchanging_facts
 
 
@@ -37,7 +37,7 @@ class Agent:
     """A planner that sees all. Grounds its rules again only where other rules than these have changed
     what these can't."""
 
-    def __init__(self, planner: Planner, domain: Domain, problem: Problem, timed: bool = False) -> None:
+    def __init__(self, planner: Plans, domain: Domain, problem: Problem, timed: bool = False) -> None:
         self._planner = planner
         self._domain, self._problem, self._timed = domain, problem, timed
         self._views: list[_View] = []

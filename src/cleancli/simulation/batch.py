@@ -7,11 +7,12 @@ import multiprocessing
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from typing import Any
 
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
-from cleancli.planning.registry import PLANNERS
+from cleancli.planning.planner import Planner
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, EpisodeLimits, episode
 from cleancli.simulation.symbolic_world import world_of
@@ -22,13 +23,13 @@ CHUNKS = 8
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What is simulated: `domain` is what the planners know, `world` what holds; `planners` by name. Where
-    `timed`, time discounts and not steps."""
+    """What is simulated: `domain` is what the planners know, `world` what holds. Where `timed`,
+    time discounts and not steps."""
 
     domain: Domain
     world: Domain
     problem: Problem
-    planners: tuple[str, ...]
+    planners: tuple[Planner[Any], ...]
     options: Options
     limits: EpisodeLimits
     timed: bool = False
@@ -41,7 +42,7 @@ Round = tuple[Episode, ...]
 def rounds(setup: Batch, numbers: Sequence[int]) -> Iterator[Round]:
     """The numbered episodes of each planner. Raises `Refused`, `NoDurationError` and what planners raise."""
     world = world_of(setup.world, setup.problem, setup.timed)
-    agents = [Agent(PLANNERS[name], setup.domain, setup.problem, setup.timed) for name in setup.planners]
+    agents = [Agent(planner, setup.domain, setup.problem, setup.timed) for planner in setup.planners]
     for number in numbers:
         yield tuple(episode(world, agent, number, setup.options, setup.limits) for agent in agents)
 

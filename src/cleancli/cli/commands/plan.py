@@ -19,7 +19,7 @@ from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, ech
 from cleancli.cli.views.plan_picture import check_picture, draw_picture
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.load import located_in
-from cleancli.planning.choice import planner_named, planner_options, planners_named
+from cleancli.planning.choice import planner_named, planner_options, planners_named, with_named
 from cleancli.planning.compare import compared
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import evaluate
@@ -114,7 +114,7 @@ def command(
     """
     _refuse_together()
     check_picture(plot)
-    planners = () if compare is None else planners_named(compare)
+    names = () if compare is None else planners_named(compare)
     seconds: dict[str, float] = {}
     loaded = open_given(domain, problem, compat=compat is not None)
     sources = loaded.sources
@@ -129,9 +129,9 @@ def command(
         time_limit=time_limit,
         threads=threads,
         compat=compat is not None,
-        named=named,
     )
-    planners = planners or (planner_named(planner, given, compat is not None),)
+    names = names or (planner_named(planner, given, compat is not None),)
+    planners, options = with_named(() if evaluate is not None else names, options, named)
     calls = None if evaluate is None else read_actions(evaluate, model, given)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
@@ -139,6 +139,7 @@ def command(
             job = requested(
                 model,
                 given,
+                planners,
                 options,
                 time_discounts=objective == "time",
                 calls=calls,
@@ -148,10 +149,10 @@ def command(
             _evaluate(job, calls, wanted, seconds)
         elif compare is not None:
             with working(_PLANNING):
-                rows = list(compared(planners, job.prepared, options))
+                rows = list(compared(job.planners, job.prepared, options))
             echo_comparison(job, rows, as_data)
         else:
-            _plan(job, planners[0], wanted, seconds)
+            _plan(job, wanted, seconds)
 
 
 def _refuse_together() -> None:
@@ -163,9 +164,9 @@ def _refuse_together() -> None:
             raise click.UsageError(f"{together[0]} and {together[1]} do not go together")
 
 
-def _plan(job: PlanningRequest, planner: str, wanted: _Wanted, seconds: dict[str, float]) -> None:
+def _plan(job: PlanningRequest, wanted: _Wanted, seconds: dict[str, float]) -> None:
     with working(_PLANNING):
-        plan = PLANNERS[planner](job.prepared, job.options)
+        plan = job.planners[0](job.prepared, job.options)
     seconds |= plan.seconds
     calls = [(action.name, action.objects) for action in plan.actions]
     expected = _expected(job, numbered(job.task, calls), wanted, seconds)

@@ -6,7 +6,8 @@ All need numba, which takes longer to load than most plans take: so what may end
 
 from __future__ import annotations
 
-TYPE_CHECKING = False  # mypy takes it for true by its name
+from typing import TYPE_CHECKING
+
 if TYPE_CHECKING:
     from types import ModuleType
 

@@ -7,14 +7,14 @@ import numpy as np
 from cleancli.compiler.ragged import Ints
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
-from cleancli.planning.planners.prada import Worth, best_sampled
+from cleancli.planning.planners.prada import PradaOptions, Worth, best_sampled
 from cleancli.planning.preference import preferred
 
 
-def aprada(prepared: Prepared, options: Options) -> Plan:
+def aprada(prepared: Prepared, options: Options, own: PradaOptions) -> Plan:
     """PRADA's best sequence, shortened while that is no worse; empty where it is not worth `margin` more than
     doing nothing."""
-    return best_sampled("aprada", prepared, options, _shortened)
+    return best_sampled("aprada", prepared, options, own, _shortened)
 
 
 def _shortened(actions: Ints, worth: Worth) -> Ints:

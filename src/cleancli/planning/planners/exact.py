@@ -3,34 +3,44 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import rational
 from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
 
 
-def exact(prepared: Prepared, options: Options) -> Plan:
+@dataclass(frozen=True, slots=True)
+class ExactOptions:
+    """Problems of more than so many `states` are refused; the `arithmetic` is that of machine numbers or of
+    fractions."""
+
+    states: int = option(100_000, 1, 10_000_000)
+    arithmetic: str = option("float", "float", "rational")
+
+
+def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     """What acting best on what is seen is worth, and its likeliest course.
 
-    Raises `TooManyStatesError` where more than `options.states` states can be reached within the horizon.
+    Raises `TooManyStatesError` where more than `own.states` states can be reached within the horizon.
     """
     times = [time.perf_counter()]
     known = prepared.forgetful
-    if options.arithmetic == "rational":
+    if own.arithmetic == "rational":
         times += [time.perf_counter()] * 2
-        fraction, choose = rational.optimum(known.task, options.states)
+        fraction, choose = rational.optimum(known.task, own.states)
         value = float(fraction)
     else:
         _ = known.process
         times.append(time.perf_counter())
         load(known)
         times.append(time.perf_counter())
-        value, choose = optimum(known, options.states)
+        value, choose = optimum(known, own.states)
     course = likeliest_course(known.task, choose)
     return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,20 +16,31 @@ from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.belief_value import worth_of
 from cleancli.planning.evaluation.coverage import coverage, enough_samples
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.preference import preferred
 
 Worth = Callable[[Sequence[Ints]], tuple[Floats, Floats]]
 """`worth_of` (planning/evaluation/belief_value.py) in one task."""
 
 
-def prada(prepared: Prepared, options: Options) -> Plan:
+@dataclass(frozen=True, slots=True)
+class PradaOptions:
+    """A plan must be worth more than doing nothing by more than the `margin`."""
+
+    margin: float = option(0.05, 0, math.inf)
+
+
+def prada(prepared: Prepared, options: Options, own: PradaOptions) -> Plan:
     """The best of the sampled sequences; empty where it is not worth `margin` more than doing nothing."""
-    return best_sampled("prada", prepared, options, lambda actions, worth: actions)
+    return best_sampled("prada", prepared, options, own, lambda actions, worth: actions)
 
 
 def best_sampled(
-    planner: str, prepared: Prepared, options: Options, improved: Callable[[Ints, Worth], Ints]
+    planner: str,
+    prepared: Prepared,
+    options: Options,
+    own: PradaOptions,
+    improved: Callable[[Ints, Worth], Ints],
 ) -> Plan:
     """What the planner of that name makes of the best of the sampled sequences."""
     task, limit = prepared.task, options.time_limit
@@ -53,8 +66,8 @@ def best_sampled(
     value, early = (float(found[0]) for found in worth([best]))
     times.append(time.perf_counter())
     worthy = preferred(value, early, nothing, latest)
-    if options.margin > 0:
-        worthy = value > nothing + options.margin
+    if own.margin > 0:
+        worthy = value > nothing + own.margin
     chosen = best if worthy else best[:0]
     return Plan(
         planner=planner,

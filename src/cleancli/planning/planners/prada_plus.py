@@ -10,13 +10,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, TooManyStatesError
+from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import exact
-from cleancli.planning.planners.prada import prada
+from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
 from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
 
@@ -35,7 +35,15 @@ WORDS, FRESH_WORDS = 4, 64
 Actions = tuple[int, ...]
 
 
-def prada_plus(prepared: Prepared, options: Options) -> Plan:
+@dataclass(frozen=True, slots=True)
+class PradaPlusOptions(PradaOptions):
+    """Where at most `solve` states can be reached the best policy is calculated; the rest is for the PRADA
+    whose plan is improved."""
+
+    solve: int = option(10_000, 0, 10_000_000)
+
+
+def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Plan:
     """The best policy where at most `solve` states can be reached, and otherwise the best of about `samples`
     sequences, or of as many as `time_limit` allows; empty where stopping at once is preferred.
 
@@ -44,14 +52,14 @@ def prada_plus(prepared: Prepared, options: Options) -> Plan:
     task, times = prepared.task, [time.perf_counter()]
     _ = prepared.tables, prepared.process
     times.append(time.perf_counter())
-    _load(prepared)
+    _load(prepared, own)
     times.append(time.perf_counter())
-    solved = _solved(prepared, options.solve) if options.solve else None
+    solved = _solved(prepared, own.solve) if own.solve else None
     if solved is not None:
         course, value = solved
         times.append(time.perf_counter())
         return course_plan("prada+", task, course, value, times=times)
-    found, tried = _annealed(prepared, options, times[-1])
+    found, tried = _annealed(prepared, options, own, times[-1])
     worth, best = kernels.annealing.worth, found[0]
     known = worth(prepared, best, FRESH_WORDS, options.seed)
     for actions in found[1:]:
@@ -79,12 +87,15 @@ def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
     return likeliest_course(known.task, choose), value
 
 
-def _annealed(prepared: Prepared, options: Options, started: float) -> tuple[list[Actions], int]:
+def _annealed(
+    prepared: Prepared, options: Options, own: PradaOptions, started: float
+) -> tuple[list[Actions], int]:
     """The best sequence of each chain, and how many sequences were tried in all."""
     deadline = None if options.time_limit is None else started + options.time_limit
     few = 1 + options.samples // BELIEF_SHARE if deadline is None else FIRST_MOVES
     number = {action: index for index, action in enumerate(prepared.task.actions)}
-    plans = (prada(prepared, replace(options, samples=few, time_limit=None)).actions, options.previous)
+    first = prada(prepared, replace(options, samples=few, time_limit=None), own)
+    plans = (first.actions, options.previous)
     starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
 
     def chain(index: int, moves: int) -> Actions:
@@ -121,8 +132,8 @@ def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, i
             return
 
 
-def _load(prepared: Prepared) -> None:
+def _load(prepared: Prepared, own: PradaOptions) -> None:
     """Makes numba load or compile what will run."""
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
-    prada(prepared, Options(samples=1))
+    prada(prepared, Options(samples=1), own)
     exact.load(prepared)

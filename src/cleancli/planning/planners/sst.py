@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.trajectory import course_plan, likeliest_course
 
 
-def sst(prepared: Prepared, options: Options) -> Plan:
+@dataclass(frozen=True, slots=True)
+class SstOptions:
+    """So many results of each action are drawn (`branching`), so many steps deep (`depth`)."""
+
+    branching: int = option(3, 1, 1_000)
+    depth: int = option(2, 1, 100)
+
+
+def sst(prepared: Prepared, options: Options, own: SstOptions) -> Plan:
     """The action that looks best from `branching` results of each, `depth` steps deep, and its course.
 
     Each further action of the course looks from the likeliest result, to the same depth. The value is that of
@@ -28,17 +37,17 @@ def sst(prepared: Prepared, options: Options) -> Plan:
             task.discount,
             horizon=task.horizon - step,
             depth=depth - step,
-            branching=max(options.branching, 1),
+            branching=own.branching,
             seed=options.seed,
         )
 
     def choose(step: int, state: GroundState) -> int | None:
-        action = look(step, state, options.depth)[1]
+        action = look(step, state, own.depth)[1]
         return action if action >= 0 else None
 
     look(0, task.initial, 0)  # makes numba load or compile what it will run
     times.append(time.perf_counter())
-    value = look(0, task.initial, options.depth)[0]
+    value = look(0, task.initial, own.depth)[0]
     course = likeliest_course(task, choose)
     times.append(time.perf_counter())
     return course_plan("sst", task, course, value, times=times)

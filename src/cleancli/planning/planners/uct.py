@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import dataclass
 
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan
+from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
 
 ROUND = 100
 """Episodes between two looks at the clock. Chosen."""
 
 
-def uct(prepared: Prepared, options: Options) -> Plan:
+@dataclass(frozen=True, slots=True)
+class UctOptions:
+    """`exploration`: how much an action that was tried seldom is favoured."""
+
+    exploration: float = option(0.3, 0, math.inf)
+
+
+def uct(prepared: Prepared, options: Options, own: UctOptions) -> Plan:
     """What `samples` episodes say about acting on what is seen, and the course of what they took most often.
 
     With a `time_limit`, as many episodes as fit into it.
@@ -22,7 +31,7 @@ def uct(prepared: Prepared, options: Options) -> Plan:
     task = prepared.task
     _ = prepared.process  # is made when first asked for
     times.append(time.perf_counter())
-    search = kernels.uct_tree.Search(prepared, options.exploration, options.seed)
+    search = kernels.uct_tree.Search(prepared, own.exploration, options.seed)
     search.run(1)  # makes numba load or compile what it will run
     times.append(time.perf_counter())
     end = None if options.time_limit is None else times[-1] + options.time_limit
