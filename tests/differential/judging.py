@@ -6,7 +6,7 @@ from random import Random
 
 from abstract import Outcome, Rule
 from comparison import Comparison, shown
-from interpreter import Meaning, State, TwoRules, TwoValues
+from interpreter import Meaning, State, TwoValues
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 
@@ -95,15 +95,22 @@ def judge_ground(
 
 
 def shown_by_some(meaning: Meaning, code: str, random: Random) -> bool:
+    """Whether some drawn state shows it: two rules that cover (E603), or one, whatever others cover as well,
+    with an outcome that contradicts itself (E602)."""
     for _ in range(5 * SAMPLED):
         state = drawn_state(meaning, random)
         for asked in meaning.calls():
-            try:
-                meaning.successors(asked, state)
-            except TwoValues:
-                if code == "E602":
-                    return True
-            except TwoRules:
-                if code == "E603":
-                    return True
+            covering = [
+                (rule, binding)
+                for rule in meaning.domain.rules
+                if rule.action == asked[0] and (binding := meaning.bound(rule, asked, state)) is not None
+            ]
+            if code == "E603" and len(covering) > 1:
+                return True
+            if code == "E602" and any(
+                result(meaning, outcome, binding, state) is None
+                for rule, binding in covering
+                for outcome in rule.outcomes
+            ):
+                return True
     return False
