@@ -34,10 +34,19 @@ def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: p
         assert run(words[1:]) == 0, shlex.join(words)
 
 
+def anchors(page: Path) -> set[str]:
+    """What links can name in a page: its headings, as hosts of git repositories turn them into anchors."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
 def test_links_lead_somewhere() -> None:
     for page in [*PAGES, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md"]:
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
-            assert (page.parent / target).exists(), f"{page.name} -> {target}"
+        links = re.findall(r"\]\(([^)#:]*)(?:#([^)]+))?\)", page.read_text(encoding="utf-8"))
+        for target, anchor in links:
+            place = page.parent / target if target else page
+            assert place.exists(), f"{page.name} -> {target}"
+            assert not anchor or anchor in anchors(place), f"{page.name} -> {target}#{anchor}"
 
 
 def test_files_that_recipes_name_are_there() -> None:
