@@ -35,8 +35,9 @@ from pathlib import Path
 
 import fuzz_inputs as inputs
 
+from cleancli.cli.command_table import COMMANDS
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.main import SUMMARIES, run
+from cleancli.cli.main import run
 from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
@@ -153,7 +154,7 @@ KINDS: dict[str, Callable[[random.Random, Path, Path], Commands | None]] = {
 def prepare(bases: Path, kinds: list[str], tables: bool) -> None:
     """What folders and looks are made of: two runs without a table, one with if `tables` are wanted, and the
     frames of a look. Loads the planner too, which each input's process then has."""
-    for name in SUMMARIES:
+    for name in COMMANDS:
         importlib.import_module(f"cleancli.cli.commands.{name}")  # once, and not in each input's process
     inputs.pairs()
     words = ["--quiet", *FEW, "--no-video"]

@@ -1,14 +1,11 @@
 """What the shell offers for an argument: shipped names, files of the user, and names declared in them.
 
-A completion answers while a person waits. So the arguments of all commands stand here again: a command is
-only imported, with all that it needs, where an option is to be completed. lark is only loaded to complete
-names that are declared in a file.
+lark is only loaded to complete names that are declared in a file.
 """
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import click
@@ -84,36 +81,3 @@ def _declared(domain: str | None, kinds: set[str]) -> list[str]:
     except Refused:
         return []
     return [name.meaning.name for name in found if name.declares and name.meaning.kind.value in kinds]
-
-
-ARGUMENTS: Mapping[str, tuple[tuple[str, int, Completer | None], ...]] = {
-    "init": (("folder", 1, None),),
-    "check": (("files", -1, check_files),),
-    "fmt": (("files", -1, nid_files),),
-    "show": (("domain", 1, domains), ("problem", 1, problems)),
-    "compile": (("domain", 1, domains), ("problem", 1, problems)),
-    "explain": (("domain", 1, domains), ("problem", 1, problems), ("action", 1, actions)),
-    "plan": (("domain", 1, domains), ("problem", 1, problems)),
-    "simulate": (("domain", 1, domains), ("problem", 1, problems)),
-    "execute": (("domain", 1, domains), ("problem", 1, problems)),
-    "scene": (("scene", 1, problems),),
-    "calibrate": (("scene", 1, problems),),
-    "perceive": (("scene_or_folder", 1, problems),),
-    "act": (("scene", 1, problems), ("action", 1, None)),
-    "learn": (("domain", 1, domains), ("experience", -1, None)),
-    "convert": (("files", -1, None),),
-}
-"""The arguments of the commands: name, how many values (-1: any), what completes them."""
-
-
-def light_command(name: str) -> click.Command | None:
-    """A command's arguments without the command, while the shell completes a line that has no options."""
-    if "_CLEANCLI_COMPLETE" not in os.environ or name not in ARGUMENTS:
-        return None
-    if any(word.startswith("-") for word in os.environ.get("COMP_WORDS", "").split()):
-        return None
-    parameters: list[click.Parameter] = [
-        click.Argument([argument], nargs=count, required=False, shell_complete=complete)
-        for argument, count, complete in ARGUMENTS[name]
-    ]
-    return click.Command(name, params=parameters)

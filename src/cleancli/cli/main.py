@@ -15,7 +15,7 @@ from types import FrameType
 import click
 
 from cleancli import __version__
-from cleancli.cli.completion import light_command
+from cleancli.cli.command_table import COMMANDS, light_command
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.streams import NoReader, finish, prepare
 from cleancli.files.interrupt import ENDING
@@ -23,37 +23,15 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.world.errors import MissingPhysics
 
-SUMMARIES = {
-    "init": "Write a small domain and a problem to start from.",
-    "check": "Report every mistake in domain, problem and scene files.",
-    "fmt": "Lay files out in the one canonical way, comments kept.",
-    "show": "Types, rules and groundings of a domain.",
-    "compile": "The grounded task, as text or JSON.",
-    "explain": "Which rule covers an action, and if none does, why.",
-    "rename": "Rename a declared thing in a domain and its problems.",
-    "plan": "Plan for a problem, or for what the camera sees of a scene.",
-    "simulate": "How well planners do in the symbolic world, over many episodes.",
-    "execute": "Clean a simulated table: look, plan, act, until it is clean.",
-    "report": "A run as a page, or several runs compared.",
-    "scene": "What a scene holds, how it looks, what its robot reaches.",
-    "calibrate": "Adjust perception to a clean surface.",
-    "perceive": "What is seen of a scene, or in recorded frames, step by step.",
-    "act": "Try one action many times, and count how it truly ends.",
-    "learn": "Improve a domain's probabilities from recorded experience.",
-    "convert": "Rules, state and symbols of libPRADA as a domain and a problem.",
-    "lsp": "Serve editors: mistakes while typing, completion, rename.",
-}
-"""Subcommands and their line in the help. Each lives in the module of the same name as `command`."""
-
 
 class _Commands(click.Group):
     """A group that imports a subcommand only to run it, and lists them all without importing any."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(SUMMARIES)
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in SUMMARIES:
+        if cmd_name not in COMMANDS:
             return None
         light = light_command(cmd_name)
         if light is not None:
@@ -73,13 +51,13 @@ class _Commands(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl(list(SUMMARIES.items()))
+            formatter.write_dl([(name, row.summary) for name, row in COMMANDS.items()])
 
 
 def _meant(word: str) -> str:
     if word.endswith(".nid"):
         return f"A file stands behind a command: `cleancli check {word}`."
-    near = difflib.get_close_matches(word.lower(), SUMMARIES, n=2, cutoff=0.6)
+    near = difflib.get_close_matches(word.lower(), COMMANDS, n=2, cutoff=0.6)
     if near:
         return f"Did you mean {' or '.join(f'`{name}`' for name in near)}?"
     return "`cleancli --help` lists the commands."

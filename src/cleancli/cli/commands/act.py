@@ -15,7 +15,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from cleancli.cli.completion import problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import counting
@@ -33,9 +33,7 @@ COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
 
 
-@click.command("act", short_help="Try one action many times, and count how it truly ends.")
-@click.argument("scene", shell_complete=problems)
-@click.argument("action")
+@command_of("act")
 @click.option(
     "--repeat", type=click.IntRange(min=1), default=20, show_default=True, help="How often, per grasp."
 )

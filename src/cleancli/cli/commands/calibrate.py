@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from cleancli.cli.completion import problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
@@ -34,8 +34,7 @@ _FILE = click.Path(path_type=Path, dir_okay=False)
 _FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
 
 
-@click.command("calibrate", short_help="Adjust perception to a clean surface.")
-@click.argument("scene", shell_complete=problems)
+@command_of("calibrate")
 @click.option("--out", type=_FILE, required=True, help="Write the calibration to this file.")
 @click.option("--frames", "recorded", type=_FOLDER, help="Use recorded frames of the clean surface.")
 @click.option("--count", type=click.IntRange(1, 100), default=10, show_default=True, help="Simulated frames.")

@@ -7,7 +7,7 @@ import sys
 
 import click
 
-from cleancli.cli.completion import check_files
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, wants_colour
 from cleancli.cli.elsewhere import without_used_elsewhere
 from cleancli.cli.exit_codes import ExitCode
@@ -20,8 +20,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import as_json, as_sarif, render
 
 
-@click.command("check", short_help="Report every mistake in domain, problem and scene files.")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=check_files)
+@command_of("check")
 @click.option(
     "--format", "style", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True
 )

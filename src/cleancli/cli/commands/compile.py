@@ -6,16 +6,14 @@ import json
 
 import click
 
-from cleancli.cli.completion import domains, problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.observe import open_both
 from cleancli.compiler.dump import as_data, dump
 from cleancli.compiler.ground import ground
 from cleancli.language.load import located_in
 
 
-@click.command("compile", short_help="The grounded task, as text or JSON.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", shell_complete=problems)
+@command_of("compile")
 @click.option("--format", "style", type=click.Choice(["text", "json"]), default="text", show_default=True)
 @click.option("--json", "style", flag_value="json", help="The same as --format json.")
 def command(domain: str, problem: str, style: str) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.conversion.convert import Converted, Wishes, convert
@@ -28,8 +29,7 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
     return name
 
 
-@click.command("convert", short_help="Rules, state and symbols of libPRADA as a domain and a problem.")
-@click.argument("files", nargs=-1, required=True, metavar="FOLDER | RULES STATE SYMBOLS")
+@command_of("convert")
 @click.option(
     "--out", type=click.Path(path_type=Path, file_okay=False), required=True, help="Where to write."
 )

@@ -18,7 +18,7 @@ from cleancli.api.runs import (
     resumed_run,
 )
 from cleancli.api.symbolic import told_of
-from cleancli.cli.completion import domains, problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import open_given
@@ -41,9 +41,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     return value
 
 
-@click.command("execute", short_help="Clean a simulated table: look, plan, act, until it is clean.")
-@click.argument("domain", required=False, shell_complete=domains)
-@click.argument("problem", required=False, shell_complete=problems)
+@command_of("execute")
 @click.option(
     "--resume",
     type=click.Path(path_type=Path, file_okay=False, exists=True),

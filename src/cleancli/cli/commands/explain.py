@@ -7,16 +7,13 @@ import json
 import click
 
 from cleancli.api.explanations import explanation
-from cleancli.cli.completion import actions, domains, problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
 
 
-@click.command("explain", short_help="Which rule covers an action, and if none does, why.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", shell_complete=problems)
-@click.argument("action", shell_complete=actions)
+@command_of("explain")
 @click.option("--json", "as_data", is_flag=True, help="Print the explanation as JSON.")
 def command(domain: str, problem: str, action: str, as_data: bool) -> None:
     """Say what ACTION, like "join2(a1, a3)", would do in the initial state of PROBLEM, and by which rule.

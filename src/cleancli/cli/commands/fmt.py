@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cleancli.cli.completion import nid_files
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_exactly, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import STDIN, echo_difference, expanded, read
@@ -15,8 +15,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.printing.formatter import layout
 
 
-@click.command("fmt", short_help="Lay files out in the one canonical way, comments kept.")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=nid_files)
+@command_of("fmt")
 @click.option("--check", is_flag=True, help="Change nothing; name the files that are laid out otherwise.")
 @click.option("--diff", is_flag=True, help="Change nothing; print what would change.")
 def command(files: tuple[str, ...], check: bool, diff: bool) -> int:

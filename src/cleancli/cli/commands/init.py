@@ -5,8 +5,7 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-import click
-
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.files.replace import Replacement, write_all
 from cleancli.language.load import read_source
@@ -15,8 +14,7 @@ STARTER = Path(__file__).parent / "starter"
 FILES = ("wiping.nid", "two_stains.nid")
 
 
-@click.command("init", short_help="Write a small domain and a problem to start from.")
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False), default=Path())
+@command_of("init")
 def command(folder: Path) -> None:
     """Write wiping.nid and two_stains.nid, a commented domain and a problem of it, into FOLDER.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from cleancli.api.lessons import lessons
-from cleancli.cli.completion import domains
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded
@@ -17,9 +17,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 
 
-@click.command("learn", short_help="Improve a domain's probabilities from recorded experience.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("experience", nargs=-1, required=True, type=click.Path(path_type=Path))
+@command_of("learn")
 @click.option(
     "--estimator",
     type=click.Choice(list(ESTIMATORS)),

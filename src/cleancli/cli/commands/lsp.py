@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 import click
 
+from cleancli.cli.command_table import command_of
 from cleancli.cli.exit_codes import ExitCode, MissingPart
 
 
-@click.command("lsp", short_help="Serve editors: mistakes while typing, completion, rename.")
+@command_of("lsp")
 def command() -> int:
     """Speak the Language Server Protocol over standard input and output.
 

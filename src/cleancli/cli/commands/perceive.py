@@ -11,6 +11,7 @@ import click
 
 from cleancli.api.observations import SeenLook, described, photographed, recorded, told, understood
 from cleancli.api.observations import drawn as drawn_picture
+from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
@@ -43,8 +44,7 @@ class _Told:
             yield each.look
 
 
-@click.command("perceive", short_help="What is seen of a scene, or in recorded frames, step by step.")
-@click.argument("scene_or_folder", metavar="SCENE|FOLDER", shell_complete=problems)
+@command_of("perceive")
 @click.option("--out", type=_FILE, help="Write a PNG contact sheet: what each step left, and the ellipses.")
 @click.option("--drawn", type=_FILE, help="Write a PNG of the colour image with ellipses, names and symbols.")
 @click.option("--rrd", "recording", type=_FILE, help="Write a Rerun recording of every step.")

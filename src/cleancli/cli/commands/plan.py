@@ -10,7 +10,7 @@ import click
 
 from cleancli.api.plans import evaluation_result, plan_result
 from cleancli.api.seen import seen, timed
-from cleancli.cli.completion import domains, problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
 from cleancli.cli.unreached import tell_unreached
@@ -49,9 +49,7 @@ class _Wanted:
     as_data: bool
 
 
-@click.command("plan", short_help="Plan for a problem, or for what the camera sees of a scene.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", shell_complete=problems)
+@command_of("plan")
 @click.option("--planner", type=click.Choice(list(PLANNERS)), help="[default: the problem's, or prada+]")
 @click.option("--compare", metavar="PLANNERS", help="Plan with each of these, like prada,prada+.")
 @click.option("--evaluate", metavar="ACTIONS", help='Plan nothing; value a sequence like "a(x) b(y, z)".')

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from cleancli.cli.completion import domains, problems, renamable
+from cleancli.cli.command_table import command_of
+from cleancli.cli.completion import domains
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside
@@ -24,11 +25,8 @@ from cleancli.language.refactoring.rename import RENAMABLE, rename
 from cleancli.scene.check import load_scene
 
 
-@click.command("rename", short_help="Rename a declared thing in a domain and its problems.")
-@click.argument("old", shell_complete=renamable)
-@click.argument("new")
+@command_of("rename")
 @click.option("--domain", required=True, shell_complete=domains, help="The domain that declares or uses it.")
-@click.argument("problem_files", nargs=-1, metavar="[PROBLEM]...", shell_complete=problems)
 @click.option("--kind", type=click.Choice([kind.value for kind in RENAMABLE]), help="What is named OLD.")
 @click.option("--write", is_flag=True, help="Change the files.")
 def command(

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import working
 from cleancli.cli.views.tables import plain_table, print_table
@@ -21,8 +22,7 @@ from cleancli.report.run import read_run
 from cleancli.report.timeline import in_order
 
 
-@click.command("report", short_help="A run as a page, or several runs compared.")
-@click.argument("folders", metavar="RUN...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@command_of("report")
 @click.option("--html", type=click.Path(path_type=Path, dir_okay=False), help="Write the page to this file.")
 @click.option("--json", "as_data", is_flag=True, help="Print the figures as JSON; write only --html's file.")
 def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from cleancli.cli.completion import problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
@@ -27,8 +27,7 @@ from cleancli.world.table import PybulletTable
 _FILE = click.Path(path_type=Path, dir_okay=False)
 
 
-@click.command("scene", short_help="What a scene holds, how it looks, what its robot reaches.")
-@click.argument("scene", shell_complete=problems)
+@command_of("scene")
 @click.option("--out", type=_FILE, help="Write a PNG picture: what the camera sees, beside the room.")
 @click.option("--reach", "reached", type=_FILE, help="Write a PNG map of where the robot reaches.")
 @click.option(

@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
-from cleancli.cli.completion import domains, problems
+from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.inputs import open_loaded
 from cleancli.cli.observe import open_both
@@ -52,9 +52,7 @@ class Sizes:
     coverage: float
 
 
-@click.command("show", short_help="Types, rules and groundings of a domain.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", required=False, shell_complete=problems)
+@command_of("show")
 @click.option(
     "--samples",
     type=click.IntRange(min=1),

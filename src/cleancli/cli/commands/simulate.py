@@ -6,7 +6,8 @@ import click
 
 from cleancli.api.asked import Asked
 from cleancli.api.simulations import batch, simulation_result
-from cleancli.cli.completion import domains, problems
+from cleancli.cli.command_table import command_of
+from cleancli.cli.completion import domains
 from cleancli.cli.inputs import open_given, open_loaded
 from cleancli.cli.progress import counted, working
 from cleancli.cli.unreached import tell_unreached
@@ -19,9 +20,7 @@ from cleancli.simulation.batch import spread
 from cleancli.simulation.episode import EpisodeLimits
 
 
-@click.command("simulate", short_help="How well planners do in the symbolic world, over many episodes.")
-@click.argument("domain", shell_complete=domains)
-@click.argument("problem", shell_complete=problems)
+@command_of("simulate")
 @click.option(
     "--planner",
     "planners",

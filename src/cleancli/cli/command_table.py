@@ -1,0 +1,139 @@
+"""The commands: what each says of itself in a line, its arguments, and what the shell offers for them.
+
+A completion answers while a person waits, and the help lists all commands: neither imports any of them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import click
+
+from cleancli.cli.completion import Completer, actions, check_files, domains, nid_files, problems, renamable
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a command: what completes it, how many values it has (-1: any number), and whatever
+    else click may be told of it."""
+
+    name: str
+    complete: Completer | None = None
+    count: int = 1
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def parameter(self) -> click.Argument:
+        """The argument for click."""
+        return click.Argument(
+            [self.name], nargs=self.count, shell_complete=self.complete, **{"required": True, **self.settings}
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class CommandRow:
+    """A command; `options_first`: its arguments cannot be completed before the options are read."""
+
+    summary: str
+    arguments: tuple[Argument, ...] = ()
+    options_first: bool = False
+
+
+_DOMAIN, _PROBLEM = Argument("domain", domains), Argument("problem", problems)
+_MAYBE: Mapping[str, Any] = {"required": False}
+_FOLDER = click.Path(path_type=Path, file_okay=False)
+
+COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
+    {
+        "init": CommandRow(
+            "Write a small domain and a problem to start from.",
+            (Argument("folder", settings={"type": _FOLDER, "default": Path(), "required": False}),),
+        ),
+        "check": CommandRow(
+            "Report every mistake in domain, problem and scene files.",
+            (Argument("files", check_files, -1, {"metavar": "FILE..."}),),
+        ),
+        "fmt": CommandRow(
+            "Lay files out in the one canonical way, comments kept.",
+            (Argument("files", nid_files, -1, {"metavar": "FILE..."}),),
+        ),
+        "show": CommandRow(
+            "Types, rules and groundings of a domain.",
+            (_DOMAIN, Argument("problem", problems, settings=_MAYBE)),
+        ),
+        "compile": CommandRow("The grounded task, as text or JSON.", (_DOMAIN, _PROBLEM)),
+        "explain": CommandRow(
+            "Which rule covers an action, and if none does, why.",
+            (_DOMAIN, _PROBLEM, Argument("action", actions)),
+        ),
+        "rename": CommandRow(
+            "Rename a declared thing in a domain and its problems.",
+            (
+                Argument("old", renamable),
+                Argument("new"),
+                Argument("problem_files", problems, -1, {"metavar": "[PROBLEM]...", "required": False}),
+            ),
+            options_first=True,
+        ),
+        "plan": CommandRow(
+            "Plan for a problem, or for what the camera sees of a scene.", (_DOMAIN, _PROBLEM)
+        ),
+        "simulate": CommandRow(
+            "How well planners do in the symbolic world, over many episodes.", (_DOMAIN, _PROBLEM)
+        ),
+        "execute": CommandRow(
+            "Clean a simulated table: look, plan, act, until it is clean.",
+            (Argument("domain", domains, settings=_MAYBE), Argument("problem", problems, settings=_MAYBE)),
+        ),
+        "report": CommandRow(
+            "A run as a page, or several runs compared.",
+            (Argument("folders", None, -1, {"metavar": "RUN...", "type": click.Path(path_type=Path)}),),
+        ),
+        "scene": CommandRow(
+            "What a scene holds, how it looks, what its robot reaches.", (Argument("scene", problems),)
+        ),
+        "calibrate": CommandRow("Adjust perception to a clean surface.", (Argument("scene", problems),)),
+        "perceive": CommandRow(
+            "What is seen of a scene, or in recorded frames, step by step.",
+            (Argument("scene_or_folder", problems, settings={"metavar": "SCENE|FOLDER"}),),
+        ),
+        "act": CommandRow(
+            "Try one action many times, and count how it truly ends.",
+            (Argument("scene", problems), Argument("action")),
+        ),
+        "learn": CommandRow(
+            "Improve a domain's probabilities from recorded experience.",
+            (_DOMAIN, Argument("experience", None, -1, {"type": click.Path(path_type=Path)})),
+        ),
+        "convert": CommandRow(
+            "Rules, state and symbols of libPRADA as a domain and a problem.",
+            (Argument("files", None, -1, {"metavar": "FOLDER | RULES STATE SYMBOLS"}),),
+        ),
+        "lsp": CommandRow("Serve editors: mistakes while typing, completion, rename."),
+    }
+)
+"""In the order of the help. Each lives in the module of the same name in `cli.commands`, as `command`."""
+
+
+def command_of(name: str) -> Callable[[Callable[..., Any]], click.Command]:
+    """Makes a function the command of a row; its options stand at the function."""
+    row = COMMANDS[name]
+    parameters: list[click.Parameter] = [argument.parameter() for argument in row.arguments]
+    return click.command(name, short_help=row.summary, params=parameters)
+
+
+def light_command(name: str) -> click.Command | None:
+    """A command's arguments without the command, while the shell completes a line that has no options."""
+    row = COMMANDS[name]
+    if "_CLEANCLI_COMPLETE" not in os.environ or row.options_first or not row.arguments:
+        return None
+    if any(word.startswith("-") for word in os.environ.get("COMP_WORDS", "").split()):
+        return None
+    parameters: list[click.Parameter] = [argument.parameter() for argument in row.arguments]
+    for parameter in parameters:
+        parameter.required = False  # the line is not complete yet
+    return click.Command(name, params=parameters)
