@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from cleancli.cli.completion import Completer, actions, check_files, domains, nid_files, problems, renamable
+from cleancli.cli.options import FOLDER
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +46,12 @@ class CommandRow:
 
 _DOMAIN, _PROBLEM = Argument("domain", domains), Argument("problem", problems)
 _MAYBE: Mapping[str, Any] = {"required": False}
-_FOLDER = click.Path(path_type=Path, file_okay=False)
 
 COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
     {
         "init": CommandRow(
             "Write a small domain and a problem to start from.",
-            (Argument("folder", settings={"type": _FOLDER, "default": Path(), "required": False}),),
+            (Argument("folder", settings={"type": FOLDER, "default": Path(), "required": False}),),
         ),
         "check": CommandRow(
             "Report every mistake in domain, problem and scene files.",

@@ -15,6 +15,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
@@ -44,14 +45,14 @@ COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
     "--grasp", "grasps", multiple=True, help="A grasp to try, in its own width. [default: the scene's rag]"
 )
 @click.option("--robot", type=click.Choice(list(ARMS)), help="The robot that acts. [default: the scene's]")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of the first trial. [default: the scene's]")
-@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Trials at a time.")
+@options.seed("the first trial")
+@options.jobs("Trials at a time.")
 @click.option(
     "--plot",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=options.FILE,
     help="Draw where particles lay before and after as a PNG picture.",
 )
-@click.option("--json", "as_data", is_flag=True, help="Print every trial as JSON, and nothing else.")
+@options.as_json("Print every trial as JSON, and nothing else.")
 def command(
     scene: str,
     action: str,

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import counted, working
@@ -30,16 +31,15 @@ from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, 
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene
 
-_FILE = click.Path(path_type=Path, dir_okay=False)
 _FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
 
 
 @command_of("calibrate")
-@click.option("--out", type=_FILE, required=True, help="Write the calibration to this file.")
+@click.option("--out", type=options.FILE, required=True, help="Write the calibration to this file.")
 @click.option("--frames", "recorded", type=_FOLDER, help="Use recorded frames of the clean surface.")
 @click.option("--count", type=click.IntRange(1, 100), default=10, show_default=True, help="Simulated frames.")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of the frames' noise. [default: the scene's]")
-@click.option("--json", "as_data", is_flag=True, help="Print the calibration as JSON.")
+@options.seed("the frames' noise")
+@options.as_json("Print the calibration as JSON.")
 def command(
     scene: str, out: Path, recorded: Path | None, count: int, seed: int | None, as_data: bool
 ) -> None:

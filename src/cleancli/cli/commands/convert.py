@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
@@ -30,9 +31,7 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
 
 
 @command_of("convert")
-@click.option(
-    "--out", type=click.Path(path_type=Path, file_okay=False), required=True, help="Where to write."
-)
+@click.option("--out", type=options.FOLDER, required=True, help="Where to write.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option(
     "--domain-name",
@@ -55,7 +54,7 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
 @click.option(
     "--predicates", is_flag=True, help="Make no functions of predicates; for `plan --compat libprada`."
 )
-@click.option("--json", "as_data", is_flag=True, help="Say what was converted as JSON.")
+@options.as_json("Say what was converted as JSON.")
 def command(
     files: tuple[str, ...],
     out: Path,

@@ -18,6 +18,7 @@ from cleancli.api.runs import (
     resumed_run,
 )
 from cleancli.api.symbolic import told_of
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
@@ -48,7 +49,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     metavar="RUN",
     help="Go on with the run in this folder, as it began; takes no other arguments.",
 )
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: PROBLEM's, or 1]")
+@options.seed(usual="PROBLEM's, or 1")
 @click.option(
     "--strategy",
     type=click.Choice(list(STRATEGIES)),
@@ -59,19 +60,8 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--planner", type=click.Choice(list(PLANNERS)), help="[default: all-outcomes for determinized, or prada+]"
 )
-@click.option(
-    "--samples",
-    type=click.IntRange(min=1, max=MOST),
-    default=10_000,
-    show_default=True,
-    help="Action sequences to draw for each plan.",
-)
-@click.option(
-    "--objective",
-    type=click.Choice(["reward", "time"]),
-    help="What discounts later rewards: the number of actions before, or their duration."
-    "  [default: time, if the domain says how long each action takes]",
-)
+@options.samples("Action sequences to draw for each plan.", 10_000, MOST)
+@options.objective("  [default: time, if the domain says how long each action takes]", usual=None)
 @click.option(
     "--job",
     type=click.Choice([job.value for job in Job]),
@@ -86,13 +76,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     metavar="T",
     help="Move the arm out of view after an action whose rule was seen less than T times (§5.2).",
 )
-@click.option(
-    "--max-actions",
-    type=click.IntRange(min=0, max=MOST),
-    default=60,
-    show_default=True,
-    help="Stop after so many actions.",
-)
+@options.max_actions("Stop after so many actions.", MOST)
 @click.option(
     "--max-seconds",
     type=click.FloatRange(min=0, max=MOST),
@@ -109,7 +93,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     help="Folder to make the run's folder in.",
 )
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
-@click.option("--json", "as_data", is_flag=True, help="Print the summary as JSON, and nothing else.")
+@options.as_json("Print the summary as JSON, and nothing else.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 @usage_errors()
 def command(

@@ -7,6 +7,7 @@ import json
 import click
 
 from cleancli.api.explanations import explanation
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_given
@@ -14,7 +15,7 @@ from cleancli.cli.progress import working
 
 
 @command_of("explain")
-@click.option("--json", "as_data", is_flag=True, help="Print the explanation as JSON.")
+@options.as_json("Print the explanation as JSON.")
 def command(domain: str, problem: str, action: str, as_data: bool) -> None:
     """Say what ACTION, like "join2(a1, a3)", would do in the initial state of PROBLEM, and by which rule.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cleancli.api.lessons import lessons
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.files import echo_difference
@@ -35,7 +36,7 @@ from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 @click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
-@click.option("--json", "as_data", is_flag=True, help="Print what was learned as JSON.")
+@options.as_json("Print what was learned as JSON.")
 def command(
     domain: str, experience: tuple[Path, ...], estimator: str, m: float, write: bool, as_data: bool
 ) -> None:

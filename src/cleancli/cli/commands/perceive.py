@@ -11,6 +11,7 @@ import click
 
 from cleancli.api.observations import SeenLook, described, photographed, recorded, told, understood
 from cleancli.api.observations import drawn as drawn_picture
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
@@ -21,9 +22,6 @@ from cleancli.perception.pictures import contact_sheet
 from cleancli.perception.recorded import save_frames
 from cleancli.perception.rerun_file import Look, MissingRerun, find_rerun, write_recording
 from cleancli.recording.pictures import write_png
-
-_FILE = click.Path(path_type=Path, dir_okay=False)
-_FOLDER = click.Path(path_type=Path, file_okay=False)
 
 
 class _Told:
@@ -45,10 +43,16 @@ class _Told:
 
 
 @command_of("perceive")
-@click.option("--out", type=_FILE, help="Write a PNG contact sheet: what each step left, and the ellipses.")
-@click.option("--drawn", type=_FILE, help="Write a PNG of the colour image with ellipses, names and symbols.")
-@click.option("--rrd", "recording", type=_FILE, help="Write a Rerun recording of every step.")
-@click.option("--save-frames", "saved", type=_FOLDER, help="Write the camera's frames into this folder.")
+@click.option(
+    "--out", type=options.FILE, help="Write a PNG contact sheet: what each step left, and the ellipses."
+)
+@click.option(
+    "--drawn", type=options.FILE, help="Write a PNG of the colour image with ellipses, names and symbols."
+)
+@click.option("--rrd", "recording", type=options.FILE, help="Write a Rerun recording of every step.")
+@click.option(
+    "--save-frames", "saved", type=options.FOLDER, help="Write the camera's frames into this folder."
+)
 @click.option(
     "--scene",
     "setting_of",
@@ -58,8 +62,8 @@ class _Told:
     help="Whose surface and thresholds a FOLDER is understood with.",
 )
 @click.option("--domain", shell_complete=domains, help="Whose symbols are told. [default: the scene's]")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of where dirt lies. [default: the scene's]")
-@click.option("--json", "as_data", is_flag=True, help="Print it as JSON, in metres on the surface.")
+@options.seed("where dirt lies")
+@options.as_json("Print it as JSON, in metres on the surface.")
 def command(
     scene_or_folder: str,
     out: Path | None,

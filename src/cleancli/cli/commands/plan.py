@@ -10,6 +10,7 @@ import click
 
 from cleancli.api.plans import evaluation_result, plan_result
 from cleancli.api.seen import seen, timed
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.inputs import open_given
 from cleancli.cli.progress import working
@@ -56,38 +57,22 @@ class _Wanted:
 @click.option("--explain", is_flag=True, help="Say what is expected of each step, and by which rule.")
 @click.option(
     "--plot",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=options.FILE,
     metavar="FILE",
     help="Draw what is believed after each step, as .png or .svg (needs matplotlib).",
 )
-@click.option(
-    "--samples",
-    type=click.IntRange(min=1),
-    help="Action sequences to draw (n in eq. 3). [default: the problem's, or 10000]",
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    help="Seed of all randomness. [default: the problem's or the scene's, or 1]",
-)
-@click.option(
-    "--time-limit", type=click.FloatRange(min=0, min_open=True), help="Seconds for the search; see the docs."
-)
+@options.samples("Action sequences to draw (n in eq. 3). [default: the problem's, or 10000]")
+@options.seed(usual="the problem's or the scene's, or 1")
+@options.time_limit("the search")
 @click.option("--threads", type=click.IntRange(min=1), help="Threads at most. [default: 2]")
-@click.option(
-    "--objective",
-    type=click.Choice(["reward", "time"]),
-    default="reward",
-    show_default=True,
-    help="What discounts later rewards: the number of actions before, or their duration.",
-)
+@options.objective()
 @click.option(
     "--compat",
     type=click.Choice(["libprada"]),
     help="Ground and plan as libPRADA does, to compare; with prada or aprada.",
 )
 @click.option("--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated.")
-@click.option("--json", "as_data", is_flag=True, help="Print everything as JSON.")
+@options.as_json("Print everything as JSON.")
 @usage_errors()
 def command(
     domain: str,

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import working
@@ -23,8 +24,8 @@ from cleancli.report.timeline import in_order
 
 
 @command_of("report")
-@click.option("--html", type=click.Path(path_type=Path, dir_okay=False), help="Write the page to this file.")
-@click.option("--json", "as_data", is_flag=True, help="Print the figures as JSON; write only --html's file.")
+@click.option("--html", type=options.FILE, help="Write the page to this file.")
+@options.as_json("Print the figures as JSON; write only --html's file.")
 def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None:
     """Tell what became of each RUN, the folder that `execute` has made.
 

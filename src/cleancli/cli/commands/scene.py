@@ -12,6 +12,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
@@ -24,18 +25,16 @@ from cleancli.scene.robots import ARMS
 from cleancli.world.reach_map import missed, reach
 from cleancli.world.table import PybulletTable
 
-_FILE = click.Path(path_type=Path, dir_okay=False)
-
 
 @command_of("scene")
-@click.option("--out", type=_FILE, help="Write a PNG picture: what the camera sees, beside the room.")
-@click.option("--reach", "reached", type=_FILE, help="Write a PNG map of where the robot reaches.")
+@click.option("--out", type=options.FILE, help="Write a PNG picture: what the camera sees, beside the room.")
+@click.option("--reach", "reached", type=options.FILE, help="Write a PNG map of where the robot reaches.")
 @click.option(
     "--robot", type=click.Choice(list(ARMS)), help="The robot that stands there. [default: the scene's]"
 )
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of where dirt lies. [default: the scene's]")
+@options.seed("where dirt lies")
 @click.option("--gui", is_flag=True, help="Show the table in a window until that is closed.")
-@click.option("--json", "as_data", is_flag=True, help="Print it as JSON.")
+@options.as_json("Print it as JSON.")
 def command(
     scene: str,
     out: Path | None,

@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import wants_colour
 from cleancli.cli.inputs import open_loaded
@@ -53,14 +54,8 @@ class Sizes:
 
 
 @command_of("show")
-@click.option(
-    "--samples",
-    type=click.IntRange(min=1),
-    default=10_000,
-    show_default=True,
-    help="Action sequences whose coverage is told (n in eq. 3).",
-)
-@click.option("--json", "as_data", is_flag=True, help="Print everything as JSON.")
+@options.samples("Action sequences whose coverage is told (n in eq. 3).", 10_000)
+@options.as_json("Print everything as JSON.")
 def command(domain: str, problem: str | None, samples: int, as_data: bool) -> None:
     """Show the types of DOMAIN as a tree, its symbols, and the rules of each action with their outcomes.
 

@@ -6,6 +6,7 @@ import click
 
 from cleancli.api.asked import Asked
 from cleancli.api.simulations import batch, simulation_result
+from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains
 from cleancli.cli.inputs import open_given, open_loaded
@@ -35,24 +36,10 @@ from cleancli.simulation.episode import EpisodeLimits
     help="The rules by which the world acts and pays. [default: those of DOMAIN]",
     shell_complete=domains,
 )
-@click.option(
-    "--samples",
-    type=click.IntRange(min=1),
-    help="What a planner draws for a plan. [default: the problem's, or 10000]",
-)
-@click.option(
-    "--seed", type=click.IntRange(min=0), help="Seed of all randomness. [default: the problem's, or 1]"
-)
-@click.option(
-    "--time-limit", type=click.FloatRange(min=0, min_open=True), help="Seconds for a plan; see the docs."
-)
-@click.option(
-    "--max-actions",
-    type=click.IntRange(min=0),
-    default=60,
-    show_default=True,
-    help="Stop an episode after so many actions.",
-)
+@options.samples("What a planner draws for a plan. [default: the problem's, or 10000]")
+@options.seed(usual="the problem's, or 1")
+@options.time_limit("a plan")
+@options.max_actions("Stop an episode after so many actions.")
 @click.option(
     "--commit",
     type=click.IntRange(min=1),
@@ -60,15 +47,9 @@ from cleancli.simulation.episode import EpisodeLimits
     show_default=True,
     help="Actions of a plan to do before planning again (§4.2.4).",
 )
-@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
-@click.option(
-    "--objective",
-    type=click.Choice(["reward", "time"]),
-    default="reward",
-    show_default=True,
-    help="What discounts later rewards: the number of actions before, or their duration.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON, episode by episode.")
+@options.jobs("Processes.")
+@options.objective()
+@options.as_json("Print everything as JSON, episode by episode.")
 @usage_errors()
 def command(
     domain: str,
@@ -83,7 +64,7 @@ def command(
     commit: int,
     jobs: int,
     objective: str,
-    as_json: bool,
+    as_data: bool,
 ) -> None:
     """Simulate episodes of PROBLEM: plan with the rules of DOMAIN, do the first actions, plan again.
 
@@ -100,4 +81,4 @@ def command(
     with located_in(*texts), planning_refused(texts):
         found = counted("simulating", spread(setup, episodes, jobs), episodes)
         result = simulation_result(setup, found)
-    echo_simulation(result, as_json)
+    echo_simulation(result, as_data)

@@ -1,0 +1,64 @@
+"""Options that several commands have, each with its range and its words in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+FOLDER = click.Path(path_type=Path, file_okay=False)
+
+
+class Option(Protocol):
+    """What gives the option to a function that becomes a command."""
+
+    def __call__(self, function: F, /) -> F: ...
+
+
+def seed(of: str = "all randomness", usual: str = "the scene's") -> Option:
+    """What is drawn, and from which seed where none is asked for."""
+    return click.option("--seed", type=click.IntRange(min=0), help=f"Seed of {of}. [default: {usual}]")
+
+
+def samples(help: str, usual: int | None = None, most: int | None = None) -> Option:
+    """What planners draw; `usual` is None where the problem may say."""
+    kind = click.IntRange(min=1, max=most)
+    return click.option("--samples", type=kind, default=usual, show_default=usual is not None, help=help)
+
+
+def time_limit(of: str) -> Option:
+    """The time that a planner has."""
+    kind = click.FloatRange(min=0, min_open=True)
+    return click.option("--time-limit", type=kind, help=f"Seconds for {of}; see the docs.")
+
+
+def objective(note: str = "", usual: str | None = "reward") -> Option:
+    """What discounts; `usual` is None where that depends, which the note tells."""
+    return click.option(
+        "--objective",
+        type=click.Choice(["reward", "time"]),
+        default=usual,
+        show_default=usual is not None,
+        help=f"What discounts later rewards: the number of actions before, or their duration.{note}",
+    )
+
+
+def max_actions(help: str, most: int | None = None) -> Option:
+    """How long an episode may be."""
+    kind = click.IntRange(min=0, max=most)
+    return click.option("--max-actions", type=kind, default=60, show_default=True, help=help)
+
+
+def jobs(help: str) -> Option:
+    """How many processes share the work."""
+    return click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help=help)
+
+
+def as_json(help: str) -> Option:
+    """The answer for programs."""
+    return click.option("--json", "as_data", is_flag=True, help=help)
