@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
+
+import msgspec
 
 from cleancli.compiler.fluents import canonical_state
 from cleancli.files.plain import in_units, open_plain
@@ -23,6 +24,8 @@ MOST = 1000
 """Lines that are told of one file."""
 SHOWN = 2000
 """Bytes of a line that are shown."""
+
+_Fact = tuple[str, tuple[str, ...], bool | int | str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,8 @@ def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
             wrong.skip()
             continue
         try:
-            transition = _decode_line(_text(line), domain)
+            _refuse_no_text(line)
+            transition = _decode_line(line, domain)
         except ValueError as error:
             wrong.add(line, str(error))
         else:
@@ -85,9 +89,10 @@ def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
     wrong.refuse()
 
 
-def _text(line: bytes) -> str:
+def _refuse_no_text(line: bytes) -> None:
+    """Tell of a byte that is no text before anything that follows from it."""
     try:
-        return line.decode("utf-8")
+        line.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ValueError(f"byte 0x{line[error.start]:02x} is no UTF-8 text") from None
 
@@ -138,61 +143,61 @@ def _order(fact: Fact) -> tuple[str, tuple[str, ...]]:
     return fact.symbol, fact.objects
 
 
-def _decode_line(line: str, domain: Domain) -> Transition:
+class _Line(msgspec.Struct):
+    """A line as JSON. A fact is a symbol, its objects and its value."""
+
+    action: str
+    arguments: tuple[str, ...]
+    objects: dict[str, str]
+    before: tuple[_Fact, ...]
+    after: tuple[_Fact, ...]
+
+
+_DECODER = msgspec.json.Decoder(_Line)
+
+
+def _decode_line(line: bytes, domain: Domain) -> Transition:
     """Raises ValueError, with the reason, for anything that is not a transition."""
+    record = _parsed(line)
+    arity = {a.name: len(a.parameters) for a in domain.actions}
+    if record.action not in arity:
+        raise ValueError(f"the domain has no action {record.action!r}")
+    if len(record.arguments) != arity[record.action]:
+        taken = plural(arity[record.action], "argument")
+        raise ValueError(f"{record.action} takes {taken}, not {len(record.arguments)}")
+    types = {t.name for t in domain.types}
+    if unknown := [name for name in record.objects.values() if name not in types]:
+        raise ValueError(f"the domain has no type {unknown[0]!r}")
+    objects = tuple(Object(name, type_name) for name, type_name in record.objects.items())
+    known = {o.name for o in (*objects, *domain.constants)}
+    if unknown := [name for name in record.arguments if name not in known]:
+        raise ValueError(f"{unknown[0]!r} is not among its objects")
+    before = _state(record.before, "before", domain, known)
+    after = _state(record.after, "after", domain, known)
+    return Transition(record.action, record.arguments, objects, before, after)
+
+
+def _parsed(line: bytes) -> _Line:
     try:
-        record = _typed(json.loads(line.rstrip()), dict, "the line")
-    except json.JSONDecodeError as error:
-        raise ValueError(f"it is no JSON from column {error.pos + 1} on ({error.msg})") from None
+        return _DECODER.decode(line)
+    except msgspec.ValidationError as error:
+        raise ValueError(f"{str(error)[0].lower()}{str(error)[1:]}") from None
+    except msgspec.DecodeError as error:
+        raise ValueError(f"it is no JSON ({error})") from None
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
-    action = _typed(record.get("action"), str, "action")
-    arity = {a.name: len(a.parameters) for a in domain.actions}
-    arguments = tuple(_names(record.get("arguments"), "arguments"))
-    if action not in arity:
-        raise ValueError(f"the domain has no action {action!r}")
-    if len(arguments) != arity[action]:
-        raise ValueError(f"{action} takes {plural(arity[action], 'argument')}, not {len(arguments)}")
-    types = {t.name for t in domain.types}
-    objects = []
-    for name, type_name in _typed(record.get("objects"), dict, "objects").items():
-        if not isinstance(type_name, str) or type_name not in types:
-            raise ValueError(f"the domain has no type {type_name!r}")
-        objects.append(Object(name, type_name))
-    known = {o.name for o in (*objects, *domain.constants)}
-    if unknown := [name for name in arguments if name not in known]:
-        raise ValueError(f"{unknown[0]!r} is not among its objects")
-    before, after = (_decode_state(record.get(key), key, domain, known) for key in ("before", "after"))
-    return Transition(action, arguments, tuple(objects), before, after)
 
 
-def _decode_state(value: object, key: str, domain: Domain, known: Iterable[str]) -> State:
+def _state(listed: Iterable[_Fact], key: str, domain: Domain, known: set[str]) -> State:
     symbols = {symbol.name: symbol for symbol in domain.symbols}
-    known = set(known)
     facts = []
-    for entry in _typed(value, list, key):
-        if not (isinstance(entry, list) and len(entry) == 3 and isinstance(entry[0], str)):
-            raise ValueError(f"{key} lists {reprlib.repr(entry)}, which is no [symbol, objects, value]")
-        name, objects, fact_value = entry[0], tuple(_names(entry[1], key)), entry[2]
+    for name, objects, value in listed:
         symbol = symbols.get(name)
         if symbol is None or len(symbol.parameters) != len(objects):
             raise ValueError(f"the domain has no symbol {name!r} for {plural(len(objects), 'object')}")
-        if type(fact_value) is not type(symbol.values[0]) or fact_value not in symbol.values:
-            raise ValueError(f"{name} cannot be {fact_value!r}")
+        if type(value) is not type(symbol.values[0]) or value not in symbol.values:
+            raise ValueError(f"{name} cannot be {value!r}")
         if not known.issuperset(objects):
             raise ValueError(f"{key} names an object that is not listed")
-        facts.append(Fact(name, objects, fact_value))
+        facts.append(Fact(name, objects, value))
     return canonical_state(domain, facts)
-
-
-def _names(value: object, key: str) -> list[str]:
-    names = [name for name in _typed(value, list, key) if isinstance(name, str)]
-    if names != value:
-        raise ValueError(f"{key} must list names")
-    return names
-
-
-def _typed(value: Any, kind: type, key: str) -> Any:
-    if not isinstance(value, kind):
-        raise ValueError(f"{key} is no {kind.__name__}")
-    return value

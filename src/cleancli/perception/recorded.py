@@ -7,11 +7,12 @@ for each frame `colour-000.png` (RGB) and `depth-000.png` (16 bits, millimetres,
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import cv2
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,42 +66,41 @@ def load_frames(folder: Path) -> tuple[Frame, ...]:
     return tuple(_read_frame(folder, number, camera, clock) for number, clock in enumerate(clocks))
 
 
+_Row = tuple[float, float, float, float]
+_Above = msgspec.Meta(gt=0)
+
+
+class _CameraFile(msgspec.Struct):
+    """`camera.json`: sizes and focal length in pixels, the pose in metres, clocks in seconds."""
+
+    width: Annotated[int, _Above]
+    height: Annotated[int, _Above]
+    focal: Annotated[float, _Above]
+    centre: tuple[float, float]
+    clocks: tuple[float, ...]
+    pose: tuple[_Row, _Row, _Row, _Row] | None = None
+
+
 def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
     try:
-        described = json.loads(read_plain(path, LARGEST_CAMERA).decode("utf-8"))
-        located = described.get("pose") is not None
-        pose = np.array(described["pose"], np.float64) if located else np.eye(4)
-        x, y = map(float, described["centre"])
-        clocks = tuple(map(float, described["clocks"]))
-        camera = Camera(
-            int(described["width"]),
-            int(described["height"]),
-            float(described["focal"]),
-            (x, y),
-            pose,
-            located,
-        )
+        read = msgspec.json.decode(read_plain(path, LARGEST_CAMERA), type=_CameraFile)
     except RecursionError:
         raise BadRecording(f"{path}: no description of a camera (it is nested too deeply)") from None
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
-        raise BadRecording(f"{path}: no description of a camera ({error!r})") from error
-    if pose.shape != (4, 4) or not np.isfinite(pose).all():
-        raise BadRecording(f"{path}: `pose` must be a matrix of 4 rows of 4 numbers")
+    except msgspec.MsgspecError as error:
+        raise BadRecording(f"{path}: no description of a camera ({error})") from error
+    pose = np.eye(4) if read.pose is None else np.array(read.pose)
     if not _is_rigid(pose):
         raise BadRecording(f"{path}: `pose` must be a rotation and a place, its last row 0 0 0 1")
-    if min(camera.width, camera.height) <= 0:
-        raise BadRecording(f"{path}: `width` and `height` must be above 0")
-    if not (camera.focal > 0 and all(map(math.isfinite, (camera.focal, x, y, *clocks)))):
-        raise BadRecording(f"{path}: `focal` must be above 0, and all numbers finite")
-    pixels = camera.width * camera.height
+    camera = Camera(read.width, read.height, read.focal, read.centre, pose, read.pose is not None)
+    pixels = read.width * read.height
     if pixels > MOST_PIXELS:
         raise BadRecording(f"{path}: a frame may have at most 3840 x 2160 pixels, not {_size(camera)}")
-    if pixels * len(clocks) > MOST_IN_ALL:
+    if pixels * len(read.clocks) > MOST_IN_ALL:
         most = MOST_IN_ALL // pixels
         raise BadRecording(f"{path}: of {_size(camera)} pixels a look may have at most {most} frames")
-    if not clocks:
+    if not read.clocks:
         raise BadRecording(f"{path}: `clocks` lists no frame")
-    return camera, clocks
+    return camera, read.clocks
 
 
 def _size(camera: Camera) -> str:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TypeGuard
+from typing import Annotated
+
+import msgspec
+from msgspec import structs
 
 from cleancli.files.plain import read_plain
 
@@ -93,61 +95,41 @@ def file_content(file: Path) -> bytes:
     return read_plain(file, LARGEST)
 
 
+class _Appearance(msgspec.Struct):
+    columns: Annotated[int, msgspec.Meta(gt=0)]
+    rows: Annotated[int, msgspec.Meta(gt=0)]
+    colours: tuple[tuple[float, float, float], ...]
+    tilt: float
+
+
+_PIXELS, _AMOUNT = Annotated[int, msgspec.Meta(ge=0, le=100)], Annotated[float, msgspec.Meta(ge=0)]
+_Thresholds = msgspec.defstruct(
+    "_Thresholds",
+    [(each.name, _PIXELS if isinstance(each.default, int) else _AMOUNT) for each in fields(Thresholds)],
+)
+"""All thresholds: what a file leaves out is not taken to be as usual."""
+
+
+class _File(msgspec.Struct):
+    format: str
+    thresholds: _Thresholds  # type: ignore[valid-type]  # mypy knows no types that are made while running
+    appearance: _Appearance
+
+
 def decode(content: bytes, path: str) -> Calibration:
     """The calibration that a file's bytes describe. Raises BadCalibration."""
     try:
-        described = json.loads(content.decode("utf-8"))
+        read = msgspec.json.decode(content, type=_File)
     except RecursionError:
         raise BadCalibration("it is nested too deeply") from None
-    except ValueError as error:
+    except msgspec.ValidationError as error:
+        raise BadCalibration(str(error)) from error
+    except msgspec.DecodeError as error:
         raise BadCalibration("it is no JSON") from error
-    if not isinstance(described, dict) or described.get("format") != FORMAT:
+    if read.format != FORMAT:
         raise BadCalibration(f'its `format` is not "{FORMAT}"')
-    return Calibration(
-        path, _thresholds(described.get("thresholds")), _appearance(described.get("appearance"))
-    )
-
-
-def _thresholds(described: object) -> Thresholds:
-    parts = _mapping(described, "thresholds")
-    values: dict[str, float] = {}
-    for field in fields(Thresholds):
-        value = parts.get(field.name)
-        whole = field.name in ("surface_edge", "object_edge")
-        if not _is_number(value) or value < 0 or (whole and (value != int(value) or value > 100)):
-            kind = "a whole number from 0 to 100" if whole else "a number of at least 0"
-            raise BadCalibration(f"`{field.name}` must be {kind}")
-        values[field.name] = int(value) if whole else float(value)
-    return Thresholds(**values)  # type: ignore[arg-type]
-
-
-def _appearance(described: object) -> Appearance:
-    parts = _mapping(described, "appearance")
-    columns, rows, tilt = (parts.get(key) for key in ("columns", "rows", "tilt"))
-    if not (isinstance(columns, int) and isinstance(rows, int) and columns > 0 and rows > 0):
-        raise BadCalibration("`columns` and `rows` must be whole numbers above 0")
-    if not _is_number(tilt):
-        raise BadCalibration("`tilt` must be a number")
-    listed = parts.get("colours")
-    colours = tuple(map(_colour, listed)) if isinstance(listed, list) else ()
-    if len(colours) != columns * rows:
-        raise BadCalibration(f"`colours` must list {columns * rows} colours")
-    return Appearance(columns, rows, colours, float(tilt))
-
-
-def _mapping(described: object, name: str) -> dict[str, object]:
-    if not isinstance(described, dict):
-        raise BadCalibration(f"it has no `{name}`")
-    return described
-
-
-def _colour(described: object) -> tuple[float, float, float]:
-    match described:
-        case [red, green, blue] if _is_number(red) and _is_number(green) and _is_number(blue):
-            return float(red), float(green), float(blue)
-    raise BadCalibration("each of `colours` must be three numbers")
-
-
-def _is_number(value: object) -> TypeGuard[int | float]:
-    """Whether it is finite and fits a float."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+    looked = read.appearance
+    if len(looked.colours) != looked.columns * looked.rows:
+        raise BadCalibration(f"`colours` must list {looked.columns * looked.rows} colours")
+    appearance = Appearance(looked.columns, looked.rows, looked.colours, looked.tilt)
+    return Calibration(path, Thresholds(**structs.asdict(read.thresholds)), appearance)
