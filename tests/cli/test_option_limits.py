@@ -50,6 +50,16 @@ def test_the_table_lists_what_can_be_asked_for() -> None:
         }
 
 
+def test_the_pages_tell_of_every_planner() -> None:
+    """In the tables of what is preferred among equals, and of planners' options; beliefs have a section."""
+    page = (Path(__file__).parents[2] / "docs" / "planning.md").read_text(encoding="utf-8")
+    equals, options = (
+        page.partition(head)[2].partition("\n\n")[0] for head in ("| of equals |", "| planner | options |")
+    )
+    assert all(f"`{name}`" in equals for name in PLANNERS)
+    assert all(f"`{name}`" in options for name in PLANNERS if "prada" not in name)
+
+
 def test_an_option_of_one_planner_is_none_of_all() -> None:
     everyones = set(Options.__dataclass_fields__)
     assert not any(everyones & set(named_options(planner.own)) for planner in PLANNERS.values())

@@ -14,7 +14,7 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
 
-NAMES = ("exact", "uct", "sst", "likeliest", "all-outcomes")
+NAMES = tuple(name for name in PLANNERS if "prada" not in name)
 
 ONE = "objects { a - area } init { %s }"
 PAID = domains.SECTION_4.replace("reward { decrease(dirty) }", "reward { 3 * goal - dirty }")
