@@ -5,8 +5,10 @@ A ragged list is two arrays: the entries of item i of `x` are `x[x_start[i] : x_
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence, Sized
 from fractions import Fraction
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,24 +17,34 @@ Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
+_Item = TypeVar("_Item")
 
-def inverse(size: int, lists: Sequence[Sequence[int]]) -> list[list[int]]:
-    """For each member below `size`, which of the lists have it."""
-    holders: list[list[int]] = [[] for _ in range(size)]
+
+def grouped(items: Iterable[_Item], groups: Iterable[int], count: int) -> list[list[_Item]]:
+    """The items of each of `count` groups, for items with the group that each is of."""
+    grouped: list[list[_Item]] = [[] for _ in range(count)]
+    for item, group in zip(items, groups, strict=True):
+        grouped[group].append(item)
+    return grouped
+
+
+def overlapping(lists: Iterable[Iterable[int]], sets: Iterable[Iterable[int]]) -> list[list[int]]:
+    """For each of the sets, which of the lists have a member of it."""
+    holders: defaultdict[int, list[int]] = defaultdict(list)
     for index, members in enumerate(lists):
         for member in members:
             holders[member].append(index)
-    return holders
+    return [sorted({index for member in members for index in holders[member]}) for members in sets]
 
 
-def union(lists: Sequence[Sequence[int]], chosen: Iterable[int]) -> list[int]:
-    return sorted({member for index in chosen for member in lists[index]})
+def starts(lists: Iterable[Sized]) -> Ints:
+    """Where each list begins when they stand one after the other, and where the last ends: (items + 1,)."""
+    return np.cumsum([0, *map(len, lists)]).astype(np.int32)
 
 
-def ragged(lists: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
+def ragged(lists: Sequence[Collection[int]]) -> tuple[Ints, Ints]:
     """Starts (items + 1,) and entries (n,) of a list of lists of indices."""
-    start = np.cumsum([0, *map(len, lists)]).astype(np.int32)
-    return start, np.array([entry for entries in lists for entry in entries], dtype=np.int32)
+    return starts(lists), np.array([entry for entries in lists for entry in entries], dtype=np.int32)
 
 
 def floats(values: Iterable[float | Fraction]) -> Floats:

@@ -24,8 +24,11 @@ class StateVariable:
     values: tuple[Value, ...]
 
 
-GroundCondition = tuple[tuple[int, frozenset[int]], ...]
-"""Pairs (variable index, indices of the values it may have), sorted by variable, one pair a variable."""
+GroundLiteral = tuple[int, frozenset[int]]
+"""A variable's index, and the indices of the values that it may have."""
+
+GroundCondition = tuple[GroundLiteral, ...]
+"""Sorted by variable, one literal a variable."""
 
 GroundState = tuple[int, ...]
 """A state of the task: for each variable the index of its value."""
@@ -63,6 +66,11 @@ class GroundRule:
     action: int
     condition: GroundCondition
     outcomes: tuple[GroundOutcome, ...]
+
+    @property
+    def changes(self) -> bool:
+        """Whether one of its outcomes has an effect."""
+        return any(outcome.effects for outcome in self.outcomes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +123,11 @@ class Task:
 def holds(condition: GroundCondition, assignment: GroundState) -> bool:
     """Whether the assignment gives every variable of the condition one of the values it may have."""
     return all(assignment[variable] in allowed for variable, allowed in condition)
+
+
+def variables_of(condition: GroundCondition) -> list[int]:
+    """The variables that the condition asks for, ascending."""
+    return [variable for variable, _ in condition]
 
 
 def held(conditions: Sequence[GroundCondition], assignment: GroundState) -> int:

@@ -9,15 +9,25 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.compiler.ragged import Bools, Floats, floats, inverse, ragged, union
+from cleancli.compiler.ragged import Bools, Floats, floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
-from cleancli.compiler.task import GroundCondition, GroundRule, Task, advances, asked
+from cleancli.compiler.task import (
+    GroundCondition,
+    GroundLiteral,
+    GroundRule,
+    Task,
+    advances,
+    asked,
+    variables_of,
+)
 
 Indices = NDArray[np.uint32]
 """Not signed, so that compiled code need not ask whether one counts from an array's end: a quarter of its
@@ -25,6 +35,11 @@ time."""
 
 Effects = dict[int, list[tuple[int, float]]]
 """For each variable that a rule may set, ascending, the values that its outcomes give it, and how likely."""
+
+Losses = dict[int, tuple[int, float]]
+"""Per slot that loses, the number of the literal that is given, and how much of P(slot | given) goes."""
+
+_Entry = TypeVar("_Entry")
 
 
 class Tables(NamedTuple):
@@ -80,135 +95,167 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     `independent`: for libPRADA's update, which takes whether rules of one action apply, and the values of
     variables, as independent of each other. Then rules may overlap.
     """
-    changing = [any(outcome.effects for outcome in rule.outcomes) for rule in task.rules]
-    kept = [i for i, changes in enumerate(changing) if changes or independent or task.waiting]
-    rules, wanted = [task.rules[i] for i in kept], asked(task)
-    effects = [_effects(rule) for rule in rules]
-    numbers = _Numbers(task, rules, independent)
-    start = np.searchsorted([rule.action for rule in rules], np.arange(len(task.actions) + 1))
-    spans = [slice(a, b) for a, b in itertools.pairwise(start.tolist())]
-    guards = [numbers.guard(rules[span]) for span in spans]
-    rests = [sorted(set(numbers.of(rule.condition)) - set(guards[rule.action])) for rule in rules]
-    shifts = list(map(numbers.shifts, rules, effects))
-    losses = list(map(numbers.losses, rules, effects))
-    variables = [sorted({v for effect in effects[span] for v in effect}) for span in spans]
-    sums_of = inverse(len(task.variables), [[variable] for variable, _ in numbers.sums])
-    wanted_of = inverse(len(task.variables), [[v for v, _ in each.condition] for each in wanted])
+    rules = [_merged(rule, independent) for rule in task.rules if task.waiting or independent or rule.changes]
+    rules_of = grouped(rules, [rule.action for rule in rules], len(task.actions))
+    wanted = [each.condition for each in asked(task)]
+    numbers = _Numbers(task, [*(rule.condition for rule in rules), *wanted])
+    guards = list(map(numbers.guard, rules_of))
+    beside = [numbers.beside(guards[rule.action], rule.condition) for rule in rules]
+    shifts = list(map(numbers.shifts, rules))
+    losses = list(map(numbers.losses, rules))
+    touched = [sorted(set().union(*(rule.effects for rule in group))) for group in rules_of]
+
+    sum_start, sum_slot = _indices(numbers.sums.values())
+    guard_start, guard = _indices(guards)
+    condition_start, condition = _indices([*beside, *map(numbers.of, wanted)])
+    shift_start, shift_slot = _indices(shifts)
+    loss_start, loss_slot = _indices(losses)
+    touched_slot_start, touched_slot = _indices(map(numbers.slots, touched))
+    touched_sum_start, touched_sum = _indices(overlapping([[v] for v, _ in numbers.sums], touched))
+    touched_reward_start, touched_reward = _indices(overlapping(map(variables_of, wanted), touched))
     return Tables(
-        numbers.slot_start.astype(np.uint32),
-        *_indices(list(numbers.sums.values())),
-        *_indices(guards),
-        *_indices([*rests, *(numbers.of(each.condition) for each in wanted)]),
-        start.astype(np.uint32),
-        np.array([changing[i] or (task.waiting and not independent) for i in kept], dtype=np.bool_),
-        *_indices([list(s) for s in shifts]),
-        floats(p for s in shifts for p in s.values()),
-        *_indices([[slot for slot, _, _ in entries] for entries in losses]),
-        np.array([given for entries in losses for _, given, _ in entries], dtype=np.uint32),
-        floats(p for entries in losses for _, _, p in entries),
-        *_indices([numbers.slots(chosen) for chosen in variables]),
-        *_indices([union(sums_of, chosen) for chosen in variables]),
-        *_indices([union(wanted_of, chosen) for chosen in variables]),
-        floats(action.cost for action in task.actions),
-        floats(payment(task, action) for action in range(len(task.actions))),
-        floats(task.discounts),
-        floats(_most(task, [effects[span] for span in spans])),
-        floats(each.decrease for each in wanted),
-        floats(each.state for each in wanted),
-        floats(advances(task)),
-        floats([task.constant_reward]),
-        np.array([independent]),
+        slot_start=np.array(numbers.first, dtype=np.uint32),
+        sum_start=sum_start,
+        sum_slot=sum_slot,
+        guard_start=guard_start,
+        guard=guard,
+        condition_start=condition_start,
+        condition=condition,
+        rule_start=starts(rules_of).astype(np.uint32),
+        useful=np.array(
+            [rule.changes or (task.waiting and not independent) for rule in rules], dtype=np.bool_
+        ),
+        shift_start=shift_start,
+        shift_slot=shift_slot,
+        shift=floats(_entries(shifts)),
+        loss_start=loss_start,
+        loss_slot=loss_slot,
+        loss_given=np.array([given for given, _ in _entries(losses)], dtype=np.uint32),
+        loss=floats(probability for _, probability in _entries(losses)),
+        touched_slot_start=touched_slot_start,
+        touched_slot=touched_slot,
+        touched_sum_start=touched_sum_start,
+        touched_sum=touched_sum,
+        touched_reward_start=touched_reward_start,
+        touched_reward=touched_reward,
+        cost=floats(action.cost for action in task.actions),
+        payment=floats(payment(task, action) for action in range(len(task.actions))),
+        discount=floats(task.discounts),
+        most=floats(_most(task, rules_of)),
+        decrease=floats(each.decrease for each in asked(task)),
+        state=floats(each.state for each in asked(task)),
+        advance=floats(advances(task)),
+        constant=floats([task.constant_reward]),
+        independent=np.array([independent]),
     )
 
 
-def _indices(lists: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
-    start, entries = ragged(lists)
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    """A rule as a belief meets it: its outcomes are merged, variable by variable. `known` has what an update
+    may take as known where the rule applies; `changes` tells whether an outcome has an effect at all."""
+
+    action: int
+    condition: GroundCondition
+    known: dict[int, frozenset[int]]
+    effects: Effects
+    changes: bool
+
+
+def _merged(rule: GroundRule, independent: bool) -> _Rule:
+    effects: Effects = defaultdict(list)
+    for outcome in rule.outcomes:
+        probability = float(outcome.probability)
+        for variable, value in outcome.effects if probability else ():
+            effects[variable].append((value, probability))
+    ordered = {variable: effects[variable] for variable in sorted(effects)}
+    known = {} if independent else dict(rule.condition)
+    return _Rule(rule.action, rule.condition, known, ordered, rule.changes)
+
+
+def _indices(lists: Iterable[Collection[int]]) -> tuple[Indices, Indices]:
+    start, entries = ragged(list(lists))
     return start.astype(np.uint32), entries.astype(np.uint32)
 
 
-def _effects(rule: GroundRule) -> Effects:
-    effects: Effects = {}
-    for outcome in rule.outcomes:
-        if outcome.probability:
-            probability = float(outcome.probability)
-            for variable, value in outcome.effects:
-                effects.setdefault(variable, []).append((value, probability))
-    return {variable: effects[variable] for variable in sorted(effects)}
+def _entries(mappings: Iterable[Mapping[int, _Entry]]) -> list[_Entry]:
+    return [entry for mapping in mappings for entry in mapping.values()]
 
 
 class _Numbers:
-    """Which numbers of a belief literals, conditions and effects are about."""
+    """Which numbers of a belief literals, conditions and effects are about.
 
-    def __init__(self, task: Task, rules: Sequence[GroundRule], independent: bool) -> None:
-        self._independent = independent
-        sizes = [len(variable.values) for variable in task.variables]
-        self.slot_start = np.cumsum([0, *sizes])
-        self._first: list[int] = self.slot_start.tolist()
-        conditions = [*(rule.condition for rule in rules), *(each.condition for each in asked(task))]
-        several = {(v, tuple(sorted(a))) for condition in conditions for v, a in condition if len(a) > 1}
-        self.sums = {(v, a): [self._first[v] + value for value in a] for v, a in sorted(several)}
-        self._number: dict[tuple[int, tuple[int, ...]], int] = {
-            literal: self._first[-1] + index for index, literal in enumerate(self.sums)
-        }
-        self.one = self._first[-1] + len(self.sums)
+    `first` has each variable's first slot, and how many slots there are; `sums` the slots that are added for
+    each literal that allows several values.
+    """
 
-    def of(self, condition: GroundCondition) -> list[int]:
+    def __init__(self, task: Task, conditions: Iterable[GroundCondition]) -> None:
+        self.first = [0, *itertools.accumulate(len(variable.values) for variable in task.variables)]
+        literals = (literal for condition in conditions for literal in condition)
+        several = sorted({(v, tuple(sorted(allowed))) for v, allowed in literals if len(allowed) > 1})
+        self.sums = {(v, values): [self.first[v] + value for value in values] for v, values in several}
+        self._sum = {literal: self.first[-1] + index for index, literal in enumerate(self.sums)}
+        self._one = self.first[-1] + len(self.sums)
+
+    def slots(self, variables: Iterable[int]) -> list[int]:
+        """Those of all their values."""
+        return [slot for v in variables for slot in range(self.first[v], self.first[v + 1])]
+
+    def of(self, condition: Iterable[GroundLiteral]) -> list[int]:
         """The numbers that the condition's probability is the product of."""
         return [self._literal(variable, allowed) for variable, allowed in condition]
 
     def _literal(self, variable: int, allowed: frozenset[int]) -> int:
         if len(allowed) == 1:
             (value,) = allowed
-            return self._first[variable] + value
-        return self._number[variable, tuple(sorted(allowed))]
+            return self.first[variable] + value
+        return self._sum[variable, tuple(sorted(allowed))]
 
-    def slots(self, variables: Sequence[int]) -> list[int]:
-        """Those of all their values."""
-        return [slot for v in variables for slot in range(self._first[v], self._first[v + 1])]
-
-    def guard(self, rules: Sequence[GroundRule]) -> list[int]:
-        """What all the rules ask for; nothing where they are independent, because then the probability that
-        one applies may be more than that of what all ask for."""
-        if self._independent or not rules:
+    def guard(self, rules: Sequence[_Rule]) -> list[int]:
+        """The numbers of the literals that are known wherever one of the rules applies. (Where rules are
+        independent, the probability that one applies may be more than that of what all ask for.)"""
+        if not rules:
             return []
-        return sorted(set.intersection(*(set(self.of(rule.condition)) for rule in rules)))
+        return sorted(set.intersection(*(set(self.of(rule.known.items())) for rule in rules)))
 
-    def shifts(self, rule: GroundRule, effects: Effects) -> dict[int, float]:
+    def beside(self, guard: Iterable[int], condition: GroundCondition) -> list[int]:
+        """The numbers of the condition that the guard of its action does not multiply."""
+        return sorted({*self.of(condition)}.difference(guard))
+
+    def shifts(self, rule: _Rule) -> dict[int, float]:
         """What the rule adds to slots: what its outcomes set, less what they set where the value is known."""
-        terms: dict[int, list[float]] = {}
-        asked = self._asked(rule)
-        for variable, entries in effects.items():
-            first = self._first[variable]
+        terms: defaultdict[int, list[float]] = defaultdict(list)
+        for variable, entries in rule.effects.items():
             for value, probability in entries:
-                terms.setdefault(first + value, []).append(probability)
-            if len(asked.get(variable, ())) == 1:
-                known = terms.setdefault(first + next(iter(asked[variable])), [])
-                known += [-probability for _, probability in entries]
+                terms[self.first[variable] + value].append(probability)
+            if len(rule.known.get(variable, ())) == 1:
+                (value,) = rule.known[variable]
+                terms[self.first[variable] + value] += [-probability for _, probability in entries]
         total = {slot: math.fsum(terms[slot]) for slot in sorted(terms)}
         return {slot: shift for slot, shift in total.items() if shift}
 
-    def losses(self, rule: GroundRule, effects: Effects) -> list[tuple[int, int, float]]:
-        """Slot, given literal and probability where the value that is lost is not known."""
-        losses = []
-        asked = self._asked(rule)
-        for variable, entries in effects.items():
-            allowed = asked.get(variable)
+    def losses(self, rule: _Rule) -> Losses:
+        """What the rule takes from slots where the value that is lost is not known."""
+        losses = {}
+        for variable, entries in rule.effects.items():
+            slots, given = self._possible(variable, rule.known.get(variable))
             probability = math.fsum(p for _, p in entries)
-            if allowed is None:
-                losses += [(slot, self.one, probability) for slot in self.slots([variable])]
-            elif len(allowed) > 1:
-                given = self._literal(variable, allowed)
-                losses += [(self._first[variable] + x, given, probability) for x in sorted(allowed)]
+            losses.update(dict.fromkeys(slots, (given, probability)))
         return losses
 
-    def _asked(self, rule: GroundRule) -> dict[int, frozenset[int]]:
-        """What the update may take as known of each variable where the rule applies."""
-        return {} if self._independent else dict(rule.condition)
+    def _possible(self, variable: int, allowed: frozenset[int] | None) -> tuple[list[int], int]:
+        """Slots of the values among which the variable's is not known, and the number of the literal that
+        allows them; no slots where one value alone is allowed."""
+        if allowed is None:
+            return self.slots([variable]), self._one
+        if len(allowed) == 1:
+            return [], self._one
+        return self.sums[variable, tuple(sorted(allowed))], self._literal(variable, allowed)
 
 
-def _most(task: Task, effects: Sequence[Sequence[Effects]]) -> list[float]:
-    """Per action, with its rules' effects, what it is paid at most for the conditions that may end or begin,
-    less its cost.
+def _most(task: Task, rules_of: Sequence[Sequence[_Rule]]) -> list[float]:
+    """Per action, with its rules, what it is paid at most for the conditions that may end or begin, less its
+    cost.
 
     A rule as likely as p changes a literal's probability by at most p times that of the outcomes that change
     it, and a product of probabilities by at most the sum of what its factors change.
@@ -217,15 +264,16 @@ def _most(task: Task, effects: Sequence[Sequence[Effects]]) -> list[float]:
     for reward in task.rewards:
         for variable, allowed in reward.condition:
             asking[variable].append((float(reward.decrease), allowed))
-
-    def paid(rule: Effects) -> float:
-        return sum(
-            probability * abs(decrease)
-            for variable, entries in rule.items()
-            for decrease, allowed in asking[variable]
-            for value, probability in entries
-            if (decrease < 0) == (value in allowed)
-        )
-
-    best = [max(map(paid, rules), default=0.0) for rules in effects]
+    best = [max((_paid_at_most(rule, asking) for rule in rules), default=0.0) for rules in rules_of]
     return [most - float(action.cost) for most, action in zip(best, task.actions, strict=True)]
+
+
+def _paid_at_most(rule: _Rule, asking: Sequence[Sequence[tuple[float, frozenset[int]]]]) -> float:
+    """`asking` has, for each variable, what the conditions pay that ask for it, and the values they allow."""
+    return sum(
+        probability * abs(decrease)
+        for variable, entries in rule.effects.items()
+        for decrease, allowed in asking[variable]
+        for value, probability in entries
+        if (decrease < 0) == (value in allowed)
+    )

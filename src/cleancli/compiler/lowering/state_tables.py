@@ -8,13 +8,15 @@ transition.py.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.compiler.ragged import Bools, Floats, Ints, floats, inverse, ragged, union
+from cleancli.compiler.ragged import Bools, Floats, Ints, floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
-from cleancli.compiler.task import Task, advances, asked
+from cleancli.compiler.task import GroundLiteral, GroundRule, Task, advances, asked, variables_of
 
 
 class Process(NamedTuple):
@@ -54,55 +56,59 @@ class Process(NamedTuple):
 
 def lower_process(task: Task) -> Process:
     """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
-    wanted = asked(task)
-    conditions = [*(rule.condition for rule in task.rules), *(each.condition for each in wanted)]
-    sizes = [len(variable.values) for variable in task.variables]
-    first = [0, *itertools.accumulate(sizes)]
-    rows: dict[tuple[int, frozenset[int]], int] = {}
-    allowed: list[bool] = []
-    for literal in itertools.chain.from_iterable(conditions):
-        if literal not in rows:
-            rows[literal] = len(allowed)
-            allowed += [value in literal[1] for value in range(len(task.variables[literal[0]].values))]
+    wanted = [each.condition for each in asked(task)]
+    conditions = [*(rule.condition for rule in task.rules), *wanted]
+    literals = [literal for condition in conditions for literal in condition]
+    rows = list(dict.fromkeys(literals))  # of `allowed`
+    row_start = dict(zip(rows, starts(task.variables[v].values for v, _ in rows), strict=False))
+    slot_start = starts(variable.values for variable in task.variables)
+    literal_slot_start, literal_slot = ragged(
+        [[slot_start[v] + value for value in sorted(values)] for v, values in literals]
+    )
+    rules_of = grouped(task.rules, [rule.action for rule in task.rules], len(task.actions))
+    touched = overlapping(map(variables_of, wanted), map(_touched, rules_of))
+    touched_reward_start, touched_reward = ragged(touched)
     outcomes = [outcome for rule in task.rules for outcome in rule.outcomes]
-    cumulated = [list(itertools.accumulate(o.probability for o in rule.outcomes)) for rule in task.rules]
-    rule_start = np.searchsorted([rule.action for rule in task.rules], np.arange(len(task.actions) + 1))
-    literal_start, literal_variable = ragged([[variable for variable, _ in c] for c in conditions])
-    effect_start, effect_variable = ragged([[variable for variable, _ in o.effects] for o in outcomes])
+    effects = [effect for outcome in outcomes for effect in outcome.effects]
     return Process(
-        np.array(sizes, dtype=np.int32),
-        np.cumsum([0, *sizes]).astype(np.int32),
-        rule_start.astype(np.int32),
-        np.array(
-            [task.waiting or any(o.effects for o in rule.outcomes) for rule in task.rules], dtype=np.bool_
-        ),
-        literal_start,
-        literal_variable,
-        ragged([[rows[literal] for literal in c] for c in conditions])[1],
-        np.array(allowed, dtype=np.bool_),
-        *ragged([[first[v] + value for value in sorted(values)] for c in conditions for v, values in c]),
-        np.cumsum([0, *(len(rule.outcomes) for rule in task.rules)]).astype(np.int32),
-        floats(outcome.probability for outcome in outcomes),
-        floats(itertools.chain.from_iterable(cumulated)),
-        effect_start,
-        effect_variable,
-        ragged([[value for _, value in o.effects] for o in outcomes])[1],
-        *ragged(_touched_rewards(task)),
-        floats(action.cost for action in task.actions),
-        floats(payment(task, action) for action in range(len(task.actions))),
-        floats(task.discounts),
-        floats(each.decrease for each in wanted),
-        floats(each.state for each in wanted),
-        floats(advances(task)),
-        floats([task.constant_reward]),
-        np.array([task.waiting]),
+        sizes=np.array([len(variable.values) for variable in task.variables], dtype=np.int32),
+        slot_start=slot_start,
+        rule_start=starts(rules_of),
+        rule_useful=np.array([task.waiting or rule.changes for rule in task.rules], dtype=np.bool_),
+        literal_start=starts(conditions),
+        literal_variable=np.array([variable for variable, _ in literals], dtype=np.int32),
+        literal_row=np.array([row_start[literal] for literal in literals], dtype=np.int32),
+        allowed=np.array(_fits(task, rows), dtype=np.bool_),
+        literal_slot_start=literal_slot_start,
+        literal_slot=literal_slot,
+        outcome_start=starts(rule.outcomes for rule in task.rules),
+        probability=floats(outcome.probability for outcome in outcomes),
+        cumulated=floats(itertools.chain.from_iterable(map(_cumulated, task.rules))),
+        effect_start=starts(outcome.effects for outcome in outcomes),
+        effect_variable=np.array([variable for variable, _ in effects], dtype=np.int32),
+        effect_value=np.array([value for _, value in effects], dtype=np.int32),
+        touched_reward_start=touched_reward_start,
+        touched_reward=touched_reward,
+        cost=floats(action.cost for action in task.actions),
+        payment=floats(payment(task, action) for action in range(len(task.actions))),
+        discount=floats(task.discounts),
+        decrease=floats(each.decrease for each in asked(task)),
+        state=floats(each.state for each in asked(task)),
+        advance=floats(advances(task)),
+        constant=floats([task.constant_reward]),
+        waiting=np.array([task.waiting]),
     )
 
 
-def _touched_rewards(task: Task) -> list[list[int]]:
-    """Per action the conditions that are asked with a variable that one of its outcomes sets."""
-    variables: list[set[int]] = [set() for _ in task.actions]
-    for rule in task.rules:
-        variables[rule.action].update(v for outcome in rule.outcomes for v, _ in outcome.effects)
-    holders = inverse(len(task.variables), [[v for v, _ in each.condition] for each in asked(task)])
-    return [union(holders, touched) for touched in variables]
+def _fits(task: Task, literals: Iterable[GroundLiteral]) -> list[bool]:
+    """For each literal, and each value of its variable, whether the literal allows it."""
+    return [value in allowed for v, allowed in literals for value in range(len(task.variables[v].values))]
+
+
+def _cumulated(rule: GroundRule) -> Iterator[Fraction]:
+    return itertools.accumulate(outcome.probability for outcome in rule.outcomes)
+
+
+def _touched(rules: Iterable[GroundRule]) -> set[int]:
+    """The variables that an outcome of the rules sets."""
+    return {variable for rule in rules for outcome in rule.outcomes for variable, _ in outcome.effects}
