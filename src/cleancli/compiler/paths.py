@@ -16,14 +16,10 @@ class Paths:
         names = sorted({*steps, *(target for targets in steps.values() for target in targets)})
         self._bit = {name: 1 << number for number, name in enumerate(names)}
         for component in _components(steps):
-            inner, found = 0, 0
-            for name in component:
-                inner |= self._bit[name]
+            found = 0
             for target in (target for name in component for target in steps.get(name, ())):
                 # Targets outside the component belong to one that was found before.
                 found |= self._bit[target] | self._reached.get(target, 0)
-            is_cycle = len(component) > 1 or bool(found & inner)
-            found |= inner if is_cycle else 0
             self._reached |= dict.fromkeys(component, found)
 
     def lead(self, start: str, goal: str) -> bool:
@@ -32,34 +28,47 @@ class Paths:
 
 
 def _components(steps: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
-    """The strongly connected components, each after all that it leads to (Tarjan, without recursion)."""
-    order: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: dict[str, None] = {}
+    """The strongly connected components, each after all that it leads to (Kosaraju and Sharir)."""
+    taken: set[str] = set()
+    for name in reversed(_finished(_reversed(steps))):
+        if name not in taken:
+            yield _reachable(name, steps, taken)
+
+
+def _reversed(steps: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    """For each name those from which one step leads to it."""
+    sources: dict[str, list[str]] = {name: [] for name in steps}
+    for source, targets in steps.items():
+        for target in targets:
+            sources.setdefault(target, []).append(source)
+    return sources
+
+
+def _finished(steps: Mapping[str, Sequence[str]]) -> list[str]:
+    """The names in the order in which a depth-first search has done with them."""
+    met: set[str] = set()
+    finished: list[str] = []
     for root in sorted(steps):
-        work = [root] if root not in order else []
-        targets = {root: iter(steps[root])}
+        work = [] if root in met else [(root, iter(steps[root]))]
+        met.add(root)
         while work:
-            name = work[-1]
-            if name not in order:
-                order[name] = low[name] = len(order)
-                stack[name] = None
-            target = next(targets[name], None)
+            name, targets = work[-1]
+            target = next((target for target in targets if target not in met), None)
             if target is None:
+                finished.append(name)
                 work.pop()
-                if work:
-                    low[work[-1]] = min(low[work[-1]], low[name])
-                if low[name] == order[name]:
-                    yield list(_taken_down_to(name, stack))
-            elif target not in order:
-                work.append(target)
-                targets[target] = iter(steps.get(target, ()))
-            elif target in stack:
-                low[name] = min(low[name], order[target])
+            else:
+                met.add(target)
+                work.append((target, iter(steps[target])))
+    return finished
 
 
-def _taken_down_to(name: str, stack: dict[str, None]) -> Iterator[str]:
-    taken = ""
-    while taken != name:
-        taken = stack.popitem()[0]
-        yield taken
+def _reachable(start: str, steps: Mapping[str, Sequence[str]], taken: set[str]) -> list[str]:
+    """The start and all names that steps lead to, but for those that are `taken`; they are then taken too."""
+    taken.add(start)
+    found = [start]
+    for name in found:
+        new = [target for target in dict.fromkeys(steps.get(name, ())) if target not in taken]
+        taken.update(new)
+        found += new
+    return found
