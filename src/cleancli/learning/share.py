@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from cleancli.language.model import Domain, Outcome
+from cleancli.language.model import Domain, Outcome, Parameter
 from cleancli.learning.estimate import Estimator
 from cleancli.learning.match import outcomes_of
 
@@ -30,18 +30,27 @@ def learn_parameters(domain: Domain, seen: Seen, estimator: Estimator, m: float)
     """
     groups = [outcomes_of(domain, rule) for rule in seen]
     stuck = {o.parameter for outcomes in groups if not any(map(_is_free, outcomes)) for o in outcomes}
-    values = {}
-    for parameter in domain.parameters:
-        uses = list(_uses(domain, seen, parameter.name))
-        examples = sum(total for _, total in uses)
-        values[parameter.name] = parameter.probability
-        if examples and not parameter.fixed and parameter.name not in stuck:
-            prior = parameter.probability if parameter.prior is None else parameter.prior
-            estimate = estimator(sum(count for count, _ in uses), examples, float(prior), m)
-            values[parameter.name] = Fraction(round(estimate * _UNIT), _UNIT)
+    values = {
+        parameter.name: parameter.probability
+        if parameter.fixed or parameter.name in stuck
+        else _learned(parameter, list(_uses(domain, seen, parameter.name)), estimator, m)
+        for parameter in domain.parameters
+    }
     for outcomes in groups:
         _limit(outcomes, values)
     return values
+
+
+def _learned(
+    parameter: Parameter, uses: Sequence[tuple[int, int]], estimator: Estimator, m: float
+) -> Fraction:
+    """What its `uses` estimate of a parameter, in units of the text; what it was without examples."""
+    examples = sum(total for _, total in uses)
+    if not examples:
+        return parameter.probability
+    prior = parameter.probability if parameter.prior is None else parameter.prior
+    estimate = estimator(sum(count for count, _ in uses), examples, float(prior), m)
+    return Fraction(round(estimate * _UNIT), _UNIT)
 
 
 def _is_free(outcome: Outcome) -> bool:
@@ -76,25 +85,32 @@ def probabilities_of(
     Fixed outcomes keep theirs and parameters have their own; the other outcomes share what is left in
     proportion to their estimates, but where nothing is fixed a `rest` makes up for the parameters alone.
     """
-    held = [
-        shared[o.parameter] if o.parameter is not None else (o.probability if o.fixed else None)
-        for o in outcomes
-    ]
+    held = [_held(outcome, shared) for outcome in outcomes]
     left = 1 - sum((value for value in held if value is not None), start=Fraction(0))
     free = [index for index, value in enumerate(held) if value is None]
-    rest = [index for index in free if outcomes[index].is_rest]
-    stated = [index for index in free if index not in rest]
-    asked = [estimates[index] for index in stated]
-    if rest and not any(o.fixed for o in outcomes) and sum(asked) <= left:
-        parts = dict(zip(stated, _rounded([*asked, float(left) - sum(asked)], left), strict=False))
-    else:
-        total = sum(estimates[index] for index in free)
-        scale = float(left) / total if total > 0 else 0.0
-        weights = [estimates[index] * scale if total > 0 else float(left) / len(free) for index in free]
-        parts = dict(zip(free, _rounded(weights, left), strict=True))
-    for index in rest:
-        parts[index] = left - sum((parts[other] for other in stated), start=Fraction(0))
+    wanted = _wanted(outcomes, {index: estimates[index] for index in free}, float(left))
+    parts = dict(zip(wanted, _rounded(tuple(wanted.values()), left), strict=True))
     return tuple(parts[index] if value is None else value for index, value in enumerate(held))
+
+
+def _held(outcome: Outcome, shared: Mapping[str, Fraction]) -> Fraction | None:
+    """The probability that an outcome has whatever the others get; None where it has none."""
+    if outcome.parameter is not None:
+        return shared[outcome.parameter]
+    return outcome.probability if outcome.fixed else None
+
+
+def _wanted(outcomes: Sequence[Outcome], estimates: Mapping[int, float], left: float) -> dict[int, float]:
+    """By their numbers, what the outcomes with these estimates are to get of what is left."""
+    stated = {index: estimate for index, estimate in estimates.items() if not outcomes[index].is_rest}
+    surplus = left - sum(stated.values())
+    if len(stated) < len(estimates) and surplus >= 0 and not any(o.fixed for o in outcomes):
+        (rest,) = estimates.keys() - stated.keys()
+        return {**stated, rest: surplus}
+    total = sum(estimates.values())
+    if total <= 0:
+        return {index: left / len(estimates) for index in estimates}
+    return {index: estimate * (left / total) for index, estimate in estimates.items()}
 
 
 def _rounded(estimates: Sequence[float], total: Fraction) -> tuple[Fraction, ...]:
