@@ -8,7 +8,7 @@ Parts of a rule that share no variable are counted apart, so a billion is counte
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 
@@ -16,7 +16,17 @@ from cleancli.compiler.disjoint_cases import Case
 from cleancli.compiler.partial_evaluation import part_text
 from cleancli.compiler.static_join import Part, Universe, free_variables
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
-from cleancli.language.model import Condition, Domain, ForAll, Literal, Problem, Quantified, Rule, Variable
+from cleancli.language.model import (
+    Condition,
+    Count,
+    Domain,
+    ForAll,
+    Literal,
+    Problem,
+    Quantified,
+    Rule,
+    Variable,
+)
 from cleancli.language.printing.printer import print_term
 
 RULE_LIMIT = 100_000
@@ -56,6 +66,22 @@ def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]
 
 def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for each rule or count that has too many instances, or for the rules together."""
+    found = _counted_until_few(domain, universe)
+    in_all = sum(each.count for each in found)
+    if in_all > RULE_LIMIT:
+        worst = max(found, key=lambda each: each.count)
+        share = "" if worst.count > RULE_LIMIT else f" of {in_all:,} in all"
+        yield _refusal(f"rule `{worst.name}`", worst, share, domain.rules[worst.rule].span)
+        return
+    for each in found:
+        yield from _too_many_parts(each, domain.rules[each.rule], universe)
+    for count in domain.counts:
+        yield from _too_many_counted(count, universe)
+
+
+def _counted_until_few(domain: Domain, universe: Universe) -> list[Groundings]:
+    """The instances of each rule, at most: counted by types alone, and ever more patiently while there are
+    too many."""
     found = [
         Groundings(index, rule.name, _product(rule.variables, universe), False, "")
         for index, rule in enumerate(domain.rules)
@@ -64,19 +90,16 @@ def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Ite
         if sum(each.count for each in found) <= RULE_LIMIT:
             break
         found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
-    if sum(each.count for each in found) > RULE_LIMIT:
-        worst = max(found, key=lambda each: each.count)
-        in_all = "" if worst.count > RULE_LIMIT else f" of {sum(each.count for each in found):,} in all"
-        yield _refusal(f"rule `{worst.name}`", worst, in_all, domain.rules[worst.rule].span)
+    return found
+
+
+def _too_many_counted(count: Count, universe: Universe) -> Iterator[Diagnostic]:
+    """E604 for a count of too many bindings."""
+    if _product(count.variables, universe) <= RULE_LIMIT:
         return
-    for each in found:
-        yield from _too_many_parts(each, domain.rules[each.rule], universe)
-    for count in domain.counts:
-        if _product(count.variables, universe) <= RULE_LIMIT:
-            continue
-        number, exact, blame = _count(count.variables, count.condition, universe, EXACT_STEPS)
-        if number > RULE_LIMIT:
-            yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), "", None)
+    number, exact, blame = _count(count.variables, count.condition, universe, EXACT_STEPS)
+    if number > RULE_LIMIT:
+        yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), "", None)
 
 
 def too_many_cases_in_all(domain: Domain, found: Sequence[Case]) -> Diagnostic:
@@ -105,42 +128,66 @@ def _refusal(what: str, found: Groundings, in_all: str, span: Span | None) -> Di
 def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterator[Diagnostic]:
     """E604 for a rule whose references fit too much, or whose instances are few, but each is long: of an
     effect, quantifier or reference."""
-    foralls = [e for outcome in rule.outcomes for e in outcome.effects if isinstance(e, ForAll)]
-    if not (foralls or rule.references or any(_length(p, set(), universe) for p in rule.condition)):
+    if not _is_long(rule, universe):
         return
-    bound = set(rule.variables)
-    lengths: dict[str, int] = {part_text(p): _length(p, bound, universe) for p in rule.condition}
-    fitting: dict[str, int] = {}
-    for reference in rule.references:
-        text = ", ".join(part_text(part) for part in reference.condition)
-        # Each binding of a reference makes an instance, which speaks of all the others.
-        fitting[text] = _bound(reference.variables, reference.condition, universe, bound)
-        lengths[text] = lengths.get(text, 0) + fitting[text]
-        bound |= set(reference.variables)
-    for effect in foralls:
-        variables = " ".join(print_term(variable) for variable in effect.variables)
-        length = _bound(effect.variables, effect.condition, universe, bound)
-        lengths[f"forall {variables}"] = lengths.get(f"forall {variables}", 0) + length
-    length = sum(lengths.values())
-    instances, exact = found.count * prod(fitting.values()), found.exact and not fitting
+    fitting = _fitting(rule, universe)
+    lengths = _lengths(rule, fitting, universe)
+    length = lengths.total()
+    instances, exact = found.count * prod(count for _, count in fitting), found.exact and not fitting
     if (instances > RULE_LIMIT or instances * length > PART_LIMIT) and not exact:
         instances = min(instances, _with_references(rule, universe))
     if instances > RULE_LIMIT:
-        worst = max(fitting, key=lambda text: fitting[text])
-        label = f"the reference `{worst}` fits up to {fitting[worst]:,} bindings in each"
-        yield _refusal(
-            f"rule `{rule.name}`", Groundings(found.rule, "", instances, False, label), "", rule.span
-        )
+        worst, most = max(fitting, key=lambda reference: reference[1])
+        label = f"the reference `{worst}` fits up to {most:,} bindings in each"
+        refused = Groundings(found.rule, "", instances, False, label)
+        yield _refusal(f"rule `{rule.name}`", refused, "", rule.span)
     elif instances * length > PART_LIMIT:
-        worst = max(lengths, key=lambda text: lengths[text])
+        ((worst, most),) = lengths.most_common(1)
         yield Diagnostic(
             "E604",
             f"the groundings of rule `{rule.name}` have up to {instances * length:,} literals and effects;"
             f" {PART_LIMIT:,} are the most that fit",
             rule.span,
-            label=f"`{worst}` stands for up to {lengths[worst]:,} of them in each",
+            label=f"`{worst}` stands for up to {most:,} of them in each",
             help="add a literal whose facts no rule changes, or take fewer objects",
         )
+
+
+def _is_long(rule: Rule, universe: Universe) -> bool:
+    """Whether some part of the rule becomes several when the rule is grounded."""
+    return bool(
+        rule.references or _foralls(rule) or any(_length(part, set(), universe) for part in rule.condition)
+    )
+
+
+def _foralls(rule: Rule) -> list[ForAll]:
+    effects = (effect for outcome in rule.outcomes for effect in outcome.effects)
+    return [effect for effect in effects if isinstance(effect, ForAll)]
+
+
+def _fitting(rule: Rule, universe: Universe) -> list[tuple[str, int]]:
+    """Each reference's text, and at most how many bindings fit it."""
+    bound = set(rule.variables)
+    fitting = []
+    for reference in rule.references:
+        text = ", ".join(map(part_text, reference.condition))
+        fitting.append((text, _bound(reference.variables, reference.condition, universe, bound)))
+        bound |= set(reference.variables)
+    return fitting
+
+
+def _lengths(rule: Rule, fitting: Iterable[tuple[str, int]], universe: Universe) -> Counter[str]:
+    """By their texts, at most how many literals and effects the parts of a rule become in each instance."""
+    own = set(rule.variables)
+    lengths = Counter({part_text(part): _length(part, own, universe) for part in rule.condition})
+    for text, count in fitting:
+        # Each binding of a reference makes an instance, which speaks of all the others.
+        lengths[text] += count
+    bound = own.union(*(reference.variables for reference in rule.references))
+    for effect in _foralls(rule):
+        variables = " ".join(map(print_term, effect.variables))
+        lengths[f"forall {variables}"] += _bound(effect.variables, effect.condition, universe, bound)
+    return lengths
 
 
 def _with_references(rule: Rule, universe: Universe) -> int:
@@ -228,12 +275,16 @@ def _connected(
     groups: list[list[Variable]] = [[variable] for variable in variables]
     for part in condition:
         if universe.is_static(part):
-            asked = set(free_variables(part))
-            joined = [group for group in groups if asked & set(group)]
-            groups = [group for group in groups if group not in joined]
-            groups += [[variable for group in joined for variable in group]] if joined else []
+            groups = _joined(groups, set(free_variables(part)))
     # The join takes variables in the order of the rule.
     return [sorted(group, key=list(variables).index) for group in groups]
+
+
+def _joined(groups: Sequence[list[Variable]], connected: set[Variable]) -> list[list[Variable]]:
+    """The groups, those with a connected variable made one."""
+    apart = [group for group in groups if connected.isdisjoint(group)]
+    whole = [variable for group in groups if group not in apart for variable in group]
+    return [*apart, whole] if whole else apart
 
 
 def _bound(
