@@ -78,17 +78,24 @@ def _instances_of(index: int, rule: Rule, conditions: Conditions, compat: bool) 
     for binding, formula in conditions.extensions(rule.variables, rule.condition, {}):
         objects = tuple([binding[variable] for variable in rule.variables])
         for bound, whole in _references(rule.references, binding, formula, conditions, compat):
-            changes: list[Changes] = []
-            effects: list[StateEffect] = []
-            for position, outcome in enumerate(rule.outcomes):
-                assigned: dict[Fluent, frozenset[Value]] = {}
-                for key, effect, when in _effects(outcome, bound, conditions):
-                    if isinstance(effect, Assign) and when is ALWAYS:
-                        assigned[key] = assigned.get(key, _NONE) | {effect.value}
-                    else:
-                        effects.append(StateEffect(position, key, effect, when))
-                changes.append(assigned)
-            yield Instance(index, objects, whole, tuple(changes), tuple(effects))
+            changes, effects = _divided(rule.outcomes, bound, conditions)
+            yield Instance(index, objects, whole, changes, effects)
+
+
+def _divided(
+    outcomes: Sequence[Outcome], binding: Binding, conditions: Conditions
+) -> tuple[tuple[Changes, ...], tuple[StateEffect, ...]]:
+    """What the outcomes change whatever the state, and their effects that depend on it."""
+    changes: list[dict[Fluent, frozenset[Value]]] = [{} for _ in outcomes]
+    effects: list[StateEffect] = []
+    for position, outcome in enumerate(outcomes):
+        for key, effect, when in _effects(outcome, binding, conditions):
+            if isinstance(effect, Assign) and when is ALWAYS:
+                assigned = changes[position]
+                assigned[key] = assigned.get(key, _NONE) | {effect.value}
+            else:
+                effects.append(StateEffect(position, key, effect, when))
+    return tuple(changes), tuple(effects)
 
 
 def _references(

@@ -98,26 +98,31 @@ class Conditions:
     def _closure(self, derived: DerivedPredicate, start: str, goal: str) -> Formula | None:
         """Some simple path from start to goal holds; a path back to the start is one too."""
         assert derived.closure is not None
-        edges: dict[tuple[str, str], Formula | None] = {}
         paths: list[Formula] = []
+        for steps, path in enumerate(self._paths(derived.closure, start, goal)):
+            if steps >= STEP_LIMIT:
+                raise ClosureTooLargeError(derived.name, (start, goal))
+            if path is not None:
+                paths.append(path)
+        return disjunction(paths)
+
+    def _paths(self, predicate: str, start: str, goal: str) -> Iterator[Formula | None]:
+        """What the simple paths from start to goal ask for, with a None for each step of the search that ends
+        none of them."""
+        edges: dict[tuple[str, str], Formula | None] = {}
         partial: list[tuple[str, frozenset[str], Formula]] = [(start, frozenset(), Formula())]
-        steps = 0
         while partial:
             here, visited, so_far = partial.pop()
-            for there in self.universe.steps(derived.closure, here):
-                steps += 1
-                if steps > STEP_LIMIT:
-                    raise ClosureTooLargeError(derived.name, (start, goal))
+            for there in self.universe.steps(predicate, here):
                 if there in visited:
+                    yield None
                     continue
                 if (here, there) not in edges:
-                    edges[here, there] = self.formula((step(derived.closure, here, there),), {})
+                    edges[here, there] = self.formula((step(predicate, here, there),), {})
                 path = conjunction((so_far, edges[here, there]))
-                if path is not None and there == goal:
-                    paths.append(path)
-                elif path is not None and there != start:
+                yield path if there == goal else None
+                if path is not None and there not in (start, goal):
                     partial.append((there, visited | {there}, path))
-        return disjunction(paths)
 
 
 def part_text(part: Part) -> str:

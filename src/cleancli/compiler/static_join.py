@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.fluents import (
     Binding,
@@ -125,28 +125,30 @@ class Universe:
     def _next_bindings(
         self, binding: dict[Variable, str], free: list[Variable], tests: list[Part]
     ) -> Iterator[dict[Variable, str]]:
-        """Bindings of some free variables: by the literal with fewest matches, or of one by its type."""
-        joins = [
-            (self._matches(test, binding), test)
-            for test in tests
-            if isinstance(test, Literal) and self._lists_rows(test)
-        ]
-        for test in tests:
-            if isinstance(test, Equality) and test.equal and (same := _equated(test, binding)) is not None:
-                variable, name = same
-                if variable in free and name in self._objects.names(variable.type):
-                    yield {variable: name}
-                return
-        smallest = min(joins, key=lambda join: len(join[0]), default=None)
-        if smallest is None or len(smallest[0]) > len(self._objects[free[0].type]):
-            for name in self._objects[free[0].type]:
-                yield {free[0]: name}
+        """Bindings of some free variables: of one by an equality, by the literal with fewest matches, or of
+        one by its type."""
+        equated = _equated_first(tests, binding)
+        if equated is not None:
+            variable, name = equated
+            if variable in free and name in self._objects.names(variable.type):
+                yield {variable: name}
+            return
+        everything = self._objects[free[0].type]
+        smallest = self._fewest_matches(tests, binding)
+        if smallest is None or len(smallest[0]) > len(everything):
+            yield from ({free[0]: name} for name in everything)
             return
         rows, literal = smallest
-        for row in rows:
-            more = self._unified(literal, row, binding)
-            if more is not None:
-                yield more
+        unified = (self._unified(literal, row, binding) for row in rows)
+        yield from (more for more in unified if more is not None)
+
+    def _fewest_matches(
+        self, tests: Iterable[Part], binding: Binding
+    ) -> tuple[Sequence[_Row], Literal] | None:
+        """Of the literals whose object tuples facts list, the one with fewest, and these tuples."""
+        listed = [test for test in tests if isinstance(test, Literal) and self._lists_rows(test)]
+        joins = [(self._matches(literal, binding), literal) for literal in listed]
+        return min(joins, key=lambda join: len(join[0]), default=None)
 
     def _unified(self, literal: Literal, row: _Row, binding: Binding) -> dict[Variable, str] | None:
         """What the row binds; None where a variable would need two objects or a type does not fit."""
@@ -269,6 +271,13 @@ def _known(literal: Literal, bound: Collection[Variable]) -> tuple[int, ...]:
         for position, term in enumerate(literal.terms)
         if not isinstance(term, Variable) or term in bound
     )
+
+
+def _equated_first(tests: Iterable[Part], binding: Binding) -> tuple[Variable, str] | None:
+    """What the first of the equalities binds that bind anything."""
+    equalities = (test for test in tests if isinstance(test, Equality) and test.equal)
+    bound = (_equated(equality, binding) for equality in equalities)
+    return next((found for found in bound if found is not None), None)
 
 
 def _equated(equality: Equality, binding: Binding) -> tuple[Variable, str] | None:
