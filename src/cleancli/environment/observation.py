@@ -91,7 +91,15 @@ def _values(symbol: Symbol, domain: Domain, slots: Slots, state: State) -> NDArr
     for fact in (fact for fact in state if fact.symbol == symbol.name):
         number = 1 if symbol.is_predicate else 1 + symbol.values.index(fact.value)
         for names in permutations(fact.objects) if symbol.symmetric else (fact.objects,):
-            if all(name in objects for name, objects in zip(names, arguments, strict=True)):
-                place = tuple(objects.index(name) for name, objects in zip(names, arguments, strict=True))
+            place = _place(names, arguments)
+            if place is not None:
                 array[place] = number
     return array
+
+
+def _place(names: Sequence[str], arguments: Sequence[Sequence[str | None]]) -> tuple[int, ...] | None:
+    """Where the names stand among what each argument may be; None where one of them does not."""
+    pairs = list(zip(names, arguments, strict=True))
+    if not all(name in objects for name, objects in pairs):
+        return None
+    return tuple(objects.index(name) for name, objects in pairs)

@@ -47,24 +47,40 @@ class Summary:
 
 def summarized(planner: str, episodes: Sequence[Episode], first: Sequence[Episode] | None) -> Summary:
     """The summary of a planner's episodes; `first` are those of the planner to compare with, in order."""
-    successes = [e.success for e in episodes if e.success is not None]
-    seconds = [e.seconds for e in episodes if e.seconds is not None]
-    planning = [spent for e in episodes for spent in e.planning]
-    reasons = Counter(e.reason for e in episodes)
-    gains = [e.discounted - f.discounted for e, f in zip(episodes, first or episodes, strict=True)]
+    reasons = Counter(episode.reason for episode in episodes)
+    planning = [seconds for episode in episodes for seconds in episode.planning]
     return Summary(
-        planner,
-        len(episodes),
-        mean_of([e.discounted for e in episodes]),
-        mean_of([e.plain for e in episodes]),
-        None if first is None else mean_of(gains),
-        mean_of([float(len(e.actions)) for e in episodes]),
-        mean_of(seconds) if len(seconds) == len(episodes) else None,
-        share_of(sum(successes), len(successes)) if successes else None,
-        float(np.median(planning)) if planning else None,
-        float(np.quantile(planning, 0.95)) if planning else None,
-        {reason: reasons[reason] for reason in Reason if reasons[reason]},
+        planner=planner,
+        episodes=len(episodes),
+        discounted=mean_of([episode.discounted for episode in episodes]),
+        plain=mean_of([episode.plain for episode in episodes]),
+        gain=None if first is None else _gain(episodes, first),
+        actions=mean_of([float(len(episode.actions)) for episode in episodes]),
+        seconds=_seconds(episodes),
+        success=_success(episodes),
+        planning_median=_quantile(planning, 0.5),
+        planning_95=_quantile(planning, 0.95),
+        reasons={reason: reasons[reason] for reason in Reason if reasons[reason]},
     )
+
+
+def _gain(episodes: Sequence[Episode], first: Sequence[Episode]) -> Estimate:
+    pairs = zip(episodes, first, strict=True)
+    return mean_of([episode.discounted - other.discounted for episode, other in pairs])
+
+
+def _seconds(episodes: Sequence[Episode]) -> Estimate | None:
+    seconds = [episode.seconds for episode in episodes if episode.seconds is not None]
+    return mean_of(seconds) if len(seconds) == len(episodes) else None
+
+
+def _success(episodes: Sequence[Episode]) -> Estimate | None:
+    successes = [episode.success for episode in episodes if episode.success is not None]
+    return share_of(sum(successes), len(successes)) if successes else None
+
+
+def _quantile(values: Sequence[float], share: float) -> float | None:
+    return float(np.quantile(values, share)) if values else None
 
 
 def mean_of(values: Sequence[float]) -> Estimate:

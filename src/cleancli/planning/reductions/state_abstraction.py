@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from cleancli.compiler.task import GroundCondition, GroundState, Task, asked
+from cleancli.compiler.task import GroundCondition, GroundRule, GroundState, Task, asked
 
 Forget = Callable[[GroundState], GroundState]
 """A state with what has lost its meaning in it forgotten."""
@@ -75,14 +75,23 @@ def _later(task: Task, variable: int) -> list[frozenset[int]]:
     """For each value of a variable those that it may have from then on."""
     steps: list[set[int]] = [{value} for value in range(len(task.variables[variable].values))]
     for rule in task.rules:
-        given = dict(rule.condition).get(variable, range(len(steps)))
-        for outcome in rule.outcomes:
-            for changed, value in outcome.effects:
-                if changed == variable and outcome.probability:
-                    for before in given:
-                        steps[before].add(value)
-    for middle in range(len(steps)):
-        for before in range(len(steps)):
-            if middle in steps[before]:
-                steps[before] |= steps[middle]
-    return [frozenset(values) for values in steps]
+        set_by_rule = _values_set(rule, variable)
+        for before in dict(rule.condition).get(variable, range(len(steps))):
+            steps[before] |= set_by_rule
+    return _closed(steps)
+
+
+def _values_set(rule: GroundRule, variable: int) -> set[int]:
+    """The values that outcomes of the rule which can happen give the variable."""
+    effects = (effect for outcome in rule.outcomes if outcome.probability for effect in outcome.effects)
+    return {value for changed, value in effects if changed == variable}
+
+
+def _closed(steps: Sequence[set[int]]) -> list[frozenset[int]]:
+    """The transitive closure of `steps`, which has for each value those one step away (Warshall)."""
+    reached = [set(targets) for targets in steps]
+    for middle, targets in enumerate(reached):
+        for before in reached:
+            if middle in before:
+                before |= targets
+    return list(map(frozenset, reached))
