@@ -125,21 +125,33 @@ def remember(
     covered = {area.name: unseen.share_of(area.ellipse) for area in before}
     behind = [area for area in before if covered[area.name] > HARDLY and not _left(area, stroke)]
     pieces = _pieces(behind, observation.areas)
-    kept, hidden = [], {}
-    for area in behind:
-        if seen := pieces[area.name]:
-            kept.append(_completed(area, seen, unseen, covered[area.name]))
-        elif covered[area.name] >= MOSTLY:
-            kept.append(area)
-        else:
-            continue
-        hidden[area.name] = covered[area.name] if seen else 1.0
+    kept = _kept(behind, pieces, unseen, covered)
     taken = [piece for several in pieces.values() for piece in several]
     rest = [area for area in observation.areas if area not in taken]
-    tracked = track([area for area in before if area.name not in hidden], rest, stroke, next_number)
-    areas = sorted([*kept, *tracked.areas], key=lambda area: area.ellipse.centre)
-    shares = {area.name: hidden.get(area.name, 0.0) for area in areas}
-    return Known(tuple(areas), shares, unseen, tracked.changes)
+    tracked = track([area for area in before if area.name not in kept], rest, stroke, next_number)
+    found = [*kept.values(), *((area, 0.0) for area in tracked.areas)]
+    found.sort(key=lambda known: known[0].ellipse.centre)
+    areas = tuple(area for area, _ in found)
+    return Known(areas, {area.name: hidden for area, hidden in found}, unseen, tracked.changes)
+
+
+def _kept(
+    behind: Sequence[Area],
+    pieces: Mapping[str, Sequence[Area]],
+    unseen: Unseen,
+    covered: Mapping[str, float],
+) -> dict[str, tuple[Area, float]]:
+    """By name, those of the areas with a hidden part that are still believed to be there."""
+    beliefs = {a.name: _believed(a, pieces[a.name], unseen, covered[a.name]) for a in behind}
+    return {name: belief for name, belief in beliefs.items() if belief is not None}
+
+
+def _believed(area: Area, seen: Sequence[Area], unseen: Unseen, hidden: float) -> tuple[Area, float] | None:
+    """What is believed of an area of which the share `hidden` is hidden, and what share of that is only
+    remembered; None where it is gone. `seen`: what is seen of it."""
+    if seen:
+        return _completed(area, seen, unseen, hidden), hidden
+    return (area, 1.0) if hidden >= MOSTLY else None
 
 
 def find_unseen(observation: Observation, surface: Surface) -> Unseen:

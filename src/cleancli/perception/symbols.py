@@ -6,8 +6,8 @@ declare, or declares for other types, is left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from itertools import combinations, permutations
+from collections.abc import Iterator, Sequence, Set
+from itertools import chain, combinations, permutations
 from math import hypot
 
 from cleancli.geometry.ellipse import Ellipse, extent, gap
@@ -29,33 +29,28 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
 
     Raises Refused (E514, E515) for a domain that perception cannot tell what it needs.
     """
-    declared = {symbol.name: symbol for symbol in domain.symbols}
-    _refuse_what_is_not_seen(declared, domain)
-    facts = {Fact("dirt", (area.name,)) for area in areas}
-    if _predicate(declared, "scattered", domain, AREA):
-        facts |= {Fact("scattered", (a.name,)) for a in areas if is_scattered(a, scene.symbols)}
-    if "size" in declared:
-        facts |= {Fact("size", (area.name,), size_of(area, scene.symbols)) for area in areas}
-    if _predicate(declared, "near", domain, AREA, AREA):
-        facts |= set(_near(areas, declared["near"], scene.symbols))
-    if _predicate(declared, "traversal", domain, AREA, AREA, AREA):
-        facts |= set(_traversal(areas, scene.symbols))
-    if _predicate(declared, "traversal", domain, AREA, CONTAINER, AREA):
-        containers = [c.name for c in domain.constants if domain.is_a(c.type, CONTAINER)]
-        facts |= set(_traversal_to(containers, areas, scene))
+    _refuse_what_is_not_seen(domain)
+    facts = chain(
+        (Fact("dirt", (area.name,)) for area in areas),
+        _scattered(areas, domain, scene.symbols),
+        _size(areas, domain, scene.symbols),
+        _near(areas, domain, scene.symbols),
+        _traversal(areas, domain, scene.symbols),
+        _traversal_to_container(areas, domain, scene),
+    )
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
 
 
-def _refuse_what_is_not_seen(declared: Mapping[str, Symbol], domain: Domain) -> None:
+def _refuse_what_is_not_seen(domain: Domain) -> None:
     """A state gives every function a value for every area, and cleaning is about dirt."""
     mistakes = []
-    if not _predicate(declared, "dirt", domain, AREA):
+    if not _declared(domain, "dirt", AREA):
         message = f"the domain `{domain.name}` declares no `dirt(?a - area)`, which a scene needs"
         mistakes.append(Diagnostic("E514", message, None, help="add it to `predicates`"))
-    for name, symbol in declared.items():
-        is_size = name == "size" and _takes(symbol, domain, AREA) and set(SIZES) <= set(symbol.values)
+    for symbol in domain.symbols:
+        is_size = symbol.name == "size" and _takes(symbol, domain, AREA) and set(SIZES) <= set(symbol.values)
         if not symbol.is_predicate and not is_size:
-            message = f"perception gives the function `{name}` of the domain `{domain.name}` no value"
+            message = f"perception gives the function `{symbol.name}` of the domain `{domain.name}` no value"
             advice = "a scene can tell `size(?a - area): small < medium < big`, and no other function"
             mistakes.append(Diagnostic("E515", message, None, help=advice))
     if mistakes:
@@ -109,9 +104,14 @@ def place_at_mouth(point: Point, scene: Scene) -> Point:
     return min(max(point[0], x0 + margin), x1 - margin), y0
 
 
-def _predicate(declared: Mapping[str, Symbol], name: str, domain: Domain, *types: str) -> bool:
-    symbol = declared.get(name)
+def _declared(domain: Domain, name: str, *types: str) -> bool:
+    """Whether the domain has a predicate of the name that can be said of objects of these types."""
+    symbol = _symbol(domain, name)
     return symbol is not None and symbol.is_predicate and _takes(symbol, domain, *types)
+
+
+def _symbol(domain: Domain, name: str) -> Symbol | None:
+    return next((symbol for symbol in domain.symbols if symbol.name == name), None)
 
 
 def _takes(symbol: Symbol, domain: Domain, *types: str) -> bool:
@@ -123,7 +123,20 @@ def _takes(symbol: Symbol, domain: Domain, *types: str) -> bool:
     )
 
 
-def _near(areas: Sequence[Area], symbol: Symbol, thresholds: SymbolThresholds) -> Iterator[Fact]:
+def _scattered(areas: Sequence[Area], domain: Domain, thresholds: SymbolThresholds) -> Iterator[Fact]:
+    if _declared(domain, "scattered", AREA):
+        yield from (Fact("scattered", (area.name,)) for area in areas if is_scattered(area, thresholds))
+
+
+def _size(areas: Sequence[Area], domain: Domain, thresholds: SymbolThresholds) -> Iterator[Fact]:
+    if _symbol(domain, "size") is not None:
+        yield from (Fact("size", (area.name,), size_of(area, thresholds)) for area in areas)
+
+
+def _near(areas: Sequence[Area], domain: Domain, thresholds: SymbolThresholds) -> Iterator[Fact]:
+    symbol = _symbol(domain, "near")
+    if symbol is None or not _declared(domain, "near", AREA, AREA):
+        return
     for first, second in combinations(areas, 2):
         if are_near(first.ellipse, second.ellipse, thresholds):
             pair = first.name, second.name
@@ -131,17 +144,21 @@ def _near(areas: Sequence[Area], symbol: Symbol, thresholds: SymbolThresholds) -
             yield from (Fact(symbol.name, symbol.canonical(names)) for names in (pair, pair[::-1]))
 
 
-def _traversal(areas: Sequence[Area], thresholds: SymbolThresholds) -> Iterator[Fact]:
+def _traversal(areas: Sequence[Area], domain: Domain, thresholds: SymbolThresholds) -> Iterator[Fact]:
+    if not _declared(domain, "traversal", AREA, AREA, AREA):
+        return
     for start, end, middle in permutations(areas, 3):
         places = (middle.ellipse.centre, start.ellipse.centre, end.ellipse.centre)
         if lies_between(*places, thresholds.traversal):
             yield Fact("traversal", (start.name, end.name, middle.name))
 
 
-def _traversal_to(containers: Iterable[str], areas: Sequence[Area], scene: Scene) -> Iterator[Fact]:
+def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
     """Facts about pushes into the container; a scene has one, so every container constant means that one."""
-    names = tuple(containers)
+    if not _declared(domain, "traversal", AREA, CONTAINER, AREA):
+        return
+    containers = [constant.name for constant in domain.constants if domain.is_a(constant.type, CONTAINER)]
     for start, middle in permutations(areas, 2):
         mouth = place_at_mouth(start.ellipse.centre, scene)
         if lies_between(middle.ellipse.centre, start.ellipse.centre, mouth, scene.symbols.traversal):
-            yield from (Fact("traversal", (start.name, name, middle.name)) for name in names)
+            yield from (Fact("traversal", (start.name, name, middle.name)) for name in containers)

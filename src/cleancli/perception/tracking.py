@@ -59,7 +59,10 @@ which others were to be pushed, and which the cloth did not touch."""
 ROUNDS = 20
 """Of scaling the flow of dirt to what was there before and is there now."""
 
-Flow = NDArray[np.float64]
+Floats = NDArray[np.float64]
+
+Flow = Floats
+"""Square metres of dirt from each area before in each area after, (before, after)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,27 +175,40 @@ def _flow(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None) 
     return flow
 
 
-def _likelihoods(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Flow:
-    """How likely dirt of an area is found in each of the areas after: weights, (after)."""
+def _likelihoods(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Floats:
+    """How likely dirt of an area is found in each of the areas after: weights, (after,)."""
     points = np.stack([points_within(area.ellipse) for area in after])
-    shape = points.shape[:2]
-    flat = points.reshape(-1, 2)
-    near = contains(_grown(old.ellipse, NEAR), flat).reshape(shape).mean(axis=1)
-    far = contains(_grown(old.ellipse, FAR), flat).reshape(shape).mean(axis=1)
-    own = None if stroke is None else stroke.distances(points_within(old.ellipse)) <= stroke.half_width
-    if stroke is None or own is None or not own.any():
-        # Where nothing went over it, it is where it was, if anything is.
-        return np.asarray(near if near.max() > LEAST else LIKELY.far * far)
+    near, far = (_share_within(_grown(old.ellipse, metres), points) for metres in (NEAR, FAR))
+    if stroke is None or _untouched(old, stroke):
+        # It is where it was, if anything is.
+        return near if near.max() > LEAST else LIKELY.far * far
     stay = LIKELY.near * near + LIKELY.far * (far - near)
-    left = np.where(stroke.swept(flat), LIKELY.left, 1).reshape(shape).mean(axis=1)
-    # Dirt goes on along the way from where the cloth first met it.
-    distances = stroke.distances(flat)[:, int(own.any(axis=0).argmax()) :]
-    away = distances.min(axis=1) - stroke.half_width
-    at_end = np.linalg.norm(flat - stroke.points[-1], axis=1) <= stroke.half_width + BESIDE
-    moved = np.where(away <= BESIDE, LIKELY.way, LIKELY.rolled * np.exp(-(away - BESIDE) / ROLLED))
-    moved[at_end] = LIKELY.end
-    taken = own.any(axis=1).mean()
-    return np.asarray(stay * left + taken * moved.reshape(shape).mean(axis=1))
+    swept = stroke.swept(points.reshape(-1, 2)).reshape(points.shape[:2])
+    left = np.where(swept, LIKELY.left, 1).mean(axis=1)
+    own = stroke.distances(points_within(old.ellipse)) <= stroke.half_width
+    taken, first = own.any(axis=1).mean(), int(own.any(axis=0).argmax())
+    return np.asarray(stay * left + taken * _carried_to(points, stroke, first))
+
+
+def _carried_to(points: Points, stroke: Stroke, first: int) -> Floats:
+    """How likely dirt that the cloth met on the way's piece `first` is found in each area (areas,); of these
+    `points` (areas, n, 2)."""
+    flat = points.reshape(-1, 2)
+    # It goes on along the way from there.
+    away = stroke.distances(flat)[:, first:].min(axis=1) - stroke.half_width
+    likely = np.where(away <= BESIDE, LIKELY.way, LIKELY.rolled * np.exp(-(away - BESIDE) / ROLLED))
+    likely[np.linalg.norm(flat - stroke.points[-1], axis=1) <= stroke.half_width + BESIDE] = LIKELY.end
+    return np.asarray(likely.reshape(points.shape[:2]).mean(axis=1))
+
+
+def _untouched(area: Area, stroke: Stroke | None) -> bool:
+    """Whether nothing went over the area."""
+    return stroke is None or not stroke.swept(points_within(area.ellipse)).any()
+
+
+def _share_within(ellipse: Ellipse, points: Points) -> Floats:
+    """Of `points` (areas, n, 2) of areas, the share that lies in the ellipse, (areas,)."""
+    return np.asarray(contains(ellipse, points.reshape(-1, 2)).reshape(points.shape[:2]).mean(axis=1))
 
 
 def _grown(ellipse: Ellipse, metres: float) -> Ellipse:
@@ -205,25 +221,34 @@ def _assigned(
     """Index in `after` -> name."""
     if not flow.size:
         return {}
-    moved, pushed = (stroke.moved, stroke.pushed) if stroke else ((), ())
-    bonus = [0 if a.name in moved else TARGET if a.name in pushed else STAYS for a in before]
     had, has = np.array([area.covered for area in before]), flow.sum(axis=0)
-    shares = flow / had[:, None] * flow / np.maximum(has, 1e-12) + np.array(bonus)[:, None]
+    shares = flow / had[:, None] * flow / np.maximum(has, 1e-12) + _bonus(before, stroke)[:, None]
     shares[flow == 0] = 0
     standing = np.array([_standing(old, after, stroke) for old in before])
-    # Away from most of an area's dirt, its name goes on only with dirt that is mostly its own.
-    may = standing > 0
-    may[np.arange(len(flow)), flow.argmax(axis=1)] = True
-    may[flow.argmax(axis=0), np.arange(flow.shape[1])] = True
-    worth = np.where(may, shares + standing, 0)
+    worth = np.where(_may_pass_on(flow) | (standing > 0), shares + standing, 0)
     rows, columns = linear_sum_assignment(worth, maximize=True)
     pairs = zip(rows.tolist(), columns.tolist(), strict=True)
     return {column: before[row].name for row, column in pairs if worth[row, column] > 0}
 
 
-def _standing(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Flow:
+def _bonus(before: Sequence[Area], stroke: Stroke | None) -> Floats:
+    """What it is worth that each area keeps its name, by what was to become of it; (before,)."""
+    moved, pushed = (stroke.moved, stroke.pushed) if stroke else ((), ())
+    return np.array([0 if a.name in moved else TARGET if a.name in pushed else STAYS for a in before])
+
+
+def _may_pass_on(flow: Flow) -> NDArray[np.bool_]:
+    """Whether a name may go on with the dirt of its area, (before, after): away from most of it, only with
+    dirt that is mostly its own."""
+    may = np.zeros(flow.shape, np.bool_)
+    may[np.arange(len(flow)), flow.argmax(axis=1)] = True
+    may[flow.argmax(axis=0), np.arange(flow.shape[1])] = True
+    return may
+
+
+def _standing(old: Area, after: Sequence[Area], stroke: Stroke | None) -> Floats:
     """What it is worth that an area over which nothing went is one of those after: the nearer, the more."""
-    if stroke is not None and stroke.swept(points_within(old.ellipse)).any():
+    if not _untouched(old, stroke):
         return np.zeros(len(after))
     close = np.array([gap(old.ellipse, area.ellipse) <= FAR for area in after])
     away = np.array([dist(old.ellipse.centre, area.ellipse.centre) for area in after])
