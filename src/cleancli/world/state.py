@@ -71,18 +71,29 @@ def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> TableState:
     """The state whose `arrays` these are; KeyError, ValueError or TypeError where they are no state's."""
     fields: dict[str, Any] = {name: array for name, array in arrays.items() if name != "rest"}
     state = TableState(**fields, **json.loads(str(arrays["rest"])))
-    columns = {"particles": 13, "joints": 2, "flaps": 3}
-    for name, number in columns.items():
-        if getattr(state, name).ndim != 2 or getattr(state, name).shape[1] != number:
-            raise ValueError(f"`{name}` must have {number} columns")
-    for name in (*columns, "commanded", "ahead", "ink"):
-        if getattr(state, name).dtype.kind != "f" or not (np.abs(getattr(state, name)) <= FARTHEST).all():
-            raise ValueError(f"`{name}` has numbers that no table has")
+    for name, columns in (("particles", 13), ("joints", 2), ("flaps", 3)):
+        _refuse_shape(name, fields[name], columns)
+    for name in ("particles", "joints", "flaps", "commanded", "ahead", "ink"):
+        _refuse_numbers(name, fields[name])
+    _refuse_rest(state)
+    return state
+
+
+def _refuse_shape(name: str, array: NDArray[Any], columns: int) -> None:
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(f"`{name}` must have {columns} columns")
+
+
+def _refuse_numbers(name: str, array: NDArray[Any]) -> None:
+    if array.dtype.kind != "f" or not (np.abs(array) <= FARTHEST).all():
+        raise ValueError(f"`{name}` has numbers that no table has")
+
+
+def _refuse_rest(state: TableState) -> None:
     if type(state.steps) is not int or not 0 <= state.steps <= MOST_STEPS:
         raise ValueError("`steps` must be a whole number")
     if not isinstance(state.status, str) or not isinstance(state.failure, str):
         raise TypeError("`status` and `failure` must be texts")
-    return state
 
 
 def bodies(engine: Engine, particles: tuple[int, ...]) -> tuple[_Array, _Array]:
