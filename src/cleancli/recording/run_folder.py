@@ -56,6 +56,17 @@ def _free_video(folder: Path) -> Path:
     return next(folder / name for name in names if not (folder / name).exists())
 
 
+def _totals(event: Ended) -> dict[str, object]:
+    return {
+        "reason": event.reason,
+        "clean": event.clean,
+        "actions": event.actions,
+        "seconds": {**event.spent.by_kind(), "total": event.spent.total},
+        "robot_clock": event.clock,
+        "loading": event.loading,
+    }
+
+
 class Recorder:
     """Writes a run's events into its folder; `snapshot` makes a picture of the room, of some width
     and height, for people to look at; a world without a room has none. `save` gives the world at a
@@ -105,29 +116,17 @@ class Recorder:
             self.note(record)
         match event:
             case Looked():
-                if self._last is None and not self._resumed:
-                    self._room = self._photographed()
-                    self._picture(0, event)
-                self._last = event
+                self._looked(event)
             case Started():
                 self._started, self._before = event, self._last
             case Moved(clock):
-                if self._video is not None and self._snapshot is not None and self._video.wants(clock):
-                    self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption())
+                self._film(clock)
             case StrokeEnded() | Failed():
                 self._room = self._photographed()
             case Acted():
                 self._acted(event)
             case Ended():
-                seconds = event.spent.by_kind()
-                self._totals["episode"] = {
-                    "reason": event.reason,
-                    "clean": event.clean,
-                    "actions": event.actions,
-                    "seconds": {**seconds, "total": event.spent.total},
-                    "robot_clock": event.clock,
-                    "loading": event.loading,
-                }
+                self._totals["episode"] = _totals(event)
             case Checkpoint(state):
                 self._checkpoint(state)
             case Decided():
@@ -142,6 +141,17 @@ class Recorder:
         """Write the totals, with where the lentils truly are, apart from what perception believed."""
         self._totals["truth"] = dict(truth)
         self._write_run()
+
+    def _looked(self, event: Looked) -> None:
+        if self._last is None and not self._resumed:
+            self._room = self._photographed()
+            self._picture(0, event)
+        self._last = event
+
+    def _film(self, clock: float) -> None:
+        """Add the room as it is now to the video, where one is made and the next picture is due."""
+        if self._video is not None and self._snapshot is not None and self._video.wants(clock):
+            self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption())
 
     def _acted(self, event: Acted) -> None:
         if event.transition is not None and event.seen:

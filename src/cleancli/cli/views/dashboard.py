@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from rich.console import Group, RenderableType
@@ -70,19 +71,12 @@ def updated(shown: Shown, event: Event, told: Told | None = None) -> Shown:
     """What is to be told after an event; `told` says it of a situation in the symbolic world."""
     match event:
         case Looked(situation):
-            most = max(shown.most, len(situation.areas))
-            words = "" if told is None else told(situation)
-            return replace(shown, situation=situation, most=most, doing="thinking", path=None, told=words)
-        case Decided(_, moves, plan):
-            value = None if plan is None else plan.value
-            whole = moves if plan is None else tuple(Move(a.name, a.objects) for a in plan.actions)
+            return _looked(shown, situation, told)
+        case Decided():
             doing = "moving the arm out of view" if told is None else "acting"
-            return replace(shown, moves=whole, value=value, doing=doing)
-        case Started(number, move, path):
-            left = shown.moves[1:] if shown.moves[:1] == (move,) else shown.moves
-            before = names_of(shown.situation)
-            doing = f"{number}. {move}"
-            return replace(shown, doing=doing, moves=left, path=path, actions=number, before=before)
+            return replace(_decided(shown, event), doing=doing)
+        case Started():
+            return _started(shown, event)
         case Moved(clock):
             return replace(shown, clock=clock)
         case StrokeEnded(_, clock):
@@ -96,6 +90,32 @@ def updated(shown: Shown, event: Event, told: Told | None = None) -> Shown:
         case Ended(reason, _, actions, spent):
             return replace(shown, doing=reason, spent=spent, actions=actions, path=None)
     return shown
+
+
+def _looked(shown: Shown, situation: Situation, told: Told | None) -> Shown:
+    most = max(shown.most, len(situation.areas))
+    words = "" if told is None else told(situation)
+    return replace(shown, situation=situation, most=most, doing="thinking", path=None, told=words)
+
+
+def _decided(shown: Shown, event: Decided) -> Shown:
+    """The whole plan is to be shown, where there is one: not only what is to be done before the next look."""
+    if event.plan is None:
+        return replace(shown, moves=event.moves, value=None)
+    moves = tuple(Move(action.name, action.objects) for action in event.plan.actions)
+    return replace(shown, moves=moves, value=event.plan.value)
+
+
+def _started(shown: Shown, event: Started) -> Shown:
+    left = shown.moves[1:] if shown.moves[:1] == (event.move,) else shown.moves
+    return replace(
+        shown,
+        doing=f"{event.number}. {event.move}",
+        moves=left,
+        path=event.path,
+        actions=event.number,
+        before=names_of(shown.situation),
+    )
 
 
 def came_of(before: frozenset[str], event: Acted) -> str:
@@ -155,33 +175,57 @@ def _map_columns(scene: Scene, columns: int, rows: int) -> int:
 
 
 def _side(shown: Shown, limit: int, ascii_only: bool) -> list[Text]:
-    situation = shown.situation
-    now = 0 if situation is None else len(situation.areas)
-    clock = "time of the domain" if shown.told else "robot time"
-    lines = [_line(f"actions {shown.actions} of at most {limit}")]
+    return [
+        *_clock(shown),
+        _line(f"actions {shown.actions} of at most {limit}"),
+        *_state(shown, ascii_only),
+        *_last_action(shown),
+        *_planned(shown),
+        *_account(shown.spent, ascii_only),
+    ]
+
+
+def _clock(shown: Shown) -> Iterator[Text]:
     if shown.clock or not shown.told:  # a domain may have no durations
-        lines.insert(0, _line(f"{clock} {shown.clock:.1f} s"))
+        clock = "time of the domain" if shown.told else "robot time"
+        yield _line(f"{clock} {shown.clock:.1f} s")
+
+
+def _state(shown: Shown, ascii_only: bool) -> Iterator[Text]:
+    """What is told of the symbolic world, or how many areas there are on the table."""
     if shown.told:
-        lines += [_line(part) for part in shown.told.split("; ")]
+        yield from map(_line, shown.told.split("; "))
     if shown.most:
-        lines.append(_line(f"dirty areas {now} {_bar(now / shown.most, ascii_only)} of {shown.most}"))
+        now = 0 if shown.situation is None else len(shown.situation.areas)
+        yield _line(f"dirty areas {now} {_bar(now / shown.most, ascii_only)} of {shown.most}")
+
+
+def _last_action(shown: Shown) -> Iterator[Text]:
     if shown.happened:
         what, _, came = shown.happened.partition(": ")
-        lines += [_line("what happened", "dim"), _line(f"  {what}"), _line(f"  {came}")]
-    if shown.moves:
-        value = "" if shown.value is None else f", value {shown.value:.2f}"
-        lines.append(_line(f"still planned{value}", "dim"))
-        lines += [_line(f"  {move}") for move in shown.moves[:NEXT]]
-        if len(shown.moves) > NEXT:
-            lines.append(_line(f"  and {len(shown.moves) - NEXT} more"))
-    total = shown.spent.total
-    if total:
-        lines.append(_line(f"time {total:.1f} s", "dim"))
-        for kind, seconds in shown.spent.by_kind().items():
-            if seconds >= 0.05:
-                name = kind.replace("_", " ")
-                lines.append(_line(f"  {name:<17} {seconds:6.1f} {_bar(seconds / total, ascii_only)}"))
-    return lines
+        yield _line("what happened", "dim")
+        yield from (_line(f"  {what}"), _line(f"  {came}"))
+
+
+def _planned(shown: Shown) -> Iterator[Text]:
+    if not shown.moves:
+        return
+    value = "" if shown.value is None else f", value {shown.value:.2f}"
+    yield _line(f"still planned{value}", "dim")
+    yield from (_line(f"  {move}") for move in shown.moves[:NEXT])
+    if len(shown.moves) > NEXT:
+        yield _line(f"  and {len(shown.moves) - NEXT} more")
+
+
+def _account(spent: Account, ascii_only: bool) -> Iterator[Text]:
+    """Where the time went: what took so much of it that it is told."""
+    if not spent.total:
+        return
+    yield _line(f"time {spent.total:.1f} s", "dim")
+    for kind, seconds in spent.by_kind().items():
+        if seconds >= 0.05:
+            bar = _bar(seconds / spent.total, ascii_only)
+            yield _line(f"  {kind.replace('_', ' '):<17} {seconds:6.1f} {bar}")
 
 
 def _bar(share: float, ascii_only: bool) -> str:

@@ -100,12 +100,8 @@ class _Lines:
     def write(self, event: Event) -> None:
         """Show one event."""
         match event:
-            case Looked(situation, _, seconds, purpose):
-                if self._told is not None:
-                    self._tell(self._told(situation))
-                else:
-                    self._line(f"looked{_LOOKS[purpose]}: {_seen(situation)} ({seconds:.2f} s)")
-                self._seen = names_of(situation)
+            case Looked():
+                self._looked(event)
             case Decided():
                 self._decided(event)
             case Started():
@@ -113,16 +109,28 @@ class _Lines:
                 self._gave_up = False
             case Failed(number, move, reason):
                 self._line(f"  {number}. {move} failed: {reason}")
-            case StrokeEnded(number, clock) if self._told is None:
-                self._line(f"  {number}. carried out at {clock:.1f} s of robot time")
-            case StrokeEnded(number, clock) if clock:  # the domain has durations
-                self._line(f"  {number}. carried out at {clock:.1f} s of the domain's time")
+            case StrokeEnded():
+                self._carried_out(event)
             case Acted():
                 self._line(f"  {came_of(self._before, event)}")
             case Ended(reason):
                 self._line(f"ended: {reason}")
             case _:
                 pass
+
+    def _looked(self, event: Looked) -> None:
+        if self._told is not None:
+            self._tell(self._told(event.situation))
+        else:
+            look = f"looked{_LOOKS[event.purpose]}"
+            self._line(f"{look}: {_seen(event.situation)} ({event.seconds:.2f} s)")
+        self._seen = names_of(event.situation)
+
+    def _carried_out(self, event: StrokeEnded) -> None:
+        if self._told is None:
+            self._line(f"  {event.number}. carried out at {event.clock:.1f} s of robot time")
+        elif event.clock:  # the domain has durations
+            self._line(f"  {event.number}. carried out at {event.clock:.1f} s of the domain's time")
 
     def _decided(self, event: Decided) -> None:
         """What is to be done now. A second look shows nothing new in the symbolic world, so that a second
