@@ -44,7 +44,7 @@ from cleancli.perception.symbols import are_near
 from cleancli.perception.tracking import Merge, Split, Stroke, Tracked, track
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable
 
 GOAL = 0.97
@@ -132,7 +132,7 @@ def judged(push: Push) -> Score:
 
 
 def _round(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> Iterator[Push]:
-    named = 0
+    next_number = 1
     areas: tuple[Area, ...] = ()
     stroke, action, places_before = None, "", np.empty((0, 2))
     _finish(table, table.withdraw)
@@ -141,8 +141,8 @@ def _round(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> Iter
         places = _on_table(table)
         if stroke is not None:
             yield Push(action, stroke, areas, seen, places_before, places)
-        areas = track(areas, seen, stroke, named + 1).areas
-        named = max([named, *(int(area.name[1:]) for area in areas)])
+        tracked = track(areas, seen, stroke, next_number)
+        areas, next_number = tracked.areas, tracked.next_number
         actions = {name: list(chains(areas, skill.arity, scene)) for name, skill in sorted(SKILLS.items())}
         possible = [name for name, chosen in actions.items() if chosen]
         if not possible:
@@ -166,9 +166,7 @@ def chains(areas: tuple[Area, ...], arity: int, scene: Scene) -> Iterator[tuple[
 
 def _finish(table: PybulletTable, begin) -> None:  # type: ignore[no-untyped-def]
     begin()
-    while (status := table.poll()) is Status.RUNNING:
-        pass
-    if status is Status.FAILED:
+    if finish(table) is Status.FAILED:
         table.stop()
 
 

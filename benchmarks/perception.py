@@ -29,11 +29,11 @@ from perception_truth import Comparison, compared, truth_of
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
+from cleancli.perception.look import FRAMES_PER_LOOK
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.pictures import outline
 from cleancli.world.table import PybulletTable
 
-FRAMES_PER_LOOK = 3
 SYMBOLS = "size", "scattered", "near", "traversal"
 
 

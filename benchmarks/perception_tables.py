@@ -29,7 +29,7 @@ from cleancli.scene.model import (
 )
 from cleancli.world import camera as world_camera
 from cleancli.world import constants as par
-from cleancli.world.robot import Status
+from cleancli.world.robot import finish
 from cleancli.world.robots.wam import arm_for
 from cleancli.world.table import PybulletTable
 
@@ -163,8 +163,7 @@ def in_view(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> Non
 
 def withdrawn(table: PybulletTable) -> None:
     table.withdraw()
-    while table.poll() is Status.RUNNING:
-        pass
+    finish(table)
 
 
 def look(

@@ -39,7 +39,7 @@ from cleancli.motion.path import Interpolation, ToolPath, Unreachable
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Container, Group, Ink, Rag, Scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import finish
 from cleancli.world.robots import wam
 from cleancli.world.table import PybulletTable
 
@@ -233,8 +233,7 @@ def passes(grasp: str, seed: int) -> Row:
     with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
         for _ in range(PASSES):
             table.start(tool_path("moveToContainerStraight", (area,), scene))
-            while table.poll() is Status.RUNNING:
-                pass
+            finish(table)
             left.append(round(table.truth().ink_left, 4))
     return {"left": left}
 

@@ -27,7 +27,7 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
-from cleancli.world.robot import Status
+from cleancli.world.robot import finish
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
 
@@ -73,8 +73,7 @@ def clean(table: PybulletTable, scene: Scene) -> int:
         target = on_table[np.argmin(on_table @ out)]
         area = Ellipse((float(target[0]), float(target[1])), (0.02, 0.02), 0.0)
         table.start(tool_path("moveToContainerStraight", (area,), scene))
-        while table.poll() is Status.RUNNING:
-            pass
+        finish(table)
         if table.failure:
             print(table.failure)
             table.stop()

@@ -29,16 +29,17 @@ def look(*facts: Fact, share: float = 0.0, hidden: tuple[float, float] = (0.0, 0
         dict(zip(("a1", "a2"), hidden, strict=True)),
         Unseen(cells, (-0.4, -0.3), (0.4, 0.3)),
         more.get("changes", ()),
+        3,
     )
     found = SimpleNamespace(
         areas=more.get("areas", known.areas),
         state=frozenset(facts),
+        known=known,
+        left_out=more.get("left_out", ()),
         frames=(SimpleNamespace(clock=1.5), SimpleNamespace(clock=1.75)),
         observation=SimpleNamespace(doubts=("the surface is darker",)),
     )
-    return SimpleNamespace(
-        source=more.get("source", "table"), look=found, known=known, left_out=more.get("left_out", ())
-    )
+    return SimpleNamespace(source=more.get("source", "table"), look=found)
 
 
 def test_a_look_at_two_areas() -> None:

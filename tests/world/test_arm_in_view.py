@@ -13,7 +13,7 @@ from cleancli.perception.occlusion import Known, remember
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import track
 from cleancli.scene.model import Group, Scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable
 
 GROUPS = (Group(9, (-0.2, 0.1), 0.03), Group(9, (0.0, -0.1), 0.03), Group(9, (0.2, 0.15), 0.03))
@@ -31,8 +31,7 @@ def test_through_a_whole_push_no_area_is_lost_or_invented_behind_the_tool(
     setting = scene(*GROUPS, robot=robot)
     with PybulletTable(setting, 1) as table:
         table.withdraw()
-        while table.poll() is Status.RUNNING:
-            pass
+        finish(table)
         areas = track((), observed(table, setting).areas, None, 1).areas
         assert len(areas) == 3
         still = [area for area in areas if area.name != "a2"]

@@ -187,15 +187,14 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import finish
 from cleancli.world.table import PybulletTable
 scene = load_scene(Source("s", "scene s { surface { width = 50 cm depth = 40 cm } container { edge = south }"
     " robot { drive = reem } camera { image = 64 x 48 focal = 52.5 }"
     " dirt { group { count = 8 at = (5 cm, 0 cm) radius = 2 cm } } }"))
 table = PybulletTable(scene, 9)
 table.start(tool_path("pickUp", (Ellipse((0.05, 0.0), (0.025, 0.02), 0.2),), scene))
-while table.poll() is Status.RUNNING:
-    pass
+finish(table)
 print(table.truth().positions.tobytes().hex(), table.observe().depth.tobytes().hex(), table.clock)
 """
 

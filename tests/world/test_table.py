@@ -167,15 +167,14 @@ from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
 from cleancli.scene.grasps import WIDE
 from cleancli.scene.model import *
-from cleancli.world.robot import Status
+from cleancli.world.robot import finish
 from cleancli.world.table import PybulletTable
 scene = Scene("twice", Surface(0.9, 0.7, 0.45, (205, 198, 184)), Container("east", 0.0, 0.32, 0.16), "gantry",
               Rag(WIDE, 0.12), CameraSetup(0.9, 64, 48, 52.5), (Group(15, (0.25, 0.0), 0.03),),
               SymbolThresholds(0.035, 0.05, 0.10, 0.3, 0.2, 0.06), 1)
 table = PybulletTable(scene, 9)
 table.start(tool_path("moveToContainerFast", (Ellipse((0.25, 0.0), (0.03, 0.03), 0.0),), scene))
-while table.poll() is Status.RUNNING:
-    pass
+finish(table)
 frame = table.observe()
 print(table.truth().positions.tobytes().hex(), frame.depth.tobytes().hex(), frame.colour.tobytes().hex())
 """

@@ -20,21 +20,14 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
-from cleancli.perception.cap import left_out
-from cleancli.perception.occlusion import Known, remember
+from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
-from cleancli.perception.perceive import perceive as observation_of
 from cleancli.perception.pictures import Picture, draw
 from cleancli.perception.recorded import CAMERA, BadRecording, load_frames
-from cleancli.perception.rerun_file import Look
 from cleancli.perception.surface import NoSurface
-from cleancli.perception.symbols import symbolize
 from cleancli.recording.pictures import png_of
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
-
-FRAMES = 3
-"""As many as a look of `execute` takes."""
 
 TOLD = 12
 """Facts of one symbol up to which a person is told each; of 26 areas, 700 lie between two others."""
@@ -106,12 +99,10 @@ def drawn(look: Look) -> Picture:
 
 @dataclass(frozen=True, slots=True)
 class SeenLook:
-    """A look, where its frames come from, and what is known from it and from those before."""
+    """A look, and where its frames come from."""
 
     source: str
     look: Look
-    known: Known
-    left_out: tuple[str, ...]
 
 
 def photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
@@ -119,7 +110,7 @@ def photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(setting, derived(seed, Stream.WORLD))) as table:
-        return tuple(table.observe() for _ in range(FRAMES))
+        return tuple(table.observe() for _ in range(FRAMES_PER_LOOK))
 
 
 def recorded(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
@@ -148,34 +139,30 @@ def understood(
     """What each look shows; areas that are hidden in one stay as they were in the look before."""
     rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     areas: tuple[Area, ...] = ()
-    named = 0
+    next_number = 1
     for source, frames in sets:
         try:
-            observation = observation_of(frames, setting, rng)
+            look = look_at(frames, setting, domain, rng, areas, None, next_number)
         except (BadFrame, NoSurface) as error:
             raise BadRecording(f"{source}: {error}") from error
-        known = remember(areas, observation, setting.surface, None, named + 1)
-        areas = known.areas
-        named = max([named, *(int(area.name[1:]) for area in areas)])
-        _, state = symbolize(areas, setting, domain)
-        yield SeenLook(source, Look(frames, observation, areas, state), known, left_out(areas, setting))
+        areas, next_number = look.areas, look.known.next_number
+        yield SeenLook(source, look)
 
 
 def described(seen: SeenLook) -> dict[str, object]:
     """Lengths in metres and square metres, angles in radians, times in seconds."""
+    unseen = seen.look.known.unseen
     return {
         "source": seen.source,
         "clock": seen.look.frames[-1].clock,
         "areas": [_area(area, seen) for area in seen.look.areas],
-        "left_out": seen.left_out,
+        "left_out": seen.look.left_out,
         "facts": _facts(seen.look.state),
         "doubts": list(seen.look.observation.doubts),
-        "changes": [str(change) for change in seen.known.changes],
+        "changes": [str(change) for change in seen.look.known.changes],
         "unseen": {
-            "share": round(seen.known.unseen.share, 4),
-            "outlines": [
-                [[round(x, 4), round(y, 4)] for x, y in outline] for outline in seen.known.unseen.outlines()
-            ],
+            "share": round(unseen.share, 4),
+            "outlines": [[[round(x, 4), round(y, 4)] for x, y in outline] for outline in unseen.outlines()],
         },
     }
 
@@ -192,7 +179,7 @@ def _area(area: Area, seen: SeenLook) -> dict[str, object]:
         "diameters": [round(2 * axis, 4) for axis in area.ellipse.axes],
         "angle": round(area.ellipse.angle, 4),
         "covered": round(area.covered, 6),
-        "hidden": round(seen.known.hidden[area.name], 3),
+        "hidden": round(seen.look.known.hidden[area.name], 3),
         **alone,
     }
 
@@ -206,13 +193,13 @@ def _facts(state: State) -> dict[str, list[list[str]]]:
 
 
 def told(seen: SeenLook) -> Iterator[str]:
-    areas, unseen = seen.look.areas, seen.known.unseen.share
+    areas, unseen = seen.look.areas, seen.look.known.unseen.share
     hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
     yield f"{seen.source}: {plural(len(areas), 'area')}{hidden}"
-    yield from (f"  {change}" for change in seen.known.changes)
+    yield from (f"  {change}" for change in seen.look.known.changes)
     yield from (f"  {_line(area, seen)}" for area in areas)
-    if seen.left_out:
-        yield f"  left out of plans: {', '.join(seen.left_out)}"
+    if seen.look.left_out:
+        yield f"  left out of plans: {', '.join(seen.look.left_out)}"
     for symbol, holds in _facts(seen.look.state).items():
         told = ", ".join(f"({' '.join(objects)})" for objects in holds)
         yield f"  {symbol}: {told if len(holds) <= TOLD else f'{len(holds)} times; --json tells where'}"
@@ -223,7 +210,7 @@ def _line(area: Area, seen: SeenLook) -> str:
     told = _area(area, seen)
     said = [str(told["size"])] if "size" in told else []
     said += [name for name, value in told.items() if value is True]
-    if share := seen.known.hidden[area.name]:
+    if share := seen.look.known.hidden[area.name]:
         said.append("remembered" if share == 1 else f"{share:.0%} hidden")
     words = "".join(f", {word}" for word in said)
     return f"{area.name}: at ({_cm(x)}, {_cm(y)}) cm, {_cm(2 * long)} x {_cm(2 * short)} cm{words}"

@@ -15,16 +15,11 @@ from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path
 from cleancli.motion.path import ToolPath
-from cleancli.perception.cap import left_out
-from cleancli.perception.occlusion import MOSTLY, remember
-from cleancli.perception.perceive import perceive
-from cleancli.perception.symbols import symbolize
+from cleancli.perception.look import FRAMES_PER_LOOK, look_at
+from cleancli.perception.occlusion import MOSTLY
 from cleancli.perception.tracking import Stroke
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Robot, Status
-
-FRAMES_PER_LOOK = 3
-"""Frames whose dirty pixels must agree before they count (§3.1, "Noise removal")."""
 
 MOST_POLLS = 20_000
 """Control periods after which a motion has failed: minutes, where strokes take seconds."""
@@ -56,16 +51,16 @@ class TableCell:
         """Frames, areas, names, symbols."""
         frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
         started = time.perf_counter()
-        observation = perceive(frames, self._scene, np.random.default_rng((self._seed, number)))
+        rng = np.random.default_rng((self._seed, number))
         areas = () if before is None else before.areas
-        known = remember(areas, observation, self._scene.surface, stroke, named + 1)
-        objects, state = symbolize(known.areas, self._scene, self._domain)
+        look = look_at(frames, self._scene, self._domain, rng, areas, stroke, named + 1)
+        known = look.known
         unseen = frozenset(name for name, hidden in known.hidden.items() if hidden >= MOSTLY)
         situation = Situation(
-            known.areas, objects, state, unseen, known.unseen.share, left_out(known.areas, self._scene)
+            known.areas, look.objects, look.state, unseen, known.unseen.share, look.left_out
         )
-        numbers = (int(area.name[1:]) for area in known.areas)
-        return LookResult(situation, frames[-1], max((named, *numbers)), time.perf_counter() - started)
+        seconds = time.perf_counter() - started
+        return LookResult(situation, frames[-1], known.next_number - 1, seconds)
 
     def problem(self, situation: Situation) -> Problem:
         """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""

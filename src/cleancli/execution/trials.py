@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.table_cell import FRAMES_PER_LOOK
 from cleancli.geometry.ellipse import Ellipse, contains
 from cleancli.motion.actions import ARITIES, tool_path
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
+from cleancli.perception.look import FRAMES_PER_LOOK
 from cleancli.perception.perceive import perceive
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.tracking import track
 from cleancli.scene.model import Scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable, Truth
 
 Points = NDArray[np.float64]
@@ -89,8 +89,7 @@ def attempt(
         ellipses = tuple(area.ellipse for area in chosen)
         targets = _within(start.positions[:, :2], ellipses)
         table.start(path_of(action, ellipses, scene))
-        while (status := table.poll()) is Status.RUNNING:
-            pass
+        status = finish(table)
         end = table.truth()
         before = _meant(start, targets, ellipses)
         after = _meant(end, targets & _on_table(end), ellipses)

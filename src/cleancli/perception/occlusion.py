@@ -5,11 +5,12 @@ where the tool may be in view: it names the areas seen, keeps those that are hid
 says which part of the surface nothing is known about. It is pure, and quick beside `perceive`:
 
     observation = perceive(frames, scene, rng)
-    known = remember(areas_before, observation, scene.surface, stroke, named + 1)
+    known = remember(areas_before, observation, scene.surface, stroke, next_number)
     known.areas         # named, from west to east: seen and remembered alike
     known.hidden["a3"]  # 0: seen whole; 1: only remembered; between: seen in part
     known.unseen.share, known.unseen.outlines(), known.unseen.share_of(ellipse)
     known.changes       # "a3 split into a3, a9", "a2 merged into a5"
+    known.next_number   # what to hand in with the next observation
 
 With nothing in front of the surface it gives what `track` gives.
 """
@@ -94,13 +95,15 @@ class Known:
     """What is known of the surface from an observation and from what was known before it.
 
     `areas` are named, from west to east. `hidden`: by name, the share of the area that is only remembered,
-    from 0 (seen whole) to 1 (not seen at all). `changes`: which areas split or merged.
+    from 0 (seen whole) to 1 (not seen at all). `changes`: which areas split or merged. The next new name is
+    `a<next_number>`.
     """
 
     areas: tuple[Area, ...]
     hidden: Mapping[str, float]
     unseen: Unseen
     changes: tuple[AreaChange, ...]
+    next_number: int
 
 
 def remember(
@@ -132,7 +135,8 @@ def remember(
     found = [*kept.values(), *((area, 0.0) for area in tracked.areas)]
     found.sort(key=lambda known: known[0].ellipse.centre)
     areas = tuple(area for area, _ in found)
-    return Known(areas, {area.name: hidden for area, hidden in found}, unseen, tracked.changes)
+    hidden = {area.name: share for area, share in found}
+    return Known(areas, hidden, unseen, tracked.changes, tracked.next_number)
 
 
 def _kept(

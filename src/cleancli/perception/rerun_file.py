@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.files.replace import replaced_by
-from cleancli.geometry.rgbd import Frame
-from cleancli.language.model import State
-from cleancli.perception.area import Area
-from cleancli.perception.perceive import Observation
+from cleancli.perception.look import Look
 from cleancli.perception.pictures import outline, words
 
 APPLICATION = "cleancli"
@@ -34,16 +30,6 @@ class MissingRerun(Exception):
 
     def __init__(self) -> None:
         super().__init__("a Rerun recording needs rerun-sdk: pip install 'rerun-sdk>=0.24'")
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """Frames of one look, what was found in them, and the named areas with what is true of them."""
-
-    frames: tuple[Frame, ...]
-    observation: Observation
-    areas: tuple[Area, ...]
-    state: State
 
 
 def find_rerun() -> Any:

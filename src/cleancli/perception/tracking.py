@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, dist
@@ -134,10 +135,12 @@ AreaChange = Split | Merge
 
 @dataclass(frozen=True, slots=True)
 class Tracked:
-    """Named `areas`, in the order in which they were seen, and which of them split or merged."""
+    """Named `areas`, in the order in which they were seen, and which of them split or merged. The next new
+    name is `a<next_number>`."""
 
     areas: tuple[Area, ...]
-    changes: tuple[AreaChange, ...] = ()
+    changes: tuple[AreaChange, ...]
+    next_number: int
 
 
 def track(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, next_number: int) -> Tracked:
@@ -151,10 +154,11 @@ def track(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None, 
     """
     flow = _flow(before, after, stroke)
     names = _assigned(before, after, flow, stroke)
-    fresh = iter(range(next_number, next_number + len(after)))
+    fresh = itertools.count(next_number)
     called = [names[index] if index in names else f"a{next(fresh)}" for index in range(len(after))]
     areas = tuple(replace(area, name=name) for area, name in zip(after, called, strict=True))
-    return Tracked(areas, (*_splits(before, flow, called), *_merges(before, flow, called)))
+    changes: list[AreaChange] = [*_splits(before, flow, called), *_merges(before, flow, called)]
+    return Tracked(areas, tuple(changes), next(fresh))
 
 
 def _flow(before: Sequence[Area], after: Sequence[Area], stroke: Stroke | None) -> Flow:

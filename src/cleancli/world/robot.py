@@ -46,3 +46,11 @@ class Robot(Protocol):
 
     def stop(self) -> None:
         """End the motion now, with the tool raised."""
+
+
+def finish(robot: Robot) -> Status:
+    """Let the motion that is under way go on to its end, and say how it ended."""
+    status = robot.poll()
+    while status is Status.RUNNING:
+        status = robot.poll()
+    return status

@@ -89,13 +89,12 @@ def _calibration_to_replace(out: Path) -> str | None:
 
 def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
     """Frames of the table without its dirt, and without the tool. pybullet is needed here alone."""
-    from cleancli.world.robot import Status
+    from cleancli.world.robot import finish
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(replace(setting, dirt=()), derived(seed, Stream.WORLD))) as table:
         table.withdraw()
-        while table.poll() is Status.RUNNING:
-            pass
+        finish(table)
         yield from counted("frames", (table.observe() for _ in range(count)), count)
 
 

@@ -18,9 +18,10 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_loaded, open_scene
 from cleancli.language.load import located_in
+from cleancli.perception.look import Look
 from cleancli.perception.pictures import contact_sheet
 from cleancli.perception.recorded import save_frames
-from cleancli.perception.rerun_file import Look, MissingRerun, find_rerun, write_recording
+from cleancli.perception.rerun_file import MissingRerun, find_rerun, write_recording
 from cleancli.recording.pictures import write_png
 
 
