@@ -18,9 +18,9 @@ from dataclasses import replace
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 from physics import BENCH, DESK, bow
 
+from cleancli.array_types import Floats
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, SKILLS, tool_path
 from cleancli.motion.path import Unreachable
@@ -74,7 +74,7 @@ def strokes(scene: Scene, number: int, rng: np.random.Generator) -> tuple[int, l
     return possible, seconds
 
 
-def bows(scene: Scene, number: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def bows(scene: Scene, number: int, rng: np.random.Generator) -> Floats:
     """Of so many fast pushes that can be followed, how far the tool leaves the line, metres."""
     found: list[float] = []
     while len(found) < number:

@@ -24,8 +24,8 @@ from pathlib import Path
 
 import numpy as np
 from kept import Kept
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Points
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
@@ -37,8 +37,6 @@ from cleancli.scene.model import Scene
 from cleancli.world import constants as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
-
-_Places = NDArray[np.float64]
 
 OFF = 0.10  # metres beyond the table's edges within which areas are drawn
 
@@ -98,18 +96,18 @@ class Result:
     fastest: float
 
 
-def speeds(before: _Places, now: _Places) -> _Places:
+def speeds(before: Points, now: Points) -> Points:
     """(n,) of particles at `now` (n, 3), which were at `before` a control period ago."""
-    moved: _Places = np.linalg.norm(now - before, axis=1)
+    moved: Points = np.linalg.norm(now - before, axis=1)
     return moved / (par.STEPS_PER_PERIOD * par.STEP)
 
 
-def above(places: _Places, half: _Places) -> NDArray[np.bool_]:
+def above(places: Points, half: Points) -> Bools:
     """(n,) which are on or above the table's top."""
     return np.asarray((np.abs(places[:, :2]) < half).all(axis=1) & (places[:, 2] > 0))
 
 
-def faults(before: _Places, now: _Places, half: _Places, pressed: float, carried: bool) -> list[str]:
+def faults(before: Points, now: Points, half: Points, pressed: float, carried: bool) -> list[str]:
     """What is wrong with particles at `now` (n, 3), which were at `before` a control period ago; they may be
     `pressed` so deep into the table, or `carried` by a dustpan."""
     fast = speeds(before, now)

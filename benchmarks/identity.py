@@ -33,8 +33,8 @@ from pathlib import Path
 
 import numpy as np
 from kept import Kept
-from numpy.typing import NDArray
 
+from cleancli.array_types import Longs, Points
 from cleancli.geometry.ellipse import boundary, contains
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import SKILLS, tool_path
@@ -54,8 +54,6 @@ ROUND = 5
 AROUND = 0.005  # metres around an ellipse in which a particle is still its area's
 MOVED = 0.010  # metres by which a particle has moved
 
-Places = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Push:
@@ -66,8 +64,8 @@ class Push:
     stroke: Stroke
     before: tuple[Area, ...]
     after: tuple[Area, ...]
-    places_before: Places
-    places_after: Places
+    places_before: Points
+    places_after: Points
 
 
 @dataclass(frozen=True)
@@ -170,7 +168,7 @@ def _finish(table: PybulletTable, begin) -> None:  # type: ignore[no-untyped-def
         table.stop()
 
 
-def _on_table(table: PybulletTable) -> Places:
+def _on_table(table: PybulletTable) -> Points:
     truth = table.truth()
     places = truth.positions[:, :2].copy()
     left = {tuple(place) for place in truth.left.tolist()}
@@ -178,7 +176,7 @@ def _on_table(table: PybulletTable) -> Places:
     return places
 
 
-def owners(areas: tuple[Area, ...], places: Places) -> NDArray[np.int64]:
+def owners(areas: tuple[Area, ...], places: Points) -> Longs:
     """For each particle the index of its area, -1 for none."""
     owner = np.full(len(places), -1)
     nearest = np.full(len(places), np.inf)
@@ -231,9 +229,7 @@ def judge(push: Push, tracked: Tracked) -> Score:
     )
 
 
-def _splits(
-    push: Push, tracked: Tracked, flow: NDArray[np.int64], heirs: dict[int, int]
-) -> tuple[int, int, int]:
+def _splits(push: Push, tracked: Tracked, flow: Longs, heirs: dict[int, int]) -> tuple[int, int, int]:
     names = [area.name for area in tracked.areas]
     true = set()
     for j in range(len(push.after)):

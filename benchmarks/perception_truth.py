@@ -9,11 +9,11 @@ from math import pi
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
+from cleancli.array_types import Bools, Points, Singles
 from cleancli.geometry.ellipse import gap
 from cleancli.geometry.rgbd import Camera
 from cleancli.perception import geometry
@@ -26,8 +26,6 @@ from cleancli.scene.model import Scene
 from cleancli.world import camera as world_camera
 from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
-
-Points = NDArray[np.float64]
 
 FOUND = 0.004
 """Metres from a particle's footprint to the middle of a dirty pixel, up to which it is found: two pixels."""
@@ -42,9 +40,9 @@ class Truth:
     """Points (n, 2) around each particle and cell of ink on the table, and which of them can be seen."""
 
     pieces: tuple[Points, ...]
-    visible: NDArray[np.bool_]
+    visible: Bools
 
-    def those(self, chosen: NDArray[np.bool_]) -> list[Points]:
+    def those(self, chosen: Bools) -> list[Points]:
         """Some of the pieces."""
         return [piece for piece, is_chosen in zip(self.pieces, chosen, strict=True) if is_chosen]
 
@@ -97,7 +95,7 @@ def footprints(table: PybulletTable) -> list[Points]:
     return found + [cell[:2] + square for cell in table.truth().ink]
 
 
-def is_visible(place: Points, eye: Camera, depth: NDArray[np.float32], scene: Scene) -> bool:
+def is_visible(place: Points, eye: Camera, depth: Singles, scene: Scene) -> bool:
     """Whether a place is in the picture, not on the rim, nor behind or just beside what stands on the
     surface."""
     inside = np.abs(place) < np.array((scene.surface.width, scene.surface.depth)) / 2 - RIM - 0.003

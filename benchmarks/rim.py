@@ -13,11 +13,11 @@ from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from perception_tables import look, withdrawn
 from perception_truth import FOUND, dirty, footprints
 from scipy.spatial.distance import cdist
 
+from cleancli.array_types import Bools, Points
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.perception.perceive import perceive
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds
@@ -35,8 +35,6 @@ FAR = 0.008
 
 UNKNOWN = Appearance(1, 1, ((0.0, 0.0, 0.0),), 0.0)
 
-Points = NDArray[np.float64]
-
 
 def table(side: str) -> Scene:
     """A table with lentils along its west and east, or its south and north."""
@@ -51,7 +49,7 @@ def table(side: str) -> Scene:
     return load_scene(Source("rim", f"scene rim {{ dirt {{ {dirt} }} }}"))
 
 
-def seen(number: int, seed: int, frames: int) -> tuple[Points, dict[int, tuple[NDArray[np.bool_], int]]]:
+def seen(number: int, seed: int, frames: int) -> tuple[Points, dict[int, tuple[Bools, int]]]:
     """Of one table the distances (n,) of lentils from the rim, and for each number of pixels removed which of
     them are found, and how many pixels are false."""
     scene = table("across" if number % 2 == 0 else "along")

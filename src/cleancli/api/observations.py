@@ -14,6 +14,7 @@ from cleancli.api.checks import check_least
 from cleancli.api.inputs import GivenDomain, load_domain, source_of
 from cleancli.api.plain import plain
 from cleancli.api.tables import preformatted
+from cleancli.array_types import Image
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
@@ -22,7 +23,7 @@ from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
 from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
-from cleancli.perception.pictures import Picture, draw
+from cleancli.perception.pictures import draw
 from cleancli.perception.recorded import CAMERA, BadRecording, load_frames
 from cleancli.perception.surface import NoSurface
 from cleancli.recording.pictures import png_of
@@ -91,7 +92,7 @@ def perceive(
     )
 
 
-def drawn(look: Look) -> Picture:
+def drawn(look: Look) -> Image:
     """The colour image with ellipses, names and symbols; RGB."""
     frame = replace(look.frames[-1], camera=look.observation.camera)
     return draw(frame, look.areas, look.state)

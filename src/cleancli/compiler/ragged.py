@@ -11,11 +11,8 @@ from fractions import Fraction
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int32]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from cleancli.array_types import Floats, Ints
 
 _Item = TypeVar("_Item")
 

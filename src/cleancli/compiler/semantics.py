@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cleancli.compiler.ragged import Floats
+from cleancli.array_types import Floats
 from cleancli.compiler.task import GroundRule, GroundState, Task, holds
 
 SUPPORT_LIMIT = 100_000

@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from cleancli.array_types import Image
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import holds
 from cleancli.environment.observation import Arrays, observation_space, observed
@@ -109,7 +110,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         reward = float(len(before.areas) - len(after.areas))
         return self._observation(), reward, not after.areas, False, self._info(started, failure)
 
-    def render(self) -> NDArray[np.uint8] | None:
+    def render(self) -> Image | None:
         """The table as an onlooker sees it now, (480, 640, 3) RGB; None without `render_mode`."""
         picture = self._running().picture
         return None if self.render_mode is None or picture is None else picture(640, 480)
@@ -206,6 +207,6 @@ def _done(motion: Motion) -> Motions:
             return went
 
 
-def _colour(sight: LookResult) -> NDArray[np.uint8]:
+def _colour(sight: LookResult) -> Image:
     assert sight.frame is not None, "a table is looked at with a camera"
     return sight.frame.colour

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.geometry.ellipse import Point
 from cleancli.motion.actions import OVERSHOOT
 from cleancli.scene.model import Scene
 
 
-def rectangle(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def rectangle(scene: Scene) -> tuple[Floats, Floats]:
     """The lowest and highest (x, y), in metres, between which a push may start and end: the surface, and over
     the container's edge as far as a whole rag goes past it."""
     half = np.array((scene.surface.width, scene.surface.depth)) / 2

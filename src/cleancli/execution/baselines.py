@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from math import ceil, dist
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
@@ -84,7 +84,7 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     return Decision(tuple(Move("wipe", (), path) for path in paths))
 
 
-def _rows(places: NDArray[np.float64], width: float) -> list[float]:
+def _rows(places: Floats, width: float) -> list[float]:
     """The middles of as few lines of some width as cover all places (n,) with an overlap, in order."""
     low, high = float(places.min()), float(places.max())
     pitch = max(width - OVERLAP, width / 2)
@@ -93,7 +93,7 @@ def _rows(places: NDArray[np.float64], width: float) -> list[float]:
     return [middle + pitch * (index - (number - 1) / 2) for index in range(number)]
 
 
-def _line_out(start: NDArray[np.float64], row: NDArray[np.float64], scene: Scene) -> ToolPath:
+def _line_out(start: Floats, row: Floats, scene: Scene) -> ToolPath:
     """Straight on until a rag's width before the edge, and from there into the container."""
     out = np.array(scene.outwards())
     edge = float(np.array(scene.mouth()[0]) @ out)
@@ -101,7 +101,7 @@ def _line_out(start: NDArray[np.float64], row: NDArray[np.float64], scene: Scene
     return path_along((_pair(start), *into_container(_pair(before), scene)), scene)
 
 
-def _to_dustpan(begin: NDArray[np.float64], end: NDArray[np.float64], scene: Scene) -> ToolPath:
+def _to_dustpan(begin: Floats, end: Floats, scene: Scene) -> ToolPath:
     middle, half = (begin + end) / 2, (end - begin) / 2
     angle = float(np.arctan2(half[1], half[0]))
     return pick_up(Ellipse(_pair(middle), (float(np.linalg.norm(half)), 1e-3), angle), scene)
@@ -120,5 +120,5 @@ def _scene(now: DecisionContext) -> Scene:
     return now.scene
 
 
-def _pair(point: Sequence[float] | NDArray[np.float64]) -> tuple[float, float]:
+def _pair(point: Sequence[float] | Floats) -> tuple[float, float]:
     return float(point[0]), float(point[1])

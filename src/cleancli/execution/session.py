@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Image
 from cleancli.compiler.task import GroundState, Task
 from cleancli.execution.episode_state import World
 from cleancli.execution.seeds import Stream, derived
@@ -34,7 +35,7 @@ class Session:
 
     setup: EpisodeSetup
     cell: Workcell
-    picture: Callable[[int, int], NDArray[np.uint8]] | None
+    picture: Callable[[int, int], Image] | None
     truth: Callable[[], Mapping[str, object]]
     save: Callable[[], World]
     stop: Callable[[], None]

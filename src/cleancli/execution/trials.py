@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Points
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.ellipse import Ellipse, contains
 from cleancli.motion.actions import ARITIES, tool_path
@@ -26,8 +26,6 @@ from cleancli.perception.tracking import track
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable, Truth
-
-Points = NDArray[np.float64]
 
 GATHERING = ("join2", "join3", "groupScattered")
 """The actions that leave dirt on the surface on purpose (§3.2.3)."""
@@ -155,19 +153,19 @@ def _chosen(seen: Sequence[Area], names: Sequence[str], arity: int) -> tuple[Are
     return tuple(found[name] for name in names if name in found)
 
 
-def _within(points: Points, ellipses: Sequence[Ellipse]) -> NDArray[np.bool_]:
+def _within(points: Points, ellipses: Sequence[Ellipse]) -> Bools:
     """Which points (n, 2) belong to any of the ellipses, (n,)."""
     wider = [replace(e, axes=(e.axes[0] + MARGIN, e.axes[1] + MARGIN)) for e in ellipses]
     return np.asarray(np.any([contains(ellipse, points) for ellipse in wider], axis=0))
 
 
-def _on_table(truth: Truth) -> NDArray[np.bool_]:
+def _on_table(truth: Truth) -> Bools:
     """Which particles are still on the table, (total,)."""
     same = (truth.positions[:, None] == truth.left[None]).all(axis=2)
     return np.asarray(same.any(axis=1))
 
 
-def _meant(truth: Truth, targets: NDArray[np.bool_], ellipses: Sequence[Ellipse]) -> Points:
+def _meant(truth: Truth, targets: Bools, ellipses: Sequence[Ellipse]) -> Points:
     """Where these particles lie, and the ink within the ellipses, (n, 2)."""
     return np.concatenate((truth.positions[targets, :2], truth.ink[_within(truth.ink[:, :2], ellipses), :2]))
 

@@ -6,13 +6,14 @@ from itertools import combinations, pairwise
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
+
+from cleancli.array_types import Floats
 
 TRIES = 8
 """Times that the search, which is random, starts; the best counts. Chosen."""
 
 
-def shortest_path(places: NDArray[np.float64], end: int, seed: int) -> tuple[int, ...]:
+def shortest_path(places: Floats, end: int, seed: int) -> tuple[int, ...]:
     """An order of all places (n, 2), as rows' indices, that ends with `end` and whose way is short.
 
     Found by annealing from a greedy tour; up to eight places it is the shortest in nearly all cases.

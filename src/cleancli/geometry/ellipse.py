@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
-Points = NDArray[np.float64]
+from cleancli.array_types import Bools, Floats, Points
 
 _BOUNDARY_POINTS = 720
 
@@ -43,11 +42,11 @@ def points_within(ellipse: Ellipse) -> Points:
     return _placed(ellipse, _DISC)
 
 
-def contains(ellipse: Ellipse, points: Points) -> NDArray[np.bool_]:
+def contains(ellipse: Ellipse, points: Points) -> Bools:
     """For points (n, 2): whether each lies within the ellipse or on it, (n,)."""
     local = (points - np.array(ellipse.centre)) @ _rotation(ellipse)
     first, second = (max(axis, 1e-9) for axis in ellipse.axes)
-    inside: NDArray[np.bool_] = (local[:, 0] / first) ** 2 + (local[:, 1] / second) ** 2 <= 1
+    inside: Bools = (local[:, 0] / first) ** 2 + (local[:, 1] / second) ** 2 <= 1
     return inside
 
 
@@ -61,12 +60,12 @@ def _placed(ellipse: Ellipse, unit: Points) -> Points:
     return np.array(ellipse.centre) + (unit * ellipse.axes) @ _rotation(ellipse).T
 
 
-def _rotation(ellipse: Ellipse) -> NDArray[np.float64]:
+def _rotation(ellipse: Ellipse) -> Floats:
     cos, sin = np.cos(ellipse.angle), np.sin(ellipse.angle)
     return np.array(((cos, -sin), (sin, cos)))
 
 
-def _reach(ellipse: Ellipse) -> NDArray[np.float64]:
+def _reach(ellipse: Ellipse) -> Floats:
     """How far the ellipse reaches from its centre along each direction."""
     long, short = ellipse.axes
     along, across = (_NORMALS @ _rotation(ellipse)).T
@@ -83,9 +82,6 @@ class Ellipse:
 
 
 Point = tuple[float, float]
-
-
-_Points = NDArray[np.float64]
 
 
 def major_ends(ellipse: Ellipse) -> tuple[Point, Point]:
@@ -124,7 +120,7 @@ def nearest(ellipse: Ellipse, other: Ellipse) -> tuple[Point, Point]:
     return _point(mine[row]), _point(theirs[column])
 
 
-def _shared_point(ellipse: Ellipse, other: Ellipse, mine: _Points, theirs: _Points) -> Point | None:
+def _shared_point(ellipse: Ellipse, other: Ellipse, mine: Points, theirs: Points) -> Point | None:
     common = np.concatenate((mine[contains(other, mine)], theirs[contains(ellipse, theirs)]))
     if not len(common):
         return None
@@ -134,17 +130,17 @@ def _shared_point(ellipse: Ellipse, other: Ellipse, mine: _Points, theirs: _Poin
     return _point(common[np.argmin(np.linalg.norm(common - middle, axis=1))])
 
 
-def _gaps(first: _Points, second: _Points) -> NDArray[np.float64]:
+def _gaps(first: Points, second: Points) -> Floats:
     """(n, m) distances between points (n, 2) and (m, 2)."""
     return np.hypot(first[:, None, 0] - second[None, :, 0], first[:, None, 1] - second[None, :, 1])
 
 
-def _distances_to_stretch(points: _Points, ends: tuple[Point, Point]) -> NDArray[np.float64]:
+def _distances_to_stretch(points: Points, ends: tuple[Point, Point]) -> Floats:
     begin, step = np.array(ends[0]), np.subtract(ends[1], ends[0])
     share = np.clip((points - begin) @ step / max(float(step @ step), 1e-12), 0, 1)
-    distances: NDArray[np.float64] = np.linalg.norm(points - begin - share[:, None] * step, axis=1)
+    distances: Floats = np.linalg.norm(points - begin - share[:, None] * step, axis=1)
     return distances
 
 
-def _point(pair: NDArray[np.float64]) -> Point:
+def _point(pair: Floats) -> Point:
     return float(pair[0]), float(pair[1])

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from cleancli.array_types import Depth, Floats, Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +17,7 @@ class Camera:
     height: int
     focal: float
     centre: tuple[float, float]
-    pose: NDArray[np.float64]
+    pose: Floats
     located: bool = True
 
 
@@ -27,7 +26,7 @@ class Frame:
     """One RGB-D image: `colour` (height, width, 3) uint8 RGB, `depth` (height, width) float32 in metres
     along the optical axis, 0 where unknown; `clock` in seconds of robot time."""
 
-    colour: NDArray[np.uint8]
-    depth: NDArray[np.float32]
+    colour: Image
+    depth: Depth
     camera: Camera
     clock: float

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-_Array = NDArray[np.float64]
+from cleancli.array_types import Floats
+
 Joints = tuple[float, float, float, float, float, float, float]
 
 TWISTS = (-np.pi / 2, np.pi / 2, -np.pi / 2, np.pi / 2, -np.pi / 2, np.pi / 2, 0.0)
@@ -61,7 +61,7 @@ class Arm:
         assert not any(self.lengths[k] for k in (0, 1, 3, 5)), "the shoulder and the wrist are no points"
 
 
-def poses(points: _Array, tilts: _Array) -> _Array:
+def poses(points: Floats, tilts: Floats) -> Floats:
     """(n, 4, 4) tool frames of (x, y, z, yaw) in `points` (n, 4), leaning ahead by `tilts` (n,).
 
     The tool tilts about the line along the rag: that line stays on the surface.
@@ -77,7 +77,7 @@ def poses(points: _Array, tilts: _Array) -> _Array:
     return frames
 
 
-def frames(arm: Arm, joints: _Array) -> _Array:
+def frames(arm: Arm, joints: Floats) -> Floats:
     """(n, 8, 4, 4) frames of the base and after each row, for `joints` (n, 7)."""
     found = np.empty((len(joints), 8, 4, 4))
     found[:, 0] = np.array(arm.base)
@@ -87,18 +87,18 @@ def frames(arm: Arm, joints: _Array) -> _Array:
     return found
 
 
-def forward(arm: Arm, joints: _Array) -> _Array:
+def forward(arm: Arm, joints: Floats) -> Floats:
     """(n, 4, 4) tool frames for `joints` (n, 7)."""
     return tool_of(arm, frames(arm, joints)[:, 7])
 
 
-def tool_of(arm: Arm, last: _Array) -> _Array:
+def tool_of(arm: Arm, last: Floats) -> Floats:
     """(n, 4, 4) tool frames for those of the last joint: ahead by the tool's length, and turned upright."""
-    turned: _Array = last @ np.array(_mount(arm))
+    turned: Floats = last @ np.array(_mount(arm))
     return turned
 
 
-def inverse(arm: Arm, targets: _Array, swivels: _Array, branches: _Array) -> _Array:
+def inverse(arm: Arm, targets: Floats, swivels: Floats, branches: Floats) -> Floats:
     """(n, 7) joints that bring the tool to `targets` (n, 4, 4), NaN where none within the limits do.
 
     `swivels` (n,) are turns of the elbow about the line from shoulder to wrist, radians; `branches` (n, 3)
@@ -118,7 +118,7 @@ def inverse(arm: Arm, targets: _Array, swivels: _Array, branches: _Array) -> _Ar
     return _within(arm, np.column_stack((shoulder, elbow, hand)))
 
 
-def everywhere(arm: Arm, targets: _Array) -> _Array:
+def everywhere(arm: Arm, targets: Floats) -> Floats:
     """(n, 48, 8, 7) all solutions for `targets` (n, 4, 4), by swivel and branch; NaN where there is none."""
     count, swivels, branches = len(targets), len(SWIVELS), len(BRANCHES)
     each = swivels * branches
@@ -131,7 +131,7 @@ def everywhere(arm: Arm, targets: _Array) -> _Array:
     return solutions.reshape(count, swivels, branches, 7)
 
 
-def swivel_of(arm: Arm, joints: _Array) -> tuple[float, _Array]:
+def swivel_of(arm: Arm, joints: Floats) -> tuple[float, Floats]:
     """The swivel and the branch (3,) by which `inverse` finds `joints` (7,) again."""
     turns = joints[None]
     upper = _turn_z(turns[:, 0]) @ _turn_y(turns[:, 1]) @ _turn_z(turns[:, 2])
@@ -142,17 +142,17 @@ def swivel_of(arm: Arm, joints: _Array) -> tuple[float, _Array]:
     return float(swivel), branch
 
 
-def costs(arm: Arm, joints: _Array) -> _Array:
+def costs(arm: Arm, joints: Floats) -> Floats:
     """(...,) how far `joints` (..., 7) are from the posture, and how near their limits; infinite for NaN."""
     low, high = np.array(arm.low), np.array(arm.high)
     away = (joints - np.array(arm.posture)) / (high - low)
     margin = np.minimum(joints - low, high - joints) / (high - low)
     total = (away**2).sum(axis=-1) + (np.maximum(0, 0.1 - margin) * 10).sum(axis=-1)
-    finite: _Array = np.where(np.isnan(total), np.inf, total)
+    finite: Floats = np.where(np.isnan(total), np.inf, total)
     return finite
 
 
-def why_not(arm: Arm, target: _Array) -> str:
+def why_not(arm: Arm, target: Floats) -> str:
     """The reason that `inverse` finds nothing for one tool frame (4, 4)."""
     goal = np.linalg.inv(np.array(arm.base)) @ target @ np.linalg.inv(np.array(_mount(arm)))
     reach = float(np.linalg.norm(goal[:3, 3] - arm.lengths[6] * goal[:3, 2]))
@@ -166,7 +166,7 @@ def _mount(arm: Arm) -> tuple[tuple[float, ...], ...]:
     return (1, 0, 0, 0), (0, -1, 0, 0), (0, 0, -1, arm.tool), (0, 0, 0, 1)
 
 
-def _rows(arm: Arm, joints: _Array) -> _Array:
+def _rows(arm: Arm, joints: Floats) -> Floats:
     """(n, 7, 4, 4) of each joint's turn and row."""
     cos, sin = np.cos(joints), np.sin(joints)
     twist, lift = np.cos(TWISTS), np.sin(TWISTS)
@@ -179,13 +179,13 @@ def _rows(arm: Arm, joints: _Array) -> _Array:
     return steps
 
 
-def _elbow(arm: Arm, reach: _Array, branch: _Array) -> _Array:
+def _elbow(arm: Arm, reach: Floats, branch: Floats) -> Floats:
     """(n,) elbow angles that bring the wrist so far from the shoulder; NaN where none does."""
     (ax, az), (bx, bz) = (arm.offsets[2], arm.lengths[2]), (arm.offsets[3], arm.lengths[4])
     wanted = (reach**2 - ax**2 - az**2 - bx**2 - bz**2) / 2
     with np.errstate(invalid="ignore"):
         bend = np.arccos(wanted / (np.hypot(ax, az) * np.hypot(bx, bz)))
-    angle: _Array = _straight_elbow(arm) + branch * bend
+    angle: Floats = _straight_elbow(arm) + branch * bend
     return angle
 
 
@@ -195,7 +195,7 @@ def _straight_elbow(arm: Arm) -> float:
     return float(np.arctan2(ax * bz - az * bx, ax * bx + az * bz))
 
 
-def _wrist_in_upper_arm(arm: Arm, elbow: _Array) -> tuple[_Array, _Array]:
+def _wrist_in_upper_arm(arm: Arm, elbow: Floats) -> tuple[Floats, Floats]:
     """x and z (n,) of the wrist in the frame of the upper arm, where the shoulder is the origin and y is
     0."""
     x, z = arm.offsets[3], arm.lengths[4]
@@ -203,7 +203,7 @@ def _wrist_in_upper_arm(arm: Arm, elbow: _Array) -> tuple[_Array, _Array]:
     return arm.offsets[2] + x * cos + z * sin, arm.lengths[2] - x * sin + z * cos
 
 
-def _zyz(turns: _Array, branch: _Array) -> _Array:
+def _zyz(turns: Floats, branch: Floats) -> Floats:
     """(n, 3) angles about z, y and z that make `turns` (n, 3, 3), the middle one with the branch's sign."""
     middle = branch * np.arctan2(np.hypot(turns[:, 0, 2], turns[:, 1, 2]), turns[:, 2, 2])
     first = np.arctan2(branch * turns[:, 1, 2], branch * turns[:, 0, 2])
@@ -211,21 +211,21 @@ def _zyz(turns: _Array, branch: _Array) -> _Array:
     return np.stack((first, middle, last), axis=1)
 
 
-def _within(arm: Arm, joints: _Array) -> _Array:
+def _within(arm: Arm, joints: Floats) -> Floats:
     """Angles within the limits, whole turns aside; a row with one that can't be is NaN throughout."""
     low, high = np.array(arm.low), np.array(arm.high)
-    turned: _Array = low + (joints - low) % (2 * np.pi)
+    turned: Floats = low + (joints - low) % (2 * np.pi)
     turned[~(turned <= high).all(axis=1)] = np.nan
     return turned
 
 
-def _turn_z(angles: _Array) -> _Array:
+def _turn_z(angles: Floats) -> Floats:
     cos, sin, turns = np.cos(angles), np.sin(angles), np.zeros((len(angles), 3, 3))
     turns[:, 0, 0], turns[:, 0, 1], turns[:, 1, 0], turns[:, 1, 1], turns[:, 2, 2] = cos, -sin, sin, cos, 1
     return turns
 
 
-def _turn_y(angles: _Array) -> _Array:
+def _turn_y(angles: Floats) -> Floats:
     cos, sin, turns = np.cos(angles), np.sin(angles), np.zeros((len(angles), 3, 3))
     turns[:, 0, 0], turns[:, 0, 2], turns[:, 2, 0], turns[:, 2, 2], turns[:, 1, 1] = cos, sin, -sin, cos, 1
     return turns

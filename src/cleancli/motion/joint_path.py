@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.arm import (
     BRANCHES,
     SWIVELS,
@@ -28,8 +28,6 @@ from cleancli.motion.legs import LEVER, SPACING, Leg, lengths
 from cleancli.motion.path import Interpolation, Unreachable
 from cleancli.motion.search import way
 from cleancli.motion.timing import Course
-
-_Array = NDArray[np.float64]
 
 TILTS = tuple(np.radians((0.0, 10.0, -10.0, 20.0, -20.0)))  # of the tool, tried in this order, chosen
 SWIVEL_RATE = 8.0  # rad the elbow may swivel a metre of tool path, chosen
@@ -58,8 +56,8 @@ ANY_LEAN = Lean(-np.pi, np.pi, np.pi)
 
 
 def stroke(
-    arm: Arm, legs: Sequence[Leg], interpolation: Interpolation, here: _Array, seed: int
-) -> tuple[_Array, ...]:
+    arm: Arm, legs: Sequence[Leg], interpolation: Interpolation, here: Floats, seed: int
+) -> tuple[Floats, ...]:
     """Joints (n, 7) for each leg of an action's path, beginning and ending above the surface.
 
     Of the many ways one is preferred whose beginning is near the joints `here` (7,). Raises Unreachable.
@@ -76,7 +74,7 @@ def stroke(
     raise failures[0]
 
 
-def straight(arm: Arm, points: _Array, tilt: float, here: _Array, seed: int) -> _Array:
+def straight(arm: Arm, points: Floats, tilt: float, here: Floats, seed: int) -> Floats:
     """Joints (n, 7) that bring the tool exactly to each of `points` (n, 4): x, y, z, yaw.
 
     The elbow keeps one swivel where that is possible. Otherwise OMPL plans how it swivels: a way through the
@@ -105,7 +103,7 @@ def straight(arm: Arm, points: _Array, tilt: float, here: _Array, seed: int) -> 
     raise Unreachable(points[0, 0], points[0, 1], "no way along the whole stroke keeps the joints' limits")
 
 
-def bowed(arm: Arm, legs: Sequence[Leg], tilt: float, here: _Array) -> _Array:
+def bowed(arm: Arm, legs: Sequence[Leg], tilt: float, here: Floats) -> Floats:
     """As `straight`, but level legs go as motions that are straight in joint space would take the tool.
 
     Such a motion would also lift the tool off the surface, or press it in: its height and tilt are corrected,
@@ -129,8 +127,8 @@ def bowed(arm: Arm, legs: Sequence[Leg], tilt: float, here: _Array) -> _Array:
 
 
 def through_air(
-    arm: Arm, begin: _Array, end: _Array, half_width: float, seed: int, lean: Lean = ANY_LEAN
-) -> _Array:
+    arm: Arm, begin: Floats, end: Floats, half_width: float, seed: int, lean: Lean = ANY_LEAN
+) -> Floats:
     """Corners (k, 7) of a way from joints `begin` (7,) to `end` (7,) that keeps the links clear, the tool, so
     far to both sides of its middle, off the surface, and tilted as `lean` allows.
 
@@ -138,7 +136,7 @@ def through_air(
     Raises Unreachable.
     """
 
-    def may_go(here: _Array, there: _Array) -> bool:
+    def may_go(here: Floats, there: Floats) -> bool:
         count = max(2, int(np.ceil(np.abs(there - here).max() / _AIR_STEP)) + 1)
         dense = here + np.linspace(0, 1, count)[:, None] * (there - here)
         return bool(_in_air(arm, dense, half_width, lean).all())
@@ -158,7 +156,7 @@ def through_air(
     return path
 
 
-def _raised_middle(arm: Arm, begin: _Array, end: _Array) -> _Array | None:
+def _raised_middle(arm: Arm, begin: Floats, end: Floats) -> Floats | None:
     """Joints (7,) near the middle of the straight way in joint space, with the tool upright and raised."""
     middle = (begin + end) / 2
     tool = forward(arm, middle[None])[0]
@@ -169,13 +167,13 @@ def _raised_middle(arm: Arm, begin: _Array, end: _Array) -> _Array | None:
     return joints if np.isfinite(joints).all() else None
 
 
-def air_course(arm: Arm, begin: _Array, end: _Array, speed: float) -> Course:
+def air_course(arm: Arm, begin: Floats, end: Floats, speed: float) -> Course:
     """A straight way in joint space as a course at that tool speed."""
     count = max(2, int(np.ceil(np.abs(end - begin).max() / _AIR_STEP)) + 1)
     return course(arm, begin + np.linspace(0, 1, count)[:, None] * (end - begin), np.full(count, speed))
 
 
-def course(arm: Arm, joints: _Array, speeds: _Array) -> Course:
+def course(arm: Arm, joints: Floats, speeds: Floats) -> Course:
     """Joints (n, 7) with the way of the tool behind each; a turn of a joint counts as way too."""
     tool = forward(arm, joints)[:, :3, 3]
     steps = np.linalg.norm(np.diff(tool, axis=0), axis=1)
@@ -184,7 +182,7 @@ def course(arm: Arm, joints: _Array, speeds: _Array) -> Course:
     return Course(joints[kept], np.append(0, np.cumsum(steps[kept[1:]])), speeds[kept])
 
 
-def rise(arm: Arm, begin: _Array, leg: Leg) -> _Array:
+def rise(arm: Arm, begin: Floats, leg: Leg) -> Floats:
     """Joints (n, 7) from `begin` (7,) along a leg straight up, with the elbow's swivel as it is; only `begin`
     itself where the arm can't."""
     tool = forward(arm, begin[None])[0]
@@ -196,19 +194,19 @@ def rise(arm: Arm, begin: _Array, leg: Leg) -> _Array:
     return np.concatenate((begin[None], rest[1:])) if np.isfinite(rest).all() else begin[None]
 
 
-def nearest_pose(arm: Arm, point: _Array) -> _Array:
+def nearest_pose(arm: Arm, point: Floats) -> Floats:
     """Joints (7,) for one pose (x, y, z, yaw) nearest to the posture, with the smallest tilt. Raises
     Unreachable."""
     for tilt in TILTS:
         found = everywhere(arm, poses(point[None], np.array([tilt])))[0]
         cost = _free_costs(arm, found)
         if np.isfinite(cost).any():
-            best: _Array = found.reshape(-1, 7)[np.argmin(cost)]
+            best: Floats = found.reshape(-1, 7)[np.argmin(cost)]
             return best
     raise Unreachable(point[0], point[1], why_not(arm, poses(point[None], np.zeros(1))[0]))
 
 
-def reached(arm: Arm, points: _Array) -> NDArray[np.bool_]:
+def reached(arm: Arm, points: Floats) -> Bools:
     """(n,) whether the arm can bring its tool to each of `points` (n, 4), tilted if need be."""
     able = np.zeros(len(points), dtype=bool)
     for tilt in TILTS:
@@ -219,7 +217,7 @@ def reached(arm: Arm, points: _Array) -> NDArray[np.bool_]:
     return able
 
 
-def _free_costs(arm: Arm, found: _Array) -> _Array:
+def _free_costs(arm: Arm, found: Floats) -> Floats:
     """`costs` of joints (..., 7), infinite also where links would touch something."""
     cost = costs(arm, found)
     some = np.isfinite(cost)
@@ -227,7 +225,7 @@ def _free_costs(arm: Arm, found: _Array) -> _Array:
     return cost
 
 
-def _refuse_unreached(arm: Arm, points: _Array, frames: _Array, cost: _Array) -> None:
+def _refuse_unreached(arm: Arm, points: Floats, frames: Floats, cost: Floats) -> None:
     """Raise for the first of some poses that has no solution at all."""
     missed = np.flatnonzero(~np.isfinite(cost).any(axis=(1, 2)))
     if len(missed):
@@ -235,27 +233,27 @@ def _refuse_unreached(arm: Arm, points: _Array, frames: _Array, cost: _Array) ->
         raise Unreachable(x, y, why_not(arm, frame))
 
 
-def _places(where: float, cost: _Array) -> _Array:
+def _places(where: float, cost: Floats) -> Floats:
     """(k, 2) places of one end of a stroke with its swivels, the most comfortable by `cost` (48,) first."""
     best = [k for k in np.argsort(cost, kind="stable") if np.isfinite(cost[k])]
     return np.column_stack((np.full(len(best), where), SWIVELS[best]))
 
 
-def _seconds(arm: Arm, begin: _Array, end: _Array) -> _Array:
+def _seconds(arm: Arm, begin: Floats, end: Floats) -> Floats:
     """(...,) the shortest time from joints `begin` (..., 7) to `end` (..., 7) at full speed, infinite for
     NaN."""
     seconds = (np.abs(end - begin) / np.array(arm.speed)).max(axis=-1)
     return np.where(np.isnan(seconds), np.inf, seconds)
 
 
-def _ranked(cost: _Array) -> list[int]:
+def _ranked(cost: Floats) -> list[int]:
     """Branches that reach every pose of `cost` (n, 48, 8), the most comfortable first."""
     best = cost.min(axis=1)
     total = best[0] + best.max(axis=0)
     return [int(branch) for branch in np.argsort(total, kind="stable") if np.isfinite(total[branch])]
 
 
-def _pairs(arm: Arm, found: _Array, cost: _Array) -> Iterator[tuple[int, int, int]]:
+def _pairs(arm: Arm, found: Floats, cost: Floats) -> Iterator[tuple[int, int, int]]:
     """Branch and swivels at both ends of `found` (2, 48, 8, 7), the shortest motions in joint space first."""
     times = _seconds(arm, found[0][:, None], found[1][None]) + COMFORT * (cost[0][:, None] + cost[1][None])
     order = np.argsort(times, axis=None, kind="stable")[:_PAIRS]
@@ -264,7 +262,7 @@ def _pairs(arm: Arm, found: _Array, cost: _Array) -> Iterator[tuple[int, int, in
             yield int(branch), int(first), int(last)
 
 
-def _bow(arm: Arm, legs: Sequence[Leg], swivels: _Array, tilt: float, branch: int) -> _Array:
+def _bow(arm: Arm, legs: Sequence[Leg], swivels: Floats, tilt: float, branch: int) -> Floats:
     """Joints (n, 7) for all legs, the level ones bowed as joint-space motions between their knots are."""
     points, start = [], 0
     for leg in legs:
@@ -274,7 +272,7 @@ def _bow(arm: Arm, legs: Sequence[Leg], swivels: _Array, tilt: float, branch: in
     return _solved(arm, np.concatenate(points), tilt, swivels, branch)
 
 
-def _bowed_points(arm: Arm, leg: Leg, swivels: _Array, tilt: float, branch: int) -> _Array:
+def _bowed_points(arm: Arm, leg: Leg, swivels: Floats, tilt: float, branch: int) -> Floats:
     knots = list(leg.knots)
     joints = _solved(arm, leg.points[knots], tilt, swivels[knots], branch)
     ways = np.append(0, np.cumsum(lengths(leg.points)))
@@ -287,7 +285,7 @@ def _bowed_points(arm: Arm, leg: Leg, swivels: _Array, tilt: float, branch: int)
 
 
 def _may_follow(
-    arm: Arm, points: _Array, ways: _Array, tilt: float, branch: int, here: _Array, there: _Array
+    arm: Arm, points: Floats, ways: Floats, tilt: float, branch: int, here: Floats, there: Floats
 ) -> bool:
     """Whether the tool can follow the poses between two places (way, swivel)."""
     (begin, first), (end, last) = here, there
@@ -300,33 +298,33 @@ def _may_follow(
     return _smooth(joints) and bool(clear(arm, joints).all())
 
 
-def _solved(arm: Arm, points: _Array, tilt: float, swivels: _Array, branch: int) -> _Array:
+def _solved(arm: Arm, points: Floats, tilt: float, swivels: Floats, branch: int) -> Floats:
     count = len(points)
     return inverse(arm, poses(points, np.full(count, tilt)), swivels, np.tile(BRANCHES[branch], (count, 1)))
 
 
-def _smooth(joints: _Array) -> bool:
+def _smooth(joints: Floats) -> bool:
     """Whether all joints (n, 7) exist and none jumps; a NaN compares as false."""
     return bool(np.isfinite(joints).all() and (np.abs(np.diff(joints, axis=0)) <= LARGEST_STEP).all())
 
 
-def _in_air(arm: Arm, joints: _Array, half_width: float, lean: Lean) -> NDArray[np.bool_]:
+def _in_air(arm: Arm, joints: Floats, half_width: float, lean: Lean) -> Bools:
     tool = forward(arm, joints)
     lowest = tool[:, 2, 3] - half_width * np.abs(tool[:, 2, 1])
-    free: NDArray[np.bool_] = clear(arm, joints) & (lowest >= AIR) & _leans(tool, lean)
+    free: Bools = clear(arm, joints) & (lowest >= AIR) & _leans(tool, lean)
     return free
 
 
-def _leans(tool: _Array, lean: Lean) -> NDArray[np.bool_]:
+def _leans(tool: Floats, lean: Lean) -> Bools:
     tilt = np.arcsin(np.clip(-tool[:, 2, 0], -1, 1))
     aside = np.abs(np.arcsin(np.clip(tool[:, 2, 1], -1, 1)))
-    within: NDArray[np.bool_] = (tilt >= lean.least) & (tilt <= lean.most) & (aside <= lean.aside)
+    within: Bools = (tilt >= lean.least) & (tilt <= lean.most) & (aside <= lean.aside)
     return within
 
 
-def _joined(legs: Sequence[Leg]) -> _Array:
+def _joined(legs: Sequence[Leg]) -> Floats:
     return np.concatenate([leg.points for leg in legs])
 
 
-def _split(joints: _Array, legs: Sequence[Leg]) -> tuple[_Array, ...]:
+def _split(joints: Floats, legs: Sequence[Leg]) -> tuple[Floats, ...]:
     return tuple(np.split(joints, np.cumsum([len(leg.points) for leg in legs])[:-1]))

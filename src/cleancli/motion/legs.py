@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.motion.path import Waypoint
-
-_Array = NDArray[np.float64]
 
 SPACING = 5e-3  # metres between poses, at most
 ROUNDING = 5e-3  # chosen: a corner is rounded off from this far before it to this far after it
@@ -29,13 +27,13 @@ class Leg:
     `speeds` (n,) the highest tool speed on the way to each, m/s; `knots` the numbers of the points at or next
     to the waypoints, the ends included. `level` says that it goes at one height."""
 
-    points: _Array
-    speeds: _Array
+    points: Floats
+    speeds: Floats
     knots: tuple[int, ...]
     level: bool
 
 
-def legs(waypoints: tuple[Waypoint, ...], offset: _Array) -> tuple[Leg, ...]:
+def legs(waypoints: tuple[Waypoint, ...], offset: Floats) -> tuple[Leg, ...]:
     """The legs of a tool path, every pose moved by `offset` (4,). Yaw turns the shorter way at each
     waypoint."""
     corners = np.array([(w.x, w.y, w.z, w.yaw) for w in waypoints])
@@ -58,19 +56,19 @@ def legs(waypoints: tuple[Waypoint, ...], offset: _Array) -> tuple[Leg, ...]:
     )
 
 
-def lengths(points: _Array) -> _Array:
+def lengths(points: Floats) -> Floats:
     """(n - 1,) ways between poses (n, 4), metres; a turn in place has a length too."""
     steps = np.diff(points, axis=0)
-    ways: _Array = np.maximum(np.linalg.norm(steps[:, :3], axis=1), LEVER * np.abs(steps[:, 3]))
+    ways: Floats = np.maximum(np.linalg.norm(steps[:, :3], axis=1), LEVER * np.abs(steps[:, 3]))
     return ways
 
 
-def _leg(corners: _Array, speeds: _Array, level: bool) -> Leg:
+def _leg(corners: Floats, speeds: Floats, level: bool) -> Leg:
     ways = lengths(corners)
     cuts = np.minimum(ROUNDING / ways, 1 / 3)  # the share of each piece that a rounded corner takes
     points, paces, knots = [corners[:1]], [speeds[:1]], [0]
 
-    def append(more: _Array, pace: float) -> None:
+    def append(more: Floats, pace: float) -> None:
         points.append(more)
         paces.append(np.full(len(more), pace))
 
@@ -88,13 +86,13 @@ def _leg(corners: _Array, speeds: _Array, level: bool) -> Leg:
     return Leg(joined, np.concatenate(paces), (*knots, len(joined) - 1), level)
 
 
-def _between(begin: _Array, end: _Array) -> _Array:
+def _between(begin: Floats, end: Floats) -> Floats:
     count = max(2, int(np.ceil(lengths(np.stack((begin, end)))[0] / SPACING)) + 1)
     return begin + np.linspace(0, 1, count)[:, None] * (end - begin)
 
 
-def _rounded(begin: _Array, corner: _Array, end: _Array) -> _Array:
+def _rounded(begin: Floats, corner: Floats, end: Floats) -> Floats:
     """A parabola from `begin` to `end` that leaves and arrives in the directions of the corner's pieces."""
     shares = np.linspace(0, 1, 9)[1:, None]
-    curve: _Array = (1 - shares) ** 2 * begin + 2 * shares * (1 - shares) * corner + shares**2 * end
+    curve: Floats = (1 - shares) ** 2 * begin + 2 * shares * (1 - shares) * corner + shares**2 * end
     return curve

@@ -9,17 +9,17 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-_Array = NDArray[np.float64]
+from cleancli.array_types import Floats
+
 RANGE = 1.2  # rad of the planner's steps, chosen: it finds ways quickest
 _PULLS = 8  # of which every second is half as strong as the two before
-MayGo = Callable[[_Array, _Array], bool]
+MayGo = Callable[[Floats, Floats], bool]
 
 
 def way(
-    box: tuple[_Array, _Array], starts: _Array, goals: _Array, may_go: MayGo, seed: int, rounds: int
-) -> _Array | None:
+    box: tuple[Floats, Floats], starts: Floats, goals: Floats, may_go: MayGo, seed: int, rounds: int
+) -> Floats | None:
     """(k, d) points from one of `starts` (n, d) to one of `goals` (m, d), or None after so many `rounds`.
 
     `box` is the lowest and the highest corner (d,); `may_go` tells whether a straight step from one point to
@@ -57,7 +57,7 @@ def way(
     return _pulled(_shortened(found, may_go), may_go)
 
 
-def _shortened(points: _Array, may_go: MayGo) -> _Array:
+def _shortened(points: Floats, may_go: MayGo) -> Floats:
     """From each point straight to the last one that can be gone to."""
     kept = [0]
     while kept[-1] < len(points) - 1:
@@ -67,11 +67,11 @@ def _shortened(points: _Array, may_go: MayGo) -> _Array:
                 (k for k in range(len(points) - 1, here + 1, -1) if may_go(points[here], points[k])), here + 1
             )
         )
-    shorter: _Array = points[kept]
+    shorter: Floats = points[kept]
     return shorter
 
 
-def _pulled(points: _Array, may_go: MayGo) -> _Array:
+def _pulled(points: Floats, may_go: MayGo) -> Floats:
     """The same way pulled tight: inner points move towards the middle of their neighbours while they can."""
     tight = points.copy()
     for pull in range(_PULLS):
@@ -83,7 +83,7 @@ def _pulled(points: _Array, may_go: MayGo) -> _Array:
     return tight
 
 
-def _state(space: Any, point: _Array) -> Any:
+def _state(space: Any, point: Floats) -> Any:
     state = space.allocState()
     state[0 : len(point)] = point.tolist()
     return state

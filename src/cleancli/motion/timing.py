@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-_Array = NDArray[np.float64]
+from cleancli.array_types import Floats
 
 _FEWEST = 25  # places at which limits are kept, on however short a path
 
@@ -29,12 +28,12 @@ class Course:
     """Where the joints go, from rest to rest: `joints` (n, d); `places` (n,) metres of tool path behind each,
     increasing; `speeds` (n,) the highest tool speed from the place before to each, m/s."""
 
-    joints: _Array
-    places: _Array
-    speeds: _Array
+    joints: Floats
+    places: Floats
+    speeds: Floats
 
 
-def timed(course: Course, limits: SpeedLimits, step: float) -> _Array:
+def timed(course: Course, limits: SpeedLimits, step: float) -> Floats:
     """(k, d) joints after each `step` of the quickest motion, the last of them the course's end."""
     if len(course.places) < 2:
         return course.joints[:0]
@@ -43,7 +42,7 @@ def timed(course: Course, limits: SpeedLimits, step: float) -> _Array:
     path = toppra.SplineInterpolator(course.places, np.column_stack((course.joints, course.places)))
     fastest = np.array(limits.speed)
 
-    def speed_limits(place: float) -> _Array:
+    def speed_limits(place: float) -> Floats:
         piece = int(np.clip(np.searchsorted(course.places, place), 1, len(course.places) - 1))
         following = min(piece + 1, len(course.places) - 1)
         pace = course.speeds[piece]
@@ -64,17 +63,17 @@ def timed(course: Course, limits: SpeedLimits, step: float) -> _Array:
     times = np.minimum(
         np.arange(1, int(np.ceil(trajectory.duration / step - 1e-9)) + 1) * step, trajectory.duration
     )
-    sampled: _Array = trajectory(times)[:, :size]
+    sampled: Floats = trajectory(times)[:, :size]
     return sampled
 
 
 _FREE = 1e3  # m/s² of the tool along its path: the joints' limits decide
 
 
-def _grid(places: _Array) -> _Array:
+def _grid(places: Floats) -> Floats:
     """Places to keep the limits at: those given, with more between them on a short path."""
     finer = int(np.ceil(_FEWEST / (len(places) - 1)))
-    grid: _Array = np.interp(np.arange((len(places) - 1) * finer + 1) / finer, np.arange(len(places)), places)
+    grid: Floats = np.interp(np.arange((len(places) - 1) * finer + 1) / finer, np.arange(len(places)), places)
     return grid
 
 

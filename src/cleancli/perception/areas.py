@@ -7,14 +7,13 @@ from math import atan2, ceil, pi
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Longs, Mask, Points
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.geometry.rgbd import Camera
 from cleancli.perception import geometry
 from cleancli.perception.area import Area
-from cleancli.perception.geometry import Plane, PlaneView, Points
-from cleancli.perception.surface import Mask
+from cleancli.perception.geometry import Plane, PlaneView
 
 ROUNDS = 40
 """Rounds of Titterington's iteration; the ellipse is then within 2 % of the smallest one's axes."""
@@ -44,7 +43,7 @@ def group(patches: Mask, camera: Camera, plane: Plane, seen_as: PlaneView, link:
     return tuple(sorted(areas, key=lambda area: area.ellipse.centre))
 
 
-def linked(middles: Points, sizes: Points, link: float) -> NDArray[np.int64]:
+def linked(middles: Points, sizes: Points, link: float) -> Longs:
     """The number, from 0, of the group of each piece of the surface: gaps below `link` do not divide one.
 
     `middles` (n, 2) in metres, `sizes` (n) square metres of the pieces.

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from cleancli.array_types import Mask
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import dirt, fit, geometry, surface
 from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.perception.perceive import RIM, checked_camera, find_surface
-from cleancli.perception.surface import Mask
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds
 from cleancli.scene.model import Scene
 

@@ -12,13 +12,9 @@ from math import ceil
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from cleancli.perception.geometry import Depth
-from cleancli.perception.surface import Mask
+from cleancli.array_types import Depth, Image, Mask, Singles
 from cleancli.scene.calibration import Thresholds
-
-Image = NDArray[np.uint8]
 
 NEIGHBOURHOOD = 31
 """Pixels (width of a square) over which the background's colour is averaged."""
@@ -46,7 +42,7 @@ class Subtraction:
     """
 
     left: Mask
-    contrast: NDArray[np.float32]
+    contrast: Singles
     background: Mask
 
 
@@ -112,12 +108,12 @@ def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Th
     return np.asarray(large.take(labels))
 
 
-def _squares(channels: cv2.typing.MatLike) -> NDArray[np.float32]:
+def _squares(channels: cv2.typing.MatLike) -> Singles:
     """The mean square of three channels. Noise in it is as rare as in one channel's."""
     return np.asarray(cv2.transform(cv2.multiply(channels, channels), _MEAN), np.float32)
 
 
-def _contrast(colour: Image, background: Mask, left: Mask) -> NDArray[np.float32]:
+def _contrast(colour: Image, background: Mask, left: Mask) -> Singles:
     """Worked out around what is left alone, 0 elsewhere. Where no background is near, as in a corner that the
     arm cuts off, it is that to all background; without any, 1, the contrast of black."""
     size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)

@@ -6,10 +6,10 @@ from __future__ import annotations
 from math import acos, degrees
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Image, Mask
 from cleancli.perception.geometry import Plane, PlaneView
-from cleancli.perception.surface import STRIDE, Mask
+from cleancli.perception.surface import STRIDE
 from cleancli.scene.calibration import Appearance
 from cleancli.scene.model import Surface
 
@@ -31,10 +31,10 @@ RECOLOURED = 0.04
 TURNED = 10.0
 """Degrees by which the camera's axis may be nearer to the surface, or farther from it; chosen."""
 
-Colours = NDArray[np.float64]
+Colours = Floats
 
 
-def colours_of(image: NDArray[np.uint8], background: Mask, seen_as: PlaneView, surface: Surface) -> Colours:
+def colours_of(image: Image, background: Mask, seen_as: PlaneView, surface: Surface) -> Colours:
     """Mean colours (ROWS * COLUMNS, 3) of the parts of the surface, from the south-west; NaN where unseen.
 
     `image` (height, width, 3) shows the surface itself where `background` (height, width) holds.
@@ -53,7 +53,7 @@ def colours_of(image: NDArray[np.uint8], background: Mask, seen_as: PlaneView, s
     return means
 
 
-def tilt_of(plane: Plane, axis: NDArray[np.float64]) -> float:
+def tilt_of(plane: Plane, axis: Floats) -> float:
     """Radians between the optical axis (3,) and the surface's normal."""
     return acos(min(1.0, max(-1.0, -float(plane.normal @ axis))))
 

@@ -10,13 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Depth, Floats, Points
 from cleancli.geometry.rgbd import Camera
-
-Points = NDArray[np.float64]
-Depth = NDArray[np.float32]
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,24 +23,24 @@ class Plane:
     0, `east` (3,) the direction of x, with length 1; that of y is normal × east.
     """
 
-    normal: Vector
+    normal: Floats
     offset: float
-    origin: Vector
-    east: Vector
+    origin: Floats
+    east: Floats
 
     @classmethod
-    def below(cls, place: Vector, normal: Vector, offset: float, east: Vector) -> Self:
+    def below(cls, place: Floats, normal: Floats, offset: float, east: Floats) -> Self:
         """The plane with its origin perpendicularly below a place, and x along `east` as far as it can be."""
         flat = east - (normal @ east) * normal
         return cls(normal, offset, place - (normal @ place - offset) * normal, flat / np.linalg.norm(flat))
 
     @property
-    def north(self) -> Vector:
+    def north(self) -> Floats:
         """The direction of y, (3,)."""
         return np.cross(self.normal, self.east)
 
     @property
-    def pose(self) -> NDArray[np.float64]:
+    def pose(self) -> Floats:
         """(4, 4): from the surface's coordinates to the scene's."""
         pose = np.eye(4)
         pose[:3, :] = np.column_stack([self.east, self.north, self.normal, self.origin])
@@ -78,7 +74,7 @@ def view(camera: Camera, plane: Plane) -> PlaneView:
     columns = ((np.arange(camera.width) - camera.centre[0]) / camera.focal).astype(np.float32)[None, :]
     rows = ((np.arange(camera.height) - camera.centre[1]) / camera.focal).astype(np.float32)[:, None]
 
-    def along(direction: Vector) -> Depth:
+    def along(direction: Floats) -> Depth:
         """The component of each pixel's ray along a scene direction."""
         right, down, forward = (direction @ camera.pose[:3, :3]).astype(np.float32)
         return np.asarray(right * columns + (down * rows + forward))

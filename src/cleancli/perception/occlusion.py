@@ -24,12 +24,12 @@ from math import ceil
 import cv2
 import numpy as np
 
+from cleancli.array_types import Mask, Points
 from cleancli.geometry.ellipse import Ellipse, boundary, contains, points_within
 from cleancli.perception.area import Area
 from cleancli.perception.areas import enclosing_ellipses
-from cleancli.perception.geometry import Points, project
+from cleancli.perception.geometry import project
 from cleancli.perception.perceive import RIM, Observation
-from cleancli.perception.surface import Mask
 from cleancli.perception.tracking import AreaChange, Stroke, track
 from cleancli.scene.model import Surface
 

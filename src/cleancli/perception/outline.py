@@ -11,10 +11,11 @@ from math import cos, radians, sin
 import cv2
 import numpy as np
 
+from cleancli.array_types import Mask, Points
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.geometry import Plane, Points
-from cleancli.perception.surface import Mask, NoSurface, known_depth, largest_plane, sampled_points
+from cleancli.perception.geometry import Plane
+from cleancli.perception.surface import NoSurface, known_depth, largest_plane, sampled_points
 from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Surface
 

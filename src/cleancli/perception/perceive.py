@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from cleancli.array_types import Mask
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.perception import areas, dirt, fit, geometry, outline, surface
 from cleancli.perception.area import Area
 from cleancli.perception.geometry import Plane, PlaneView
-from cleancli.perception.surface import Mask
 from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Scene
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Image, Ints, Mask
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.language.diagnostics.plural import plural
@@ -16,11 +16,9 @@ from cleancli.language.model import State
 from cleancli.perception.area import Area
 from cleancli.perception.geometry import project
 from cleancli.perception.perceive import Observation
-from cleancli.perception.surface import Mask
 
 __all__ = ["contact_sheet", "draw", "outline", "project", "words"]
 
-Picture = NDArray[np.uint8]
 _Box = tuple[int, int, int, int]  # left, top, right, bottom
 
 _INK = (15, 15, 15)
@@ -33,7 +31,7 @@ _LINE = 13  # pixels from one line of a label to the next
 _CAPTION = 30  # height of a caption's strip in pixels
 
 
-def draw(frame: Frame, areas: Sequence[Area], state: State = frozenset()) -> Picture:
+def draw(frame: Frame, areas: Sequence[Area], state: State = frozenset()) -> Image:
     """The colour image with each area's ellipse, its name and what `state` says of it alone; RGB."""
     picture = np.ascontiguousarray(frame.colour).copy()
     outlines = [outline(area.ellipse, frame.camera) for area in areas]
@@ -53,7 +51,7 @@ def draw(frame: Frame, areas: Sequence[Area], state: State = frozenset()) -> Pic
 
 def contact_sheet(
     frame: Frame, observation: Observation, areas: Sequence[Area], state: State = frozenset()
-) -> Picture:
+) -> Image:
     """What each step of perception left of `frame`, captioned as in Fig. 2, two rows of three; RGB."""
     steps = observation.steps
     counted = plural(len(areas), "area")
@@ -68,7 +66,7 @@ def contact_sheet(
     return np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])])
 
 
-def outline(ellipse: Ellipse, camera: Camera) -> NDArray[np.int32]:
+def outline(ellipse: Ellipse, camera: Camera) -> Ints:
     """The ellipse's boundary in pixels, (n, 1, 2) as OpenCV takes it."""
     turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
     along, across = np.cos(ellipse.angle), np.sin(ellipse.angle)
@@ -83,7 +81,7 @@ def words(name: str, state: State) -> list[str]:
     return [fact.symbol if fact.value is True else str(fact.value) for fact in facts]
 
 
-def _box_of(outline: NDArray[np.int32]) -> _Box:
+def _box_of(outline: Ints) -> _Box:
     (left, top), (right, bottom) = outline.min(axis=(0, 1)).tolist(), outline.max(axis=(0, 1)).tolist()
     return left, top, right, bottom
 
@@ -116,7 +114,7 @@ def _overlap(first: _Box, second: _Box) -> int:
     return max(wide, 0) * max(high, 0)
 
 
-def _connect(picture: Picture, label: _Box, ellipse: _Box) -> None:
+def _connect(picture: Image, label: _Box, ellipse: _Box) -> None:
     """The shortest line between a label and the box of its ellipse."""
     x, y = (ellipse[0] + ellipse[2]) // 2, (ellipse[1] + ellipse[3]) // 2
     end = min(max(x, label[0]), label[2]), min(max(y, label[1]), label[3])
@@ -124,7 +122,7 @@ def _connect(picture: Picture, label: _Box, ellipse: _Box) -> None:
     cv2.line(picture, start, end, _ELLIPSE, 1, cv2.LINE_AA)
 
 
-def _write(picture: Picture, lines: Sequence[str], box: _Box) -> None:
+def _write(picture: Image, lines: Sequence[str], box: _Box) -> None:
     left, top, right, bottom = box
     ground = picture[top:bottom, left:right]
     # Half-transparent paper: text stays readable on dark dirt, and the dirt visible below.
@@ -134,12 +132,12 @@ def _write(picture: Picture, lines: Sequence[str], box: _Box) -> None:
         cv2.putText(picture, line, place, _FONT, _FONT_SCALE, _INK, 1, cv2.LINE_AA)
 
 
-def _cut_out(frame: Frame, mask: Mask) -> Picture:
+def _cut_out(frame: Frame, mask: Mask) -> Image:
     """The colour image where the mask holds, a dark ground elsewhere."""
     return np.where(mask[:, :, None], frame.colour, np.array(_REMOVED, np.uint8))
 
 
-def _marked(dirt: Mask, seen: Mask) -> Picture:
+def _marked(dirt: Mask, seen: Mask) -> Image:
     """White dirt on a grey surface, a dark ground where nothing is seen."""
     picture = np.empty((*dirt.shape, 3), np.uint8)
     picture[:] = _REMOVED
@@ -148,7 +146,7 @@ def _marked(dirt: Mask, seen: Mask) -> Picture:
     return picture
 
 
-def _captioned(picture: Picture, caption: str) -> Picture:
+def _captioned(picture: Image, caption: str) -> Image:
     strip = np.full((_CAPTION, picture.shape[1], 3), 255, np.uint8)
     cv2.putText(strip, caption, (8, 20), _FONT, 0.55, _INK, 1, cv2.LINE_AA)
     return np.vstack([strip, picture])

@@ -14,8 +14,8 @@ from typing import Annotated
 import cv2
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.files.plain import read_plain
 from cleancli.files.replace import replace_file
 from cleancli.files.untrusted import is_whole_png, png_size
@@ -107,7 +107,7 @@ def _size(camera: Camera) -> str:
     return f"{camera.width} x {camera.height}"
 
 
-def _is_rigid(pose: NDArray[np.float64]) -> bool:
+def _is_rigid(pose: Floats) -> bool:
     turn = pose[:3, :3]
     is_rotation = np.allclose(turn @ turn.T, np.eye(3), atol=ROUNDED) and np.linalg.det(turn) > 0
     return bool(is_rotation and np.allclose(pose[3], (0, 0, 0, 1), atol=ROUNDED))

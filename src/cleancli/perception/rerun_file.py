@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Depth
 from cleancli.files.replace import replaced_by
 from cleancli.perception.look import Look
 from cleancli.perception.pictures import outline, words
@@ -92,6 +93,6 @@ def _log_areas(rerun: Any, stream: Any, look: Look) -> None:
     stream.log("areas", rerun.Scalars(float(len(look.areas))))
 
 
-def _millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+def _millimetres(depth: Depth) -> NDArray[np.uint16]:
     known = np.isfinite(depth) & (depth > 0) & (depth < 65)
     return np.asarray(np.rint(np.where(known, depth, 0) * 1000), np.uint16)

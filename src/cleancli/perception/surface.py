@@ -10,15 +10,13 @@ from math import acos, degrees
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Mask, Points
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
-from cleancli.perception.geometry import Plane, PlaneView, Points
+from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.scene import model as scene_model
 from cleancli.scene.calibration import Thresholds
-
-Mask = NDArray[np.bool_]
 
 STRIDE = 6
 """Every sixth pixel of every sixth row is enough to find a plane."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from math import ceil, dist
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from cleancli.geometry.ellipse import Ellipse, Points, contains, gap, points_within
+from cleancli.array_types import Bools, Floats, Points
+from cleancli.geometry.ellipse import Ellipse, contains, gap, points_within
 from cleancli.perception.area import Area
 
 NEAR, FAR = 0.01, 0.03
@@ -60,7 +60,6 @@ which others were to be pushed, and which the cloth did not touch."""
 ROUNDS = 20
 """Of scaling the flow of dirt to what was there before and is there now."""
 
-Floats = NDArray[np.float64]
 
 Flow = Floats
 """Square metres of dirt from each area before in each area after, (before, after)."""
@@ -83,7 +82,7 @@ class Stroke:
         """The names of the areas that it was meant to push away; the target of a join stays."""
         return self.pushed[:-1] if len(self.pushed) > 1 else self.pushed
 
-    def swept(self, points: Points, beside: float = 0.0) -> NDArray[np.bool_]:
+    def swept(self, points: Points, beside: float = 0.0) -> Bools:
         """Whether the cloth went over each of `points` (n, 2), or within `beside` metres of it."""
         return np.asarray((self.distances(points) <= self.half_width + beside).any(axis=1))
 
@@ -241,7 +240,7 @@ def _bonus(before: Sequence[Area], stroke: Stroke | None) -> Floats:
     return np.array([0 if a.name in moved else TARGET if a.name in pushed else STAYS for a in before])
 
 
-def _may_pass_on(flow: Flow) -> NDArray[np.bool_]:
+def _may_pass_on(flow: Flow) -> Bools:
     """Whether a name may go on with the dirt of its area, (before, after): away from most of it, only with
     dirt that is mostly its own."""
     may = np.zeros(flow.shape, np.bool_)

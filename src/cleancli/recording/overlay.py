@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from cleancli.execution.trials import Points, Trial
+from cleancli.array_types import Bools, Image, Points
+from cleancli.execution.trials import Trial
 from cleancli.scene.model import Scene
 
 SCALE = 800  # pixels per metre
@@ -18,7 +18,7 @@ BEFORE, AFTER = (70, 110, 200), (200, 60, 50)
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
-def overlay(scene: Scene, panels: Sequence[tuple[str, Sequence[Trial]]]) -> NDArray[np.uint8]:
+def overlay(scene: Scene, panels: Sequence[tuple[str, Sequence[Trial]]]) -> Image:
     """One map of the surface for each titled list of trials, side by side; RGB.
 
     Blue rings are where particles lay before, red dots where those that stayed on the table lay after.
@@ -26,7 +26,7 @@ def overlay(scene: Scene, panels: Sequence[tuple[str, Sequence[Trial]]]) -> NDAr
     return np.hstack([_panel(scene, title, trials) for title, trials in panels])
 
 
-def reach_map(scene: Scene, places: Points, reached: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def reach_map(scene: Scene, places: Points, reached: Bools) -> Image:
     """The surface with every place (n, 2) green where the robot reaches it, (n,), and red elsewhere; RGB."""
     picture = _surface(scene)
     for place, is_reached in zip(_pixels(places, scene), reached, strict=True):
@@ -34,7 +34,7 @@ def reach_map(scene: Scene, places: Points, reached: NDArray[np.bool_]) -> NDArr
     return _titled(picture, f"{scene.robot} reaches {reached.mean():.0%} of the surface")
 
 
-def _panel(scene: Scene, title: str, trials: Sequence[Trial]) -> NDArray[np.uint8]:
+def _panel(scene: Scene, title: str, trials: Sequence[Trial]) -> Image:
     picture = _surface(scene)
     for trial in trials:
         for place in _pixels(trial.before, scene):
@@ -45,7 +45,7 @@ def _panel(scene: Scene, title: str, trials: Sequence[Trial]) -> NDArray[np.uint
     return _titled(picture, title)
 
 
-def _surface(scene: Scene) -> NDArray[np.uint8]:
+def _surface(scene: Scene) -> Image:
     """The outline of the surface, and the mouth of the container."""
     size = np.array((scene.surface.width, scene.surface.depth))
     wide, high = (np.ceil(size * SCALE).astype(int) + 2 * BORDER).tolist()
@@ -57,7 +57,7 @@ def _surface(scene: Scene) -> NDArray[np.uint8]:
     return picture
 
 
-def _titled(picture: NDArray[np.uint8], title: str) -> NDArray[np.uint8]:
+def _titled(picture: Image, title: str) -> Image:
     cv2.putText(picture, title, (BORDER, BORDER - 10), _FONT, 0.5, (20, 20, 20), 1, cv2.LINE_AA)
     return picture
 

@@ -10,14 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Image
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import Started
 from cleancli.files.replace import replace_file
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.perception.pictures import draw, project
-
-Picture = NDArray[np.uint8]
 
 VIDEO_INTERVAL = 0.2
 """Seconds of robot time between two pictures of the video."""
@@ -29,7 +28,7 @@ STROKE_COLOUR = (30, 90, 220)
 TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 
 
-def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Picture) -> Picture:
+def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Image) -> Image:
     """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
     seen = draw(frame, situation.areas, situation.state)
     title = f"0. first look: {plural(len(situation.areas), 'area')}"
@@ -46,12 +45,12 @@ def step_picture(frame: Frame, situation: Situation, started: Started | None, ro
     return _captioned(both, title)
 
 
-def write_png(path: Path, picture: Picture) -> None:
+def write_png(path: Path, picture: Image) -> None:
     """Write an RGB picture; raises OSError where the file cannot be written."""
     replace_file(path, png_of(picture))
 
 
-def png_of(picture: Picture) -> bytes:
+def png_of(picture: Image) -> bytes:
     """An RGB picture as a PNG file holds it."""
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     return data.tobytes()
@@ -74,7 +73,7 @@ class Video:
         """Whether the next picture is due."""
         return clock >= self._due
 
-    def add(self, picture: Picture, clock: float, caption: str) -> None:
+    def add(self, picture: Image, clock: float, caption: str) -> None:
         """Append an RGB picture of even size; all must have one size. Raises OSError where writing fails."""
         self._due = max(self._due + VIDEO_INTERVAL, clock)
         picture = _captioned(picture, f"{clock:6.1f} s  {caption}")
@@ -89,7 +88,7 @@ class Video:
         self._container.close()
 
 
-def _captioned(picture: Picture, caption: str) -> Picture:
+def _captioned(picture: Image, caption: str) -> Image:
     """The picture under a strip with a line of text."""
     strip = np.full((28, picture.shape[1], 3), 255, np.uint8)
     cv2.putText(strip, caption, (8, 19), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (20, 20, 20), 1, cv2.LINE_AA)

@@ -15,9 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cleancli.array_types import Image
 from cleancli.execution.episode_state import EpisodeState, World
 from cleancli.execution.events import (
     Acted,
@@ -37,8 +35,6 @@ from cleancli.recording import checkpoint, journal
 from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.pictures import Video, step_picture, write_png
-
-Picture = NDArray[np.uint8]
 
 STEP_SIZE = (640, 480)
 VIDEO_SIZE = (400, 300)
@@ -76,7 +72,7 @@ class Recorder:
         self,
         folder: Path,
         header: Mapping[str, object],
-        snapshot: Callable[[int, int], Picture] | None,
+        snapshot: Callable[[int, int], Image] | None,
         video: bool,
         entries: Entries,
         save: Callable[[], World],
@@ -88,7 +84,7 @@ class Recorder:
         self._last: Looked | None = None
         self._before: Looked | None = None
         self._started: Started | None = None
-        self._room: Picture | None = None
+        self._room: Image | None = None
         self._write_run()
         self._experience: IO[str] = (folder / EXPERIENCE).open("a", encoding="utf-8")
         self._journal: IO[str] = (folder / JOURNAL).open("a", encoding="utf-8")
@@ -171,7 +167,7 @@ class Recorder:
         checkpoint.save(self._folder, state, self._save())
         self._saved = state.actions
 
-    def _photographed(self) -> Picture | None:
+    def _photographed(self) -> Image | None:
         return None if self._snapshot is None else self._snapshot(*STEP_SIZE)
 
     def _picture(self, number: int, before: Looked) -> None:

@@ -8,17 +8,15 @@ from __future__ import annotations
 from math import atan, cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Depth, Floats, Image
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.scene.model import CameraSetup, Light, Surface
 from cleancli.world import constants as par
 from cleancli.world.image_effects import Finish
 from cleancli.world.physics import Engine
 
-_Image = NDArray[np.uint8]
-_Depth = NDArray[np.float32]
-_Places = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+_Places = tuple[Floats, Floats, Floats]
 
 
 def overhead(setup: CameraSetup) -> Camera:
@@ -44,9 +42,7 @@ def photograph(
     return Frame(noisy_colour(colour, rng), noisy_depth(depth, rng), camera, clock)
 
 
-def render(
-    engine: Engine, camera: Camera, light: Light, finish: Finish | None = None
-) -> tuple[_Image, _Depth]:
+def render(engine: Engine, camera: Camera, light: Light, finish: Finish | None = None) -> tuple[Image, Depth]:
     """What an ideal camera would see: colour (height, width, 3), and depth (height, width) in metres."""
     eye = camera.pose[:3, 3]
     ahead, up = eye + camera.pose[:3, 2], -camera.pose[:3, 1]
@@ -58,7 +54,7 @@ def render(
     return colour, depth.astype(np.float32)
 
 
-def onlook(engine: Engine, surface: Surface, light: Light, finish: Finish, width: int, height: int) -> _Image:
+def onlook(engine: Engine, surface: Surface, light: Light, finish: Finish, width: int, height: int) -> Image:
     """The table from above its south-east corner, (height, width, 3) uint8 RGB."""
     eye = [0.85 * surface.width, -1.35 * surface.depth, 0.75]
     view = engine.computeViewMatrix(eye, [0.02, 0.0, -0.05], [0, 0, 1])
@@ -67,7 +63,7 @@ def onlook(engine: Engine, surface: Surface, light: Light, finish: Finish, width
     return _draw(engine, width, height, view, projection, light, finish)[0]
 
 
-def noisy_depth(depth: _Depth, rng: np.random.Generator) -> _Depth:
+def noisy_depth(depth: Depth, rng: np.random.Generator) -> Depth:
     """Depth as a Kinect reports it: edges jittered, some unknown (0), noise and steps growing with z²."""
     rows, columns = np.indices(depth.shape)
     jitter = rng.integers(-par.EDGE_JITTER, par.EDGE_JITTER + 1, (2, *depth.shape), dtype=np.int8)
@@ -80,11 +76,11 @@ def noisy_depth(depth: _Depth, rng: np.random.Generator) -> _Depth:
     step = par.DEPTH_STEP * square
     seen = np.round(seen / step) * step
     seen[edge & (rng.random(depth.shape, dtype=np.float32) < par.EDGE_DROPOUT)] = 0
-    reported: _Depth = seen.astype(np.float32)
+    reported: Depth = seen.astype(np.float32)
     return reported
 
 
-def noisy_colour(colour: _Image, rng: np.random.Generator) -> _Image:
+def noisy_colour(colour: Image, rng: np.random.Generator) -> Image:
     """Colour registered to depth with an error, and with noise on every channel."""
     shifted = np.roll(colour, par.COLOUR_SHIFT, axis=1)
     shifted[:, : par.COLOUR_SHIFT] = colour[:, : par.COLOUR_SHIFT]
@@ -100,7 +96,7 @@ def _draw(
     projection: list[float],
     light: Light,
     finish: Finish | None,
-) -> tuple[_Image, NDArray[np.float64]]:
+) -> tuple[Image, Floats]:
     level = cos(light.elevation)
     direction = level * cos(light.azimuth), level * sin(light.azimuth), sin(light.elevation)
     _, _, colour, buffer, _ = engine.getCameraImage(
@@ -123,7 +119,7 @@ def _draw(
     return image, depth
 
 
-def _places(buffer: NDArray[np.float64], projected: NDArray[np.float64]) -> _Places:
+def _places(buffer: Floats, projected: Floats) -> _Places:
     """x, y and z of what each pixel shows, (height, width) each; `projected` (4, 4) takes the scene to the
     renderer's cube."""
     height, width = buffer.shape
@@ -136,6 +132,6 @@ def _places(buffer: NDArray[np.float64], projected: NDArray[np.float64]) -> _Pla
     return x / w, y / w, z / w
 
 
-def _matrix(columns: list[float]) -> NDArray[np.float64]:
+def _matrix(columns: list[float]) -> Floats:
     """The engine lists a matrix of 4 x 4 by columns."""
     return np.array(columns).reshape(4, 4).T

@@ -5,14 +5,11 @@ from __future__ import annotations
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Image, Longs
 from cleancli.scene.model import Light, Scene, Surface
 from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer
-
-_Array = NDArray[np.float64]
-_Image = NDArray[np.uint8]
 
 
 class Finish:
@@ -27,7 +24,7 @@ class Finish:
         """Whether there is anything that the renderer leaves out."""
         return self._ink is not None or self._texture is not None or self._light.gradient > 0
 
-    def put_on(self, image: _Image, x: _Array, y: _Array, z: _Array) -> None:
+    def put_on(self, image: Image, x: Floats, y: Floats, z: Floats) -> None:
         """Change `image` (height, width, 3), of which (height, width) pixels show the places (x, y, z)."""
         painted = image.astype(np.float64)
         top = np.abs(z) < par.INK_HEIGHT
@@ -50,14 +47,14 @@ class Finish:
         image[:] = np.clip(np.round(painted), 0, 255).astype(np.uint8)
 
 
-def brightness(light: Light, surface: Surface, x: _Array, y: _Array) -> _Array:
+def brightness(light: Light, surface: Surface, x: Floats, y: Floats) -> Floats:
     """The light that places get, as a share of what the middle of the surface gets."""
     east, north = cos(light.azimuth), sin(light.azimuth)
     farthest = abs(east) * surface.width / 2 + abs(north) * surface.depth / 2
     return np.asarray(1 + light.gradient * np.clip((east * x + north * y) / farthest, -1, 1))
 
 
-def texture(surface: Surface) -> _Array:
+def texture(surface: Surface) -> Floats:
     """How much lighter each cell of the surface is than all on average, as a share; (rows, columns) from the
     south-west. White noise through a Gaussian filter; one surface always has the same."""
     rows, columns = (round(side / par.TEXTURE_CELL) + 1 for side in (surface.depth, surface.width))
@@ -70,6 +67,6 @@ def texture(surface: Surface) -> _Array:
     return np.asarray(np.clip(surface.texture * smooth / smooth.std(), -1, 1))
 
 
-def _cell(place: _Array, side: float) -> NDArray[np.int64]:
+def _cell(place: Floats, side: float) -> Longs:
     """Rows of y, or columns of x."""
     return np.asarray(np.floor((place + side / 2) / par.TEXTURE_CELL), np.int64)

@@ -8,13 +8,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats, Singles
 from cleancli.scene.model import Ink, Scene, Surface
 from cleancli.world import constants as par
 from cleancli.world.physics import Engine
-
-_Array = NDArray[np.float64]
 
 
 class InkLayer:
@@ -34,9 +32,9 @@ class InkLayer:
         self._all = max(float(self.amount.sum()), 1.0)
         self._surface = scene.surface
         self._half = scene.rag.width / max(1, round(scene.rag.width / scene.rag.grasp.flap)) / 2
-        self.flaps: _Array | None = None
+        self.flaps: Floats | None = None
 
-    def rub(self, engine: Engine, top: int, flaps: _Array) -> None:
+    def rub(self, engine: Engine, top: int, flaps: Floats) -> None:
         """Take ink away after a control period; `top` is the table's body, `flaps` (n, 3) their middles."""
         moved = 0.0 if self.flaps is None else float(np.linalg.norm((flaps - self.flaps).mean(axis=0)[:2]))
         self.flaps = flaps
@@ -55,13 +53,13 @@ class InkLayer:
         """The share of the ink that is still there."""
         return float(self.amount.sum()) / self._all
 
-    def places(self) -> _Array:
+    def places(self) -> Floats:
         """(n, 3) x, y and amount of the cells whose ink can be seen."""
         rows, columns = np.nonzero(self.amount >= par.INK_SEEN)
         x, y = _middles(self._surface)
         return np.column_stack((x[columns], y[rows], self.amount[rows, columns]))
 
-    def share_at(self, x: _Array, y: _Array) -> NDArray[np.float32]:
+    def share_at(self, x: Floats, y: Floats) -> Singles:
         """How much ink covers places of the surface, by their coordinates of any one shape; 0 off it."""
         rows, columns = self.amount.shape
         column = np.floor((x + self._surface.width / 2) / par.INK_CELL)
@@ -71,7 +69,7 @@ class InkLayer:
         found[on] = self.amount[row[on].astype(int), column[on].astype(int)]
         return found
 
-    def colour_at(self, x: _Array, y: _Array) -> _Array:
+    def colour_at(self, x: Floats, y: Floats) -> Floats:
         """(n, 3) red, green and blue of the ink at places with ink on them."""
         row, column = (
             np.floor((place + side / 2) / par.INK_CELL).astype(int)
@@ -79,7 +77,7 @@ class InkLayer:
         )
         return np.asarray(np.array(self._colours, np.float64)[self._lines[row, column]])
 
-    def _fade(self, middle: _Array, along: _Array, moved: float) -> None:
+    def _fade(self, middle: Floats, along: Floats, moved: float) -> None:
         """Fade what lies below a flap's lower edge, which runs along a direction through `middle`."""
         along = along / np.linalg.norm(along)
         half = self._half
@@ -92,7 +90,7 @@ class InkLayer:
         self.amount[rows, columns][below] *= np.float32((1 - par.INK_PASS) ** (moved / par.INK_BAND))
 
 
-def drawn(scene: Scene) -> NDArray[np.float32]:
+def drawn(scene: Scene) -> Singles:
     """(rows, columns) 1 where a line of ink covers a cell's middle, 0 elsewhere."""
     x, y = _middles(scene.surface)
     inked = np.zeros((len(y), len(x)), np.bool_)
@@ -102,7 +100,7 @@ def drawn(scene: Scene) -> NDArray[np.float32]:
     return inked.astype(np.float32)
 
 
-def _covered(ink: Ink, surface: Surface) -> NDArray[np.bool_]:
+def _covered(ink: Ink, surface: Surface) -> Bools:
     """(rows, columns) whether a line covers a cell's middle."""
     x, y = np.meshgrid(*_middles(surface))
     inked = np.zeros(x.shape, np.bool_)
@@ -111,7 +109,7 @@ def _covered(ink: Ink, surface: Surface) -> NDArray[np.bool_]:
     return inked
 
 
-def _distances(x: _Array, y: _Array, begin: tuple[float, float], end: tuple[float, float]) -> _Array:
+def _distances(x: Floats, y: Floats, begin: tuple[float, float], end: tuple[float, float]) -> Floats:
     """From places to a straight stretch."""
     step = np.subtract(end, begin)
     share = np.clip(((x - begin[0]) * step[0] + (y - begin[1]) * step[1]) / max(step @ step, 1e-12), 0, 1)
@@ -119,7 +117,7 @@ def _distances(x: _Array, y: _Array, begin: tuple[float, float], end: tuple[floa
     return np.asarray(away, np.float64)
 
 
-def _middles(surface: Surface) -> tuple[_Array, _Array]:
+def _middles(surface: Surface) -> tuple[Floats, Floats]:
     """x and y of the middles of columns and rows."""
     columns, rows = (int(np.ceil(side / par.INK_CELL - 1e-9)) for side in (surface.width, surface.depth))
     x = (np.arange(columns, dtype=np.float64) + 0.5) * par.INK_CELL - surface.width / 2

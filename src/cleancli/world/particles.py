@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.scene.model import Colour, Dirt, Group, Ink, Scattered
 from cleancli.world import constants as par
 from cleancli.world.physics import Engine
-
-_Array = NDArray[np.float64]
 
 _CORNERS = 8
 _LENTIL_RINGS = ((0.4, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.4, -1.0))
@@ -25,7 +23,7 @@ class Drops:
     """Where particles are dropped: `spots` (n, 2) in metres, what each is, `kinds` (n), and its colour, if it
     is not one of its kind's."""
 
-    spots: _Array
+    spots: Floats
     kinds: tuple[str, ...]
     colours: tuple[Colour | None, ...]
 
@@ -85,7 +83,7 @@ def places(dirt: tuple[Dirt, ...], rng: np.random.Generator) -> Drops:
     return Drops(np.concatenate(drawn), tuple(kinds), tuple(colours))
 
 
-def positions(engine: Engine, bodies: tuple[int, ...]) -> NDArray[np.float64]:
+def positions(engine: Engine, bodies: tuple[int, ...]) -> Floats:
     """(n, 3) middles of the particles, metres."""
     return np.array([engine.getBasePositionAndOrientation(body)[0] for body in bodies]).reshape(-1, 3)
 
@@ -133,7 +131,7 @@ def _shapes(engine: Engine, particle: par.Particle, own: Colour | None) -> _Shap
     return _Shapes(touched, seen)
 
 
-def _heights(drops: Drops) -> _Array:
+def _heights(drops: Drops) -> Floats:
     """(n,) heights to drop from, so that no two particles start inside each other."""
     sizes = np.array([par.PARTICLES[kind].size for kind in drops.kinds]).reshape(-1, 3)
     tops = np.zeros(len(drops.spots))
@@ -144,7 +142,7 @@ def _heights(drops: Drops) -> _Array:
     return par.DROP_HEIGHT + tops - 1.2 * sizes[:, 2]
 
 
-def _mesh(rings: tuple[tuple[float, float], ...], particle: par.Particle) -> tuple[_Array, list[int]]:
+def _mesh(rings: tuple[tuple[float, float], ...], particle: par.Particle) -> tuple[Floats, list[int]]:
     """Corners (40, 3) of a particle, and those of its triangles by number, counter-clockwise from outside."""
     angle = 2 * np.pi * np.arange(_CORNERS) / _CORNERS
     layers = [

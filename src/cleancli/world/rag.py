@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats
 from cleancli.scene.model import Grasp, Rag
 from cleancli.world import constants as par
 from cleancli.world.multibody import Link
@@ -18,7 +18,7 @@ class Cloth:
     """Flaps as `links` of a body, `rests` (n,) the angles their hinges spring back to, radians."""
 
     links: tuple[Link, ...]
-    rests: NDArray[np.float64]
+    rests: Floats
     grasp: Grasp
 
 
@@ -70,13 +70,13 @@ def spring(engine: Engine, body: int, first: int, cloth: Cloth) -> None:
         )
 
 
-def flap_middles(engine: Engine, body: int, first: int) -> NDArray[np.float64]:
+def flap_middles(engine: Engine, body: int, first: int) -> Floats:
     """(n, 3) middles of the flaps, which are the links of `body` from `first` on, metres."""
     links = range(first, engine.getNumJoints(body))
     return np.array([engine.getLinkState(body, link)[0] for link in links])
 
 
-def flap_offsets(rag: Rag) -> NDArray[np.float64]:
+def flap_offsets(rag: Rag) -> Floats:
     """(n, 3) where each flap stands in its row: forward and sideways of the tool's middle, and its turn.
 
     The row is bowed, then both its halves are swept back, then all of it is turned by the skew.

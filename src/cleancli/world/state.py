@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Singles
 from cleancli.world.physics import Engine
 
-_Array = NDArray[np.float64]
 FARTHEST = 1e3
 """Metres, metres a second, radians: nothing leaves the room, and whatever falls lies on its floor."""
 
@@ -37,12 +37,12 @@ class TableState:
     without ink. `steps` of physics since the dirt came to rest. `generators` of random numbers, by use.
     """
 
-    particles: _Array
-    joints: _Array
-    commanded: _Array
-    ahead: _Array
-    ink: NDArray[np.float32]
-    flaps: _Array
+    particles: Floats
+    joints: Floats
+    commanded: Floats
+    ahead: Floats
+    ink: Singles
+    flaps: Floats
     steps: int
     status: str
     failure: str
@@ -96,7 +96,7 @@ def _refuse_rest(state: TableState) -> None:
         raise TypeError("`status` and `failure` must be texts")
 
 
-def bodies(engine: Engine, particles: tuple[int, ...]) -> tuple[_Array, _Array]:
+def bodies(engine: Engine, particles: tuple[int, ...]) -> tuple[Floats, Floats]:
     """`particles` and `joints` of a state."""
     rows = [
         np.concatenate((*engine.getBasePositionAndOrientation(body), *engine.getBaseVelocity(body)))

@@ -9,8 +9,8 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Image
 from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath, Unreachable
 from cleancli.scene.model import Ink, Scene
@@ -24,8 +24,6 @@ from cleancli.world.robots import constants
 from cleancli.world.robots.drive import Drive
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.state import TableState, bodies, put
-
-_Array = NDArray[np.float64]
 
 BLOCKED = "something holds the tool back"
 
@@ -43,9 +41,9 @@ class Truth:
     in_dustpan: int
     on_floor: int
     total: int
-    positions: _Array
-    left: _Array
-    ink: _Array
+    positions: Floats
+    left: Floats
+    ink: Floats
     ink_left: float
 
 
@@ -67,7 +65,7 @@ class PybulletTable:
     _stroke_noise: np.random.Generator
     _image_noise: np.random.Generator
     _steps: int
-    _ahead: _Array
+    _ahead: Floats
     _status: Status
     _failure: str
 
@@ -208,7 +206,7 @@ class PybulletTable:
             self._engine.stepSimulation()
             time.sleep(par.STEP)
 
-    def picture(self, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
+    def picture(self, width: int = 640, height: int = 480) -> Image:
         """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
         return camera.onlook(
             self._engine, self._scene.surface, self._scene.light, self._finish, width, height
@@ -250,13 +248,13 @@ class PybulletTable:
             self._ink.amount = state.ink.copy()
             self._ink.flaps = state.flaps if len(state.flaps) else None
 
-    def _draw_noise(self, push: float) -> _Array:
+    def _draw_noise(self, push: float) -> Floats:
         """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""
         height, side, yaw = self._stroke_noise.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
         across = push + np.pi / 2
         return np.array((side * np.cos(across), side * np.sin(across), height, yaw))
 
-    def _begin(self, plan: Callable[[], _Array]) -> None:
+    def _begin(self, plan: Callable[[], Floats]) -> None:
         """Start the motion that `plan` gives, or fail for the reason it raises."""
         if self._status is Status.RUNNING:
             raise ValueError("a motion is under way: poll it to its end, or stop it")
@@ -267,7 +265,7 @@ class PybulletTable:
         else:
             self._status, self._failure = Status.RUNNING, ""
 
-    def _follow(self, motion: _Array) -> None:
+    def _follow(self, motion: Floats) -> None:
         """One physics step for each row of joints."""
         for joints in motion:
             self._drive.command(joints)

@@ -9,8 +9,8 @@ from typing import Any
 import click
 import numpy as np
 
+from cleancli.array_types import Floats
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.compiler.ragged import Floats
 from cleancli.compiler.task import literal_text
 from cleancli.planning.evaluation.belief_value import plan_beliefs
 from cleancli.planning.evaluation.forecast import Forecast

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cleancli.compiler.ragged import Bools, Floats, floats, grouped, overlapping, ragged, starts
+from cleancli.array_types import Bools, Floats, Indices
+from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import (
     GroundCondition,
@@ -28,10 +28,6 @@ from cleancli.compiler.task import (
     asked,
     variables_of,
 )
-
-Indices = NDArray[np.uint32]
-"""Not signed, so that compiled code need not ask whether one counts from an array's end: a quarter of its
-time."""
 
 Effects = dict[int, list[tuple[int, float]]]
 """For each variable that a rule may set, ascending, the values that its outcomes give it, and how likely."""

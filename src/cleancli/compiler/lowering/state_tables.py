@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.compiler.ragged import Bools, Floats, Ints, floats, grouped, overlapping, ragged, starts
+from cleancli.array_types import Bools, Floats, Ints
+from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import GroundLiteral, GroundRule, Task, advances, asked, variables_of
 

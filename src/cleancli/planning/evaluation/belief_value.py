@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cleancli.array_types import Floats, Ints
 from cleancli.compiler.lowering.belief_tables import Tables, lower
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.task import Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared

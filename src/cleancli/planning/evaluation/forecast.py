@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cleancli.array_types import Floats
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import Task
 from cleancli.language.model import OutcomeKind

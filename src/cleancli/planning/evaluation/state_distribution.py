@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cleancli.array_types import Bools, Floats, Ints
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Bools, Floats, Ints
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import GroundState
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cleancli.compiler.ragged import Ints
+from cleancli.array_types import Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.kernels import bit_parallel

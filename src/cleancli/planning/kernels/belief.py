@@ -10,10 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cleancli.compiler.lowering.belief_tables import Indices, Tables
-from cleancli.compiler.ragged import Floats, Ints
+from cleancli.array_types import Floats, Indices, Ints, Longs
+from cleancli.compiler.lowering.belief_tables import Tables
 from cleancli.planning.kernels.jit import better, compiled, inlined, standing_earliness
 from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 
@@ -240,9 +239,7 @@ def choose(t: Tables, belief: Belief, stream: np.uint64) -> tuple[int, np.uint64
 
 
 @compiled
-def rewards(
-    t: Tables, state: Ints, belief: Belief, actions: NDArray[np.int64], result: Floats, progress: Floats
-) -> None:
+def rewards(t: Tables, state: Ints, belief: Belief, actions: Longs, result: Floats, progress: Floats) -> None:
     """Writes the undiscounted reward of each step from a state (V,), and its progress; where the actions have
     ended before the result has, nothing is done."""
     standing = _settle(t, state, belief)

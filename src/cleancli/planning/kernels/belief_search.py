@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from cleancli.compiler.lowering.belief_tables import Indices, Tables
-from cleancli.compiler.ragged import Floats, Ints
+from cleancli.array_types import Floats, Indices, Ints
+from cleancli.compiler.lowering.belief_tables import Tables
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels import belief as kernel

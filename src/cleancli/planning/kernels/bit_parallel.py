@@ -13,15 +13,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Ints, Longs, Words
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.planning.kernels.jit import better, compiled, inlined, inner, standing_earliness
 from cleancli.planning.kernels.rng import GOLDEN, mixed, uniform
 from cleancli.planning.preference import AS_GOOD
-
-Words = NDArray[np.uint64]
 
 TRIES = 100
 """Actions looked at until one is found that can change a run."""
@@ -51,7 +48,7 @@ class Runs(NamedTuple):
 class CommonRandomNumbers(NamedTuple):
     """Outcomes that were drawn, kept as long as no others need the place (E, a power of 2)."""
 
-    key: NDArray[np.int64]  # (E,) of which rule and use of its action; -1 where nothing is kept
+    key: Longs  # (E,) of which rule and use of its action; -1 where nothing is kept
     word: Words  # (E, M, W) in which runs each of up to M outcomes comes
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from cleancli.array_types import Floats, Ints
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels.jit import better, njit, standing_earliness

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Ints, Longs, Words
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.kernels.jit import better, njit, standing_earliness
@@ -50,7 +50,7 @@ class _Room(NamedTuple):
     """What `_expand` fills: as in `Graph` with room to spare, and the hash table of the states."""
 
     states: Ints
-    hashes: NDArray[np.uint64]
+    hashes: Words
     decreasing: Floats
     standing: Floats
     ahead: Floats
@@ -80,7 +80,7 @@ def same(states: Ints, one: int, other: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def enter(table: Ints, hashes: NDArray[np.uint64], number: int) -> None:
+def enter(table: Ints, hashes: Words, number: int) -> None:
     """Enters the first states into an empty table."""
     mask = np.uint64(len(table) - 1)
     for state in range(number):
@@ -91,7 +91,7 @@ def enter(table: Ints, hashes: NDArray[np.uint64], number: int) -> None:
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def find(table: Ints, hashes: NDArray[np.uint64], states: Ints, h: np.uint64, row: int) -> np.uint64:
+def find(table: Ints, hashes: Words, states: Ints, h: np.uint64, row: int) -> np.uint64:
     """The place in the table of a state with the hash h that is equal to a row, or the free place for it."""
     mask = np.uint64(len(table) - 1)
     place = h & mask
@@ -116,7 +116,7 @@ def change(
 
 
 @njit(cache=True, nogil=True)
-def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
+def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
     """Adds the choices in a state and its successors."""
     states, hashes, decreasing, standing = room.states, room.hashes, room.decreasing, room.standing
     ahead, choice_progress = room.ahead, room.choice_progress
@@ -159,9 +159,7 @@ def _choices(p: Process, room: _Room, used: NDArray[np.int64], s: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _expand(
-    p: Process, room: _Room, used: NDArray[np.int64], first: int, last: int, most: int, limit: int
-) -> int:
+def _expand(p: Process, room: _Room, used: Longs, first: int, last: int, most: int, limit: int) -> int:
     """Adds choices and successors of the states from `first` on; returns where it stopped: before `last` if
     the room may not do (a state has at most `most` transitions), or there are more states than `limit`."""
     states, choices, edges = len(room.states), len(room.choice_action), len(room.edge_successor)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from cleancli.array_types import Bools, Floats, Ints
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Bools, Floats, Ints
 from cleancli.planning.kernels.jit import compiled, inlined, njit
 from cleancli.planning.kernels.rng import GOLDEN, split, uniform
 

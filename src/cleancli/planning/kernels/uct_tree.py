@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cleancli.array_types import Floats, Ints, Words
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
@@ -32,7 +32,7 @@ class Tree(NamedTuple):
     """
 
     states: Ints  # (N, V + 1) the state, and the step at which it is seen
-    hashes: NDArray[np.uint64]  # (N,)
+    hashes: Words  # (N,)
     table: Ints  # (2^k,) nodes in the places of their hashes; -1 where free
     decreasing: Floats  # (N,) what is paid for its decrease in the state
     standing: Floats  # (N,) what a step that ends in the state is paid

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cleancli.compiler.ragged import Ints
+from cleancli.array_types import Ints
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planners.prada import PradaOptions, Worth, best_sampled

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from cleancli.array_types import Floats
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.compiler.ragged import Floats
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels

@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 
+from cleancli.array_types import Floats, Ints
 from cleancli.compiler.lowering.belief_tables import lower
-from cleancli.compiler.ragged import Floats, Ints
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.belief_value import worth_of

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.arm import TWISTS, Arm, Capsule, forward
 from cleancli.motion.joint_path import (
     ANY_LEAN,
@@ -31,8 +31,6 @@ from cleancli.world import rag as cloths
 from cleancli.world.multibody import NOTHING, Link, assemble
 from cleancli.world.physics import Engine
 from cleancli.world.robots import constants
-
-_Array = NDArray[np.float64]
 
 JOINTS = tuple(range(7))
 TOOL = 7  # the link whose frame is the tool's
@@ -83,17 +81,17 @@ class ArmDrive:
         """Stand at rest at once; only before the clock starts."""
         self.stand(np.array(self._build.rest))
 
-    def stand(self, joints: _Array) -> None:
+    def stand(self, joints: Floats) -> None:
         """Stand at `joints` (7,) at once."""
         for joint, value in zip(JOINTS, joints, strict=True):
             self._engine.resetJointState(self._body, joint, value)
         self.command(joints)
 
-    def follow(self, path: ToolPath, offset: _Array) -> _Array:
+    def follow(self, path: ToolPath, offset: Floats) -> Floats:
         """(k, 7) joints of a way through the air to the first waypoint, then of the path."""
         return np.concatenate(self.pieces(path, offset, self.joints()))
 
-    def pieces(self, path: ToolPath, offset: _Array, here: _Array) -> tuple[_Array, ...]:
+    def pieces(self, path: ToolPath, offset: Floats, here: Floats) -> tuple[Floats, ...]:
         """As `follow`, from the joints `here` (7,), apart: (k, 7) joints through the air and of each leg."""
         parts = legs(path.waypoints, offset)
         if not parts:
@@ -104,15 +102,15 @@ class ArmDrive:
         transit = self.through_air(here, strokes[0][0], path.waypoints[0].speed)
         return transit, *map(self.timed, strokes, parts)
 
-    def timed(self, joints: _Array, leg: Leg) -> _Array:
+    def timed(self, joints: Floats, leg: Leg) -> Floats:
         """(k, 7) joints for each physics step along a leg, given those for its points."""
         return timed(course(self._arm, joints, leg.speeds), self._limits, par.STEP)
 
-    def withdraw(self) -> _Array:
+    def withdraw(self) -> Floats:
         """(k, 7) joints of a way through the air to rest."""
         return self.through_air(self.joints(), np.array(self._build.rest), TRANSIT_SPEED)
 
-    def lift(self) -> _Array:
+    def lift(self) -> Floats:
         """(k, 7) joints straight up until the tool is clear of the surface."""
         x, y, z, yaw = (float(value) for value in self.tool())
         corners = Waypoint(x, y, z, yaw, TRANSIT_SPEED), Waypoint(x, y, max(z, LIFT), yaw, TRANSIT_SPEED)
@@ -123,7 +121,7 @@ class ArmDrive:
             course(self._arm, rise(self._arm, self.joints(), leg), leg.speeds), self._limits, par.STEP
         )
 
-    def command(self, joints: _Array) -> None:
+    def command(self, joints: Floats) -> None:
         """Be at `joints` (7,) after the next step, as far as the joints' torques allow."""
         self._target = joints
         self._engine.setJointMotorControlArray(
@@ -136,15 +134,15 @@ class ArmDrive:
             velocityGains=(1.0,) * len(JOINTS),
         )
 
-    def joints(self) -> _Array:
+    def joints(self) -> Floats:
         """Where the joints are, (7,)."""
         return np.array([state[0] for state in self._engine.getJointStates(self._body, JOINTS)])
 
-    def commanded(self) -> _Array:
+    def commanded(self) -> Floats:
         """Where the joints were last commanded to be, (7,)."""
         return self._target
 
-    def tool(self) -> _Array:
+    def tool(self) -> Floats:
         """Where the tool is: x, y, z and yaw, (4,)."""
         frame = forward(self._arm, self.joints()[None])[0]
         return np.array((*frame[:3, 3], np.arctan2(-frame[0, 1], frame[1, 1])))
@@ -154,15 +152,15 @@ class ArmDrive:
         here, there = forward(self._arm, np.stack((self.joints(), self._target)))[:, :3, 3]
         return float(np.linalg.norm(here - there))
 
-    def flaps(self) -> _Array:
+    def flaps(self) -> Floats:
         """(n, 3) middles of the flaps, metres."""
         return cloths.flap_middles(self._engine, self._body, TOOL + 1)
 
-    def holds(self, points: _Array) -> NDArray[np.bool_]:
+    def holds(self, points: Floats) -> Bools:
         """(n,) false: there is no dustpan."""
         return np.zeros(len(points), dtype=bool)
 
-    def through_air(self, here: _Array, there: _Array, speed: float, lean: Lean = ANY_LEAN) -> _Array:
+    def through_air(self, here: Floats, there: Floats, speed: float, lean: Lean = ANY_LEAN) -> Floats:
         """(k, 7) joints of a way between two joint positions that keeps clear and leans as allowed."""
         corners = through_air(self._arm, here, there, self._held.half_width, SEED, lean)
         pieces = [air_course(self._arm, begin, end, speed) for begin, end in pairwise(corners)]
@@ -228,12 +226,12 @@ def _looks(engine: Engine, arm: Arm, build: Build) -> tuple[int, dict[int, int]]
     return shapes[0], shapes
 
 
-def _in_link(arm: Arm, hull: Capsule, point: tuple[float, float, float]) -> _Array:
+def _in_link(arm: Arm, hull: Capsule, point: tuple[float, float, float]) -> Floats:
     """A hull's point in the frame of its link, which turns with the joint before its row; the base's in the
     world."""
     if hull.frame == 0:
         base = np.array(arm.base)
-        moved: _Array = base[:3, :3] @ point + base[:3, 3]
+        moved: Floats = base[:3, :3] @ point + base[:3, 3]
         return moved
     row = hull.frame - 1
     cos, sin = np.cos(TWISTS[row]), np.sin(TWISTS[row])
@@ -241,7 +239,7 @@ def _in_link(arm: Arm, hull: Capsule, point: tuple[float, float, float]) -> _Arr
     return np.array((x + arm.offsets[row], cos * y - sin * z, sin * y + cos * z + arm.lengths[row]))
 
 
-def _along(direction: _Array) -> tuple[float, float, float, float]:
+def _along(direction: Floats) -> tuple[float, float, float, float]:
     """The quaternion that turns z to a direction."""
     x, y, z = (float(value) for value in direction)
     if z < -1 + 1e-9:
@@ -250,7 +248,7 @@ def _along(direction: _Array) -> tuple[float, float, float, float]:
     return -y / size, x / size, 0.0, size / 2
 
 
-def _quaternion(turn: _Array) -> tuple[float, float, float, float]:
+def _quaternion(turn: Floats) -> tuple[float, float, float, float]:
     """The quaternion (x, y, z, w) of a rotation (3, 3), by its own axis."""
     w = np.sqrt(max(0.0, 1 + np.trace(turn))) / 2
     if w > 1e-6:

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.path import ToolPath
-
-_Array = NDArray[np.float64]
 
 
 class Drive(Protocol):
@@ -18,34 +14,34 @@ class Drive(Protocol):
     def place(self) -> None:
         """Stand at rest at once; only before the clock starts."""
 
-    def follow(self, path: ToolPath, offset: _Array) -> _Array:
+    def follow(self, path: ToolPath, offset: Floats) -> Floats:
         """From where the joints are to the path's first waypoint, and along it, each pose moved by `offset`
         (4,).
 
         Raises Unreachable if the drive can't.
         """
 
-    def withdraw(self) -> _Array:
+    def withdraw(self) -> Floats:
         """From where the joints are to rest, out of the camera's view. Raises Unreachable if there is no
         way."""
 
-    def lift(self) -> _Array:
+    def lift(self) -> Floats:
         """From where the joints are straight up, until the tool is clear of the surface."""
 
-    def command(self, joints: _Array) -> None:
+    def command(self, joints: Floats) -> None:
         """Be at `joints` (d,) after the next step, as far as forces allow."""
 
-    def commanded(self) -> _Array:
+    def commanded(self) -> Floats:
         """Where it was last commanded to be, (d,)."""
 
-    def tool(self) -> _Array:
+    def tool(self) -> Floats:
         """Where the tool is: x, y, z and yaw, (4,)."""
 
     def stray(self) -> float:
         """How far the tool is from where it was commanded to be, metres."""
 
-    def flaps(self) -> _Array:
+    def flaps(self) -> Floats:
         """(n, 3) middles of the rag's flaps, metres."""
 
-    def holds(self, points: _Array) -> NDArray[np.bool_]:
+    def holds(self, points: Floats) -> Bools:
         """(n,) which of `points` (n, 3) lie in its dustpan; none without one."""

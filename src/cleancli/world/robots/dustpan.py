@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.arm import everywhere, forward, poses
 from cleancli.motion.clearance import clear
 from cleancli.motion.joint_path import Lean
@@ -23,7 +23,6 @@ from cleancli.world.physics import Engine
 from cleancli.world.robots import constants
 from cleancli.world.robots.arm_drive import TOOL, ArmDrive, Held
 
-_Array = NDArray[np.float64]
 _Triple = tuple[float, float, float]
 
 _TRIED = 3  # of several ways, nearest first
@@ -35,7 +34,7 @@ _BACK = PAN_SLOPE * PAN_LENGTH  # how much higher the slope is where it is held
 class PanDrive(ArmDrive):
     """An arm that puts a dustpan down, carries it level, and tips it."""
 
-    def put_down(self, pan: Dustpan, here: _Array) -> tuple[_Array, _Array, _Array]:
+    def put_down(self, pan: Dustpan, here: Floats) -> tuple[Floats, Floats, Floats]:
         """(k, 7) joints from `here` (7,) to where the dustpan stands on the surface; of raising its lip
         there; of lifting it."""
         low, high = replace(pan.place, z=constants.PAN_GAP), replace(pan.place, z=CARRY_HEIGHT)
@@ -55,7 +54,7 @@ class PanDrive(ArmDrive):
             return np.concatenate((there, *down_again)), turning, lifting
         raise Unreachable(low.x, low.y, "the dustpan can't be put down there and lifted again")
 
-    def emptied(self, pan: Dustpan, here: _Array) -> _Array:
+    def emptied(self, pan: Dustpan, here: Floats) -> Floats:
         """(k, 7) joints from where the dustpan was lifted to, `here` (7,), to over the container, level all
         the way; tipped there; and to rest."""
         goal, tilts = pan.empty, np.linspace(constants.PAN_LEAN, pan.tip, _TURNING)
@@ -71,16 +70,16 @@ class PanDrive(ArmDrive):
             return np.concatenate((carried, over, still, over[::-1], rest))
         raise Unreachable(pan.empty.x, pan.empty.y, "the dustpan can't be carried there level and tipped")
 
-    def holds(self, points: _Array) -> NDArray[np.bool_]:
+    def holds(self, points: Floats) -> Bools:
         """(n,) which of `points` (n, 3) lie in the dustpan."""
         return within(forward(self._arm, self.joints()[None])[0], points)
 
-    def _turned(self, joints: _Array, angle: float, speed: float) -> _Array:
+    def _turned(self, joints: Floats, angle: float, speed: float) -> Floats:
         """(k, 7) joints of a turn about the held end through `joints` (n, 7), the lip at that speed, m/s."""
         ways = np.linspace(0, PAN_LENGTH * abs(angle), len(joints))
         return timed(Course(joints, ways, np.full(len(joints), speed)), self._limits, par.STEP)
 
-    def _steadily(self, frames: _Array, here: _Array) -> Iterator[_Array]:
+    def _steadily(self, frames: Floats, here: Floats) -> Iterator[Floats]:
         """Joints (n, 7) for `frames` (n, 4, 4) with one swivel of the elbow, those first that begin near the
         joints `here` (7,)."""
         found = everywhere(self._arm, frames)
@@ -91,7 +90,7 @@ class PanDrive(ArmDrive):
         yield from found[np.argsort(np.abs(found[:, 0] - here).max(axis=1), kind="stable")][:_TRIED]
 
 
-def plate() -> _Array:
+def plate() -> Floats:
     """(10, 3) corners of the hull whose upper side is the slope, without the margin that the engine adds all
     around; metres in the dustpan's frame. Its underside is flat behind the lip, then it slopes as well."""
     margin, level = par.PARTICLE_MARGIN, float(np.hypot(1, PAN_SLOPE))  # a plane's height, its thickness 1
@@ -142,7 +141,7 @@ def dustpan_for(engine: Engine) -> Held:
     return Held(links, -1, constants.PAN_WIDTH / 2, tune)
 
 
-def _hull(engine: Engine, corners: _Array, colour: list[float]) -> tuple[int, int]:
+def _hull(engine: Engine, corners: Floats, colour: list[float]) -> tuple[int, int]:
     """Shapes of a prism, to touch and to see.
 
     A hull has a margin of 1 mm around it, unless told otherwise. The engine can tell a body's base only, but
@@ -177,7 +176,7 @@ def _faces(count: int) -> list[int]:
     return faces
 
 
-def outline(frames: _Array) -> _Array:
+def outline(frames: Floats) -> Floats:
     """(n, 4, 2, 3) both ends of the upper edges of the three walls, and of the plate's middle line, of
     dustpans with `frames` (n, 4, 4), metres."""
     y, side = constants.PAN_WIDTH / 2 + constants.PAN_WALL, constants.PAN_WALL_HEIGHT
@@ -189,14 +188,14 @@ def outline(frames: _Array) -> _Array:
             [(-PAN_LENGTH, 0, constants.PAN_LIP), (0, 0, _BACK)],
         ]
     )
-    turned: _Array = np.einsum("nij,skj->nski", frames[:, :3, :3], ends)
+    turned: Floats = np.einsum("nij,skj->nski", frames[:, :3, :3], ends)
     return turned + frames[:, None, None, :3, 3]
 
 
-def within(frame: _Array, points: _Array) -> NDArray[np.bool_]:
+def within(frame: Floats, points: Floats) -> Bools:
     """(n,) whether each of `points` (n, 3) lies in a dustpan whose frame is `frame` (4, 4)."""
     local = (points - frame[:3, 3]) @ frame[:3, :3]
     half = constants.PAN_WIDTH / 2
     low, high = np.array((-PAN_LENGTH, -half, 0)), np.array((0, half, _BACK + constants.PAN_WALL_HEIGHT))
-    inside: NDArray[np.bool_] = np.asarray(((local >= low) & (local <= high)).all(axis=1))
+    inside: Bools = np.asarray(((local >= low) & (local <= high)).all(axis=1))
     return inside

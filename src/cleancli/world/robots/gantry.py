@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.legs import Leg, legs, lengths
 from cleancli.motion.pace import LIFT, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath, Unreachable, Waypoint
@@ -19,7 +19,6 @@ from cleancli.world.robots import constants
 _DRIVES = (0, 1, 2, 3)  # joint numbers of x, y, z, yaw
 _LIMITS = SpeedLimits(constants.JOINT_SPEED, constants.JOINT_ACCELERATION)
 _STILL = np.zeros(4)
-_Array = NDArray[np.float64]
 
 
 class Gantry:
@@ -44,13 +43,13 @@ class Gantry:
         """Stand at rest at once; only before the clock starts."""
         self.stand(resting_pose(self._scene))
 
-    def stand(self, pose: _Array) -> None:
+    def stand(self, pose: Floats) -> None:
         """Stand at `pose` (4,) at once."""
         for joint, value in zip(_DRIVES, pose, strict=True):
             self._engine.resetJointState(self._body, joint, value)
         self.command(pose)
 
-    def follow(self, path: ToolPath, offset: _Array) -> _Array:
+    def follow(self, path: ToolPath, offset: Floats) -> Floats:
         """(k, 4) poses of a transit above the surface to the first waypoint, then of the path."""
         strokes = legs(path.waypoints, offset)
         first = np.array([(w.x, w.y, w.z, w.yaw) for w in path.waypoints[:1]])[0] + offset
@@ -58,17 +57,17 @@ class Gantry:
             _refuse_far(point, self._scene)
         return _timed((*self._transit(first, path.waypoints[0].speed), *strokes))
 
-    def withdraw(self) -> _Array:
+    def withdraw(self) -> Floats:
         """(k, 4) poses of a transit to rest."""
         return _timed(self._transit(resting_pose(self._scene), TRANSIT_SPEED))
 
-    def lift(self) -> _Array:
+    def lift(self) -> Floats:
         """(k, 4) poses straight up until the tool is clear of the surface."""
         here = self.tool()
         above = _waypoint((*here[:2], max(here[2], LIFT), here[3]), TRANSIT_SPEED)
         return _timed(legs((_waypoint(here, TRANSIT_SPEED), above), _STILL))
 
-    def command(self, joints: _Array) -> None:
+    def command(self, joints: Floats) -> None:
         """Be at `joints` (4,) after the next step, as far as the joints' forces allow."""
         self._target = joints
         self._engine.setJointMotorControlArray(
@@ -81,11 +80,11 @@ class Gantry:
             velocityGains=(1.0, 1.0, 1.0, 1.0),
         )
 
-    def commanded(self) -> _Array:
+    def commanded(self) -> Floats:
         """Where the joints were last commanded to be, (4,)."""
         return self._target
 
-    def tool(self) -> _Array:
+    def tool(self) -> Floats:
         """Where the joints are, (4,)."""
         return np.array([state[0] for state in self._engine.getJointStates(self._body, _DRIVES)])
 
@@ -93,15 +92,15 @@ class Gantry:
         """How far the tool is from where it was commanded to be, metres."""
         return float(np.linalg.norm((self.tool() - self._target)[:3]))
 
-    def flaps(self) -> _Array:
+    def flaps(self) -> Floats:
         """(n, 3) middles of the flaps, metres."""
         return cloths.flap_middles(self._engine, self._body, len(_DRIVES))
 
-    def holds(self, points: _Array) -> NDArray[np.bool_]:
+    def holds(self, points: Floats) -> Bools:
         """(n,) false: there is no dustpan."""
         return np.zeros(len(points), dtype=bool)
 
-    def _transit(self, there: _Array, speed: float) -> tuple[Leg, ...]:
+    def _transit(self, there: Floats, speed: float) -> tuple[Leg, ...]:
         """From here up, across above the surface, and down to `there` (4,)."""
         here = self.tool()
         height = max(LIFT, here[2], there[2])
@@ -114,17 +113,17 @@ class Gantry:
         return legs(corners, _STILL)
 
 
-def within_reach(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+def within_reach(points: Floats, scene: Scene) -> Bools:
     """(n,) whether the gantry can bring its tool to each of `points` (n, 4)."""
     half = np.array((scene.surface.width, scene.surface.depth)) / 2 + constants.REACH_MARGIN
     low, high = constants.REACH_HEIGHT
     corner = np.array((*half, high))
     inside = (points[:, :3] <= corner) & (points[:, :3] >= np.array((*-half, low)))
-    within: NDArray[np.bool_] = np.asarray(inside.all(axis=1))
+    within: Bools = np.asarray(inside.all(axis=1))
     return within
 
 
-def resting_pose(scene: Scene) -> _Array:
+def resting_pose(scene: Scene) -> Floats:
     """Pose (4,) beside the table, outside the camera's view, on the nearest side without the container."""
     setup = scene.camera
     tool = scene.rag.width / 2 + constants.REST_CLEARANCE
@@ -136,19 +135,19 @@ def resting_pose(scene: Scene) -> _Array:
     return np.array((*nearest, LIFT, 0.0))
 
 
-def _refuse_far(point: _Array, scene: Scene) -> None:
+def _refuse_far(point: Floats, scene: Scene) -> None:
     if not within_reach(point[None], scene)[0]:
         raise Unreachable(point[0], point[1], "outside the gantry's frame")
 
 
-def _timed(strokes: tuple[Leg, ...]) -> _Array:
+def _timed(strokes: tuple[Leg, ...]) -> Floats:
     courses = [
         Course(leg.points, np.append(0, np.cumsum(lengths(leg.points))), leg.speeds) for leg in strokes
     ]
     return np.concatenate([np.empty((0, 4)), *(timed(course, _LIMITS, par.STEP) for course in courses)])
 
 
-def _waypoint(pose: _Array | tuple[float, ...], speed: float) -> Waypoint:
+def _waypoint(pose: Floats | tuple[float, ...], speed: float) -> Waypoint:
     x, y, z, yaw = (float(value) for value in pose)
     return Waypoint(x, y, z, yaw, speed)
 

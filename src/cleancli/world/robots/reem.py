@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.arm import Arm, Capsule, forward
 from cleancli.motion.clearance import SELF_GAP, hull_ends, segment_gaps
 from cleancli.motion.pace import TRANSIT_SPEED
@@ -15,8 +15,6 @@ from cleancli.world.physics import Engine
 from cleancli.world.robots import constants
 from cleancli.world.robots.arm_drive import ArmDrive, Build, rag_for
 from cleancli.world.robots.dustpan import PanDrive, dustpan_for, outline
-
-_Array = NDArray[np.float64]
 
 ARMS_TOUCH = "the arms would touch each other"
 PAN_TOUCHED = "the right arm would touch the dustpan"
@@ -36,7 +34,7 @@ class Reem:
         self._right.place()
         self._left.place()
 
-    def follow(self, path: ToolPath, offset: _Array) -> _Array:
+    def follow(self, path: ToolPath, offset: Floats) -> Floats:
         """(k, 14) joints along the rag's path and back to rest in between where the dustpan takes part."""
         right, left = self._right.joints(), self._left.joints()
         if path.dustpan is None:
@@ -58,7 +56,7 @@ class Reem:
             )
         )
 
-    def withdraw(self) -> _Array:
+    def withdraw(self) -> Floats:
         """(k, 14) joints of a way to rest, the right arm first."""
         right = self._right.withdraw()
         here = self._left.joints()
@@ -66,23 +64,23 @@ class Reem:
         rest = right[-1] if len(right) else self._right.joints()
         return self._checked(np.concatenate((_one(right, here), _other(left, rest))))
 
-    def lift(self) -> _Array:
+    def lift(self) -> Floats:
         """(k, 14) joints straight up, the rag and then the dustpan."""
         here = self._left.joints()
         right = self._right.lift()
         above = right[-1] if len(right) else self._right.joints()
         return np.concatenate((_one(right, here), _other(self._left.lift(), above)))
 
-    def command(self, joints: _Array) -> None:
+    def command(self, joints: Floats) -> None:
         """Be at `joints` (14,) after the next step, as far as the joints' torques allow."""
         self._right.command(joints[:7])
         self._left.command(joints[7:])
 
-    def commanded(self) -> _Array:
+    def commanded(self) -> Floats:
         """Where the joints were last commanded to be, (14,)."""
         return np.concatenate((self._right.commanded(), self._left.commanded()))
 
-    def tool(self) -> _Array:
+    def tool(self) -> Floats:
         """Where the rag is: x, y, z and yaw, (4,)."""
         return self._right.tool()
 
@@ -90,15 +88,15 @@ class Reem:
         """How far the tool that strayed farther is from where it was commanded to be, metres."""
         return max(self._right.stray(), self._left.stray())
 
-    def flaps(self) -> _Array:
+    def flaps(self) -> Floats:
         """(n, 3) middles of the rag's flaps, metres."""
         return self._right.flaps()
 
-    def holds(self, points: _Array) -> NDArray[np.bool_]:
+    def holds(self, points: Floats) -> Bools:
         """(n,) which of `points` (n, 3) lie in the dustpan."""
         return self._left.holds(points)
 
-    def _checked(self, joints: _Array) -> _Array:
+    def _checked(self, joints: Floats) -> Floats:
         """The same joints, if the arms keep clear of each other, and the right one of the dustpan; looked at
         every twentieth of a second."""
         some = joints[:: max(1, round(0.05 / par.STEP))]
@@ -143,7 +141,7 @@ def build_for(side: int) -> Build:
     return Build(constants.REEM_MASSES, constants.REEM_TORQUE, rest, constants.REEM_COLOUR)
 
 
-def _refuse_near(first: _Array, second: _Array, least: float, reason: str) -> None:
+def _refuse_near(first: Floats, second: Floats, least: float, reason: str) -> None:
     """Raise Unreachable if lines with the ends `first` and `second` (n, 2, 3) ever come nearer than `least`,
     metres."""
     gaps = segment_gaps(first, second)
@@ -152,15 +150,15 @@ def _refuse_near(first: _Array, second: _Array, least: float, reason: str) -> No
         raise Unreachable(float(x), float(y), reason)
 
 
-def _one(right: _Array, left: _Array) -> _Array:
+def _one(right: Floats, left: Floats) -> Floats:
     return np.column_stack((right, np.tile(left, (len(right), 1))))
 
 
-def _other(left: _Array, right: _Array) -> _Array:
+def _other(left: Floats, right: Floats) -> Floats:
     return np.column_stack((np.tile(right, (len(left), 1)), left))
 
 
-def _both(right: _Array, left: _Array) -> _Array:
+def _both(right: Floats, left: Floats) -> Floats:
     """Both at once; who is done first waits."""
     count = max(len(right), len(left))
     waiting = [np.concatenate((way, np.repeat(way[-1:], count - len(way), axis=0))) for way in (right, left)]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cleancli.array_types import Bools, Floats
 from cleancli.motion.joint_path import reached
 from cleancli.scene.model import Scene
 from cleancli.world.physics import Engine
@@ -19,15 +19,13 @@ from cleancli.world.robots.gantry import Gantry, within_reach
 from cleancli.world.robots.reem import Reem
 from cleancli.world.robots.reem import arm_for as reem_arm
 
-_Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, slots=True)
 class RobotType:
     """How a robot is built, and which tool poses (n, 4) it can bring the rag to."""
 
     build: Callable[[Engine, Scene, np.random.Generator], Drive]
-    reaches: Callable[[_Array, Scene], NDArray[np.bool_]]
+    reaches: Callable[[Floats, Scene], Bools]
 
 
 def _wam(engine: Engine, scene: Scene, rng: np.random.Generator) -> Drive:
@@ -35,11 +33,11 @@ def _wam(engine: Engine, scene: Scene, rng: np.random.Generator) -> Drive:
     return ArmDrive(engine, arm, wam.BUILD, rag_for(engine, arm, scene.rag, rng))
 
 
-def _wam_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+def _wam_reaches(points: Floats, scene: Scene) -> Bools:
     return reached(wam.arm_for(scene), points)
 
 
-def _reem_reaches(points: _Array, scene: Scene) -> NDArray[np.bool_]:
+def _reem_reaches(points: Floats, scene: Scene) -> Bools:
     return reached(reem_arm(scene, 1), points)
 
 
