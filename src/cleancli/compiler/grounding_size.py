@@ -295,19 +295,23 @@ def _bound(
     static = [part for part in condition if isinstance(part, Literal) and universe.is_static(part)]
     free, product = list(variables), 1
     while free:
-        widths = [
-            (width, literal)
-            for literal in static
-            if set(free_variables(literal)) & set(free)
-            and (width := universe.widest(literal, bound)) is not None
-        ]
-        smallest = min(widths, key=lambda choice: choice[0], default=None)
-        size = len(universe.objects(free[0].type))
-        if smallest is None or smallest[0] > size:
-            product *= size
-            bound |= {free[0]}
-        else:
-            product *= smallest[0]
-            bound |= set(free_variables(smallest[1]))
+        size, decided = _narrowest(free, static, universe, bound)
+        product *= size
+        bound |= decided
         free = [variable for variable in free if variable not in bound]
     return product
+
+
+def _narrowest(
+    free: Sequence[Variable], static: Iterable[Literal], universe: Universe, bound: set[Variable]
+) -> tuple[int, set[Variable]]:
+    """How many bindings the next step of the join leaves at most, and the variables that it binds: those of
+    the literal that leaves fewest, or the first by its type."""
+    asking = [literal for literal in static if not set(free_variables(literal)).isdisjoint(free)]
+    widths = [(universe.widest(literal, bound), literal) for literal in asking]
+    known = [(width, literal) for width, literal in widths if width is not None]
+    size = len(universe.objects(free[0].type))
+    width, literal = min(known, key=lambda choice: choice[0], default=(size + 1, None))
+    if literal is None or width > size:
+        return size, {free[0]}
+    return width, set(free_variables(literal))

@@ -49,18 +49,24 @@ def _finished(steps: Mapping[str, Sequence[str]]) -> list[str]:
     met: set[str] = set()
     finished: list[str] = []
     for root in sorted(steps):
-        work = [] if root in met else [(root, iter(steps[root]))]
-        met.add(root)
-        while work:
-            name, targets = work[-1]
-            target = next((target for target in targets if target not in met), None)
-            if target is None:
-                finished.append(name)
-                work.pop()
-            else:
-                met.add(target)
-                work.append((target, iter(steps[target])))
+        if root not in met:
+            finished += _finished_from(root, steps, met)
     return finished
+
+
+def _finished_from(root: str, steps: Mapping[str, Sequence[str]], met: set[str]) -> Iterator[str]:
+    """Those that are found from `root` and were not `met` before; they are met then."""
+    met.add(root)
+    work = [(root, iter(steps[root]))]
+    while work:
+        name, targets = work[-1]
+        target = next((target for target in targets if target not in met), None)
+        if target is None:
+            yield name
+            work.pop()
+        else:
+            met.add(target)
+            work.append((target, iter(steps[target])))
 
 
 def _reachable(start: str, steps: Mapping[str, Sequence[str]], taken: set[str]) -> list[str]:

@@ -90,10 +90,9 @@ def _values(symbol: Symbol, domain: Domain, slots: Slots, state: State) -> NDArr
     array = np.zeros([len(objects) for objects in arguments], np.uint8)
     for fact in (fact for fact in state if fact.symbol == symbol.name):
         number = 1 if symbol.is_predicate else 1 + symbol.values.index(fact.value)
-        for names in permutations(fact.objects) if symbol.symmetric else (fact.objects,):
-            place = _place(names, arguments)
-            if place is not None:
-                array[place] = number
+        orders = permutations(fact.objects) if symbol.symmetric else (fact.objects,)
+        for place in filter(None, (_place(names, arguments) for names in orders)):
+            array[place] = number
     return array
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -87,21 +87,37 @@ def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned])
     """
     texts = {source.path: source.text for source in sources}
     result: list[Edit] = []
-    pooled: dict[str, tuple[Fraction, int]] = {}
     for estimate in learned:
-        outcomes = outcomes_of(domain, estimate.rule)
-        examined = any(estimate.seen) or estimate.unexplained > 0
-        for outcome, probability, seen in zip(outcomes, estimate.probabilities, estimate.seen, strict=True):
-            concerned = examined or probability != outcome.probability
-            if outcome.parameter is not None:
-                before = pooled.get(outcome.parameter, (probability, 0))[1]
-                pooled[outcome.parameter] = probability, before + seen
-            elif concerned and not outcome.is_rest and not outcome.fixed and is_written(outcome):
-                result += _edits_of(outcome, texts, probability, seen)
+        result += _edits_of_rule(estimate, outcomes_of(domain, estimate.rule), texts)
+    pooled = _pooled(domain, learned)
     for parameter in domain.parameters:
         if parameter.name in pooled and not parameter.fixed:
             result += _edits_of(parameter, texts, *pooled[parameter.name])
     return tuple(result)
+
+
+def _edits_of_rule(
+    estimate: Learned, outcomes: Sequence[Outcome], texts: Mapping[str, str]
+) -> Iterator[Edit]:
+    """Those of the outcomes whose numbers stand in the rule itself, and which experience concerns."""
+    examined = any(estimate.seen) or estimate.unexplained > 0
+    for outcome, probability, seen in zip(outcomes, estimate.probabilities, estimate.seen, strict=True):
+        concerned = examined or probability != outcome.probability
+        own = outcome.parameter is None and not outcome.is_rest and not outcome.fixed
+        if concerned and own and is_written(outcome):
+            yield from _edits_of(outcome, texts, probability, seen)
+
+
+def _pooled(domain: Domain, learned: Iterable[Learned]) -> dict[str, tuple[Fraction, int]]:
+    """For each parameter that rules use its probability, and how often its outcomes were seen in all."""
+    pooled: dict[str, tuple[Fraction, int]] = {}
+    for estimate in learned:
+        outcomes = outcomes_of(domain, estimate.rule)
+        for outcome, probability, seen in zip(outcomes, estimate.probabilities, estimate.seen, strict=True):
+            if outcome.parameter is not None:
+                _, before = pooled.get(outcome.parameter, (probability, 0))
+                pooled[outcome.parameter] = probability, before + seen
+    return pooled
 
 
 def is_written(stated: Outcome | Parameter) -> bool:

@@ -63,9 +63,8 @@ def lower_process(task: Task) -> Process:
     rows = list(dict.fromkeys(literals))  # of `allowed`
     row_start = dict(zip(rows, starts(task.variables[v].values for v, _ in rows), strict=False))
     slot_start = starts(variable.values for variable in task.variables)
-    literal_slot_start, literal_slot = ragged(
-        [[slot_start[v] + value for value in sorted(values)] for v, values in literals]
-    )
+    slots = [[slot_start[v] + value for value in sorted(allowed)] for v, allowed in literals]
+    literal_slot_start, literal_slot = ragged(slots)
     rules_of = grouped(task.rules, [rule.action for rule in task.rules], len(task.actions))
     touched = overlapping(map(variables_of, wanted), map(_touched, rules_of))
     touched_reward_start, touched_reward = ragged(touched)
