@@ -68,20 +68,22 @@ def with_named(
 
     An option goes to each of these planners that has it. Raises BadOption, also where none has.
     """
-    chosen = [PLANNERS[name] for name in planners]
+    chosen = tuple(PLANNERS[name] for name in planners)
     for text in named:
         name, _, value = (part.strip() for part in text.partition("="))
-        takes = [name in named_options(planner.own) for planner in chosen]
-        if name in named_options(options):
-            options = replace(options, **{name: _value(named_options(options)[name], value)})
-        elif any(takes):
-            chosen = [
-                planner.having(**{name: _value(named_options(planner.own)[name], value)}) if has else planner
-                for planner, has in zip(chosen, takes, strict=True)
-            ]
+        if field := named_options(options).get(name):
+            options = replace(options, **{name: _value(field, value)})
+        elif any(name in named_options(planner.own) for planner in chosen):
+            chosen = tuple(_having(planner, name, value) for planner in chosen)
         else:
             _refuse(name, planners)
-    return tuple(chosen), options
+    return chosen, options
+
+
+def _having(planner: Planner[Any], name: str, value: str) -> Planner[Any]:
+    """The planner with an option of its own, if it has that."""
+    field = named_options(planner.own).get(name)
+    return planner if field is None else planner.having(**{name: _value(field, value)})
 
 
 def named_options(record: Any) -> dict[str, Field[Any]]:
