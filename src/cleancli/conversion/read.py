@@ -13,6 +13,7 @@ from cleancli.conversion.records import Atom, Declaration, Kind, Library, Librar
 from cleancli.conversion.scan import Scanner, Token, Unreadable, tokens_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.model import OutcomeKind
 
 DEFAULT = "default"
@@ -87,11 +88,12 @@ def _rules(source: Source, found: list[Diagnostic]) -> Iterator[LibraryRule]:
         _header(tokens[: starts[0] if starts else len(tokens)], len(starts), source)
     except Unreadable as unreadable:
         found.append(unreadable.diagnostic)
+    lines = Lines(source.text)
     for start, end in pairwise([*starts, len(tokens)]):
         following = tokens[end].span.start if end < len(tokens) else len(source.text.rstrip())
         try:
             scanner = Scanner(tokens[start:end], Span(source.path, following, following), "rule")
-            yield _rule(scanner, source.text.count("\n", 0, tokens[start].span.start) + 1)
+            yield _rule(scanner, lines.place(tokens[start].span.start)[0])
         except Unreadable as unreadable:
             found.append(unreadable.diagnostic)
 

@@ -14,7 +14,7 @@ from cleancli.language import syntax
 from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.source_lines import Lines
+from cleancli.language.diagnostics.source_lines import LINE_END, Lines
 from cleancli.language.model import Rule
 from cleancli.language.printing.printer import print_fraction
 from cleancli.language.refactoring.name_index import Kind, Occurrence, children
@@ -145,7 +145,7 @@ def comment(text: str, span: Span) -> Iterator[str]:
 
 def _first_comment(text: str) -> Iterator[str]:
     """The comment that a file begins with."""
-    lines = itertools.takewhile(lambda line: line.startswith("#"), text.lstrip("\ufeff").splitlines())
+    lines = itertools.takewhile(lambda line: line.startswith("#"), LINE_END.split(text.lstrip("\ufeff")))
     about = "\n".join(line.lstrip("#").strip() for line in lines).strip()
     if about:
         yield about

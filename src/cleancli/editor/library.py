@@ -13,6 +13,7 @@ from cleancli.language.checking.declarations import sections_of
 from cleancli.language.checking.include import is_outside
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.source_lines import line_start
 from cleancli.language.load import kind_of, read_source
 from cleancli.language.parsing.parse import Parsed, parse
 from cleancli.language.parsing.recovery import blank, outline
@@ -101,8 +102,7 @@ def _blank_between(text: str, start: int, end: int) -> str:
     if start >= end:
         return text  # sections that are not closed may lie one in another
     for named in _NAMED_DOMAIN.finditer(text, start, end):
-        line = max(text.rfind("\n", 0, named.start()), text.rfind("\r", 0, named.start()))
-        if "#" not in text[line + 1 : named.start()]:
+        if "#" not in text[line_start(text, named.start()) : named.start()]:
             return blank(blank(text, start, named.start()), named.end(), end)
     return blank(text, start, end)
 

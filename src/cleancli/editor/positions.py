@@ -6,8 +6,7 @@ on another one when it starts.
 
 from __future__ import annotations
 
-import re
-from bisect import bisect_right
+from cleancli.language.diagnostics.source_lines import Lines
 
 UTF_8, UTF_16, UTF_32 = "utf-8", "utf-16", "utf-32"
 
@@ -24,13 +23,13 @@ class Positions:
     def __init__(self, text: str, encoding: str = UTF_16) -> None:
         self._text = text
         self._encoding = encoding
-        self._starts = [0, *(match.end() for match in re.finditer(r"\r\n|\n|\r", text))]
+        self._lines = Lines(text)
 
     def place(self, offset: int) -> tuple[int, int]:
         """Line and unit of an offset, both from 0; an offset outside the text is moved to its edge."""
-        offset = min(max(offset, 0), len(self._text))
-        line = bisect_right(self._starts, offset) - 1
-        return line, self.units(self._text[self._starts[line] : offset])
+        line, column = self._lines.place(offset)
+        start = self._lines.start(line)
+        return line - 1, self.units(self._text[start : start + column - 1])
 
     def units(self, text: str) -> int:
         """How many units a piece of text takes."""
@@ -42,11 +41,9 @@ class Positions:
         """The offset of a place; one beyond its line or the text is moved back to the end of that."""
         if line < 0:
             return 0
-        if line >= len(self._starts):
+        if line >= len(self._lines):
             return len(self._text)
-        start = self._starts[line]
-        end = self._starts[line + 1] if line + 1 < len(self._starts) else len(self._text)
-        content = self._text[start:end].rstrip("\r\n")
+        start, content = self._lines.start(line + 1), self._lines.line(line + 1)
         left = unit
         for index, character in enumerate(content):
             left -= _width(character, self._encoding)

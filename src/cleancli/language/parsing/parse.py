@@ -18,6 +18,7 @@ from lark.lexer import PatternStr
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.errors import Reader
 from cleancli.language.parsing.grammar import grammar
@@ -112,11 +113,12 @@ def _without_fault(text: str, place: int, blocks: tuple[Block, ...]) -> tuple[st
     for block in blocks:
         if block.start <= place < block.end:
             return blank(text, block.start, block.end), frozenset({block.name})
-    line_start = max(text.rfind("\n", 0, place), text.rfind("\r", 0, place)) + 1
-    line_end = re.compile(r"[^\r\n]*").match(text, place)
-    assert line_end is not None
+    lines = Lines(text)
+    number = lines.place(place)[0]
+    line_start = lines.start(number)
+    line_end = line_start + len(lines.line(number))
     start = max([line_start, *(block.end for block in blocks if block.end <= place)])
-    end = min([line_end.end(), *(block.start for block in blocks if block.start > place)])
+    end = min([line_end, *(block.start for block in blocks if block.start > place)])
     between = text[start:end]
     if "{" in between or "}" in between:
         return text, frozenset()

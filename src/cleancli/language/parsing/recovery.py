@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
-from cleancli.language.diagnostics.source_lines import Lines
+from cleancli.language.diagnostics.source_lines import Lines, line_start
 from cleancli.language.record import Record
 
 _TOKEN = re.compile(r'#[^\r\n]*|"[^"\r\n]*"|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]')
@@ -113,14 +113,10 @@ class _Scan:
             return True
         if not self.by_margin:
             return False
-        line = self._line_start(inner.start)
-        margin = self.source.text[line : inner.start]
-        outer_line = self._line_start(outer.start)
-        return margin.isspace() and outer_line != line and len(margin) <= outer.start - outer_line
-
-    def _line_start(self, offset: int) -> int:
         text = self.source.text
-        return max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
+        line, outer_line = line_start(text, inner.start), line_start(text, outer.start)
+        margin = text[line : inner.start]
+        return margin.isspace() and outer_line != line and len(margin) <= outer.start - outer_line
 
     def _header(self, match: re.Match[str]) -> _Open:
         if not self.stack and self.words:

@@ -5,7 +5,6 @@ Nothing is lost but the spaces between tokens.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import cast
 
@@ -14,12 +13,12 @@ from lark import UnexpectedInput
 
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.source_lines import LINE_END, line_start
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.grammar import grammar
 from cleancli.language.parsing.parse import parse
 from cleancli.language.syntax import Root
 
-LINE_END = re.compile(r"\r\n|\n|\r")
 _BLANKS = " \t\f\ufeff"
 
 
@@ -89,7 +88,7 @@ def _gap(text: str, start: int, end: int) -> _Gap:
     lines = LINE_END.split(text[start:end])
     comments = [line.strip(_BLANKS) for line in lines]
     own_line = start == 0
-    column = start - max(text.rfind("\n", 0, start), text.rfind("\r", 0, start)) - 1 + lines[0].find("#")
+    column = start - line_start(text, start) + lines[0].find("#")
     remarks = [] if own_line or not comments[0] else [comments[0]]
     above = comments[:-1] if own_line else comments[1:-1]
     if end == len(text) and (len(lines) > 1 or own_line):

@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.parsing.trivia import LINE_END, Token, read_tokens
+from cleancli.language.diagnostics.source_lines import LINE_END
+from cleancli.language.parsing.trivia import Token, read_tokens
 from cleancli.language.printing.formatter_blocks import INDENT, Blocks
 
 _CONTINUED = 4
