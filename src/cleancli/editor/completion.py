@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from cleancli.editor.context import Context, context, open_string
 from cleancli.editor.hover import comment, signature
-from cleancli.editor.lexemes import Lexeme, LexemeKind, keywords
+from cleancli.editor.lexemes import Lexeme, LexemeKind
 from cleancli.editor.library import Document, Library
 from cleancli.language import syntax
 from cleancli.language.checking.planner_block import KEYS as PLANNER
+from cleancli.language.parsing.grammar import keywords
 from cleancli.language.refactoring.name_index import Kind, Occurrence
 from cleancli.scene.kinds import LENGTH_UNITS
 from cleancli.scene.schema import INNER, KEYS, TOP
@@ -66,7 +67,7 @@ def _paths(typed: tuple[str, str], asked: Document, offset: int, library: Librar
 
 def _keywords(place: Context) -> Iterator[Completion]:
     for terminal, word in sorted(keywords().items()):
-        if place.accepted is not None and terminal in place.accepted:
+        if word.isalpha() and place.accepted is not None and terminal in place.accepted:
             yield Completion(word, None, place.start, "word of the language")
     if place.accepted is not None and "UNIT" in place.accepted and place.section in MARKS:
         yield Completion("s", None, place.start, "unit")

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import enum
-import functools
 import re
 from dataclasses import dataclass
-
-from lark.lexer import PatternStr
-
-from cleancli.language.parsing.grammar import grammar
 
 
 class LexemeKind(enum.Enum):
@@ -45,13 +40,3 @@ def lexemes(text: str) -> tuple[Lexeme, ...]:
         Lexeme(LexemeKind(match.lastgroup), match.group(), match.start(), match.end())
         for match in _LEXEME.finditer(text)
     )
-
-
-@functools.cache
-def keywords() -> dict[str, str]:
-    """The words that stand in the grammar as they are, by the name of their terminal."""
-    return {
-        terminal.name: terminal.pattern.value
-        for terminal in grammar().terminals
-        if isinstance(terminal.pattern, PatternStr) and terminal.pattern.value.isalpha()
-    }

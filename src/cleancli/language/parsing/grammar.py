@@ -19,6 +19,7 @@ from pathlib import Path
 
 import lark
 from lark import Lark
+from lark.lexer import PatternStr
 
 from cleancli.files.replace import replace_file
 from cleancli.language.parsing.lexer import ContextLexer
@@ -40,6 +41,16 @@ def grammar() -> Lark:
         if path is not None:
             write_cached(path, parser)
     return parser
+
+
+@functools.cache
+def keywords() -> dict[str, str]:
+    """The words and signs that stand in the grammar as they are, by the name of their terminal."""
+    return {
+        terminal.name: terminal.pattern.value
+        for terminal in grammar().terminals
+        if isinstance(terminal.pattern, PatternStr)
+    }
 
 
 def _path(text: str) -> Path | None:

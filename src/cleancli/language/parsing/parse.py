@@ -6,7 +6,6 @@ Every block is so parsed on its own: one mistake is reported for each, however m
 from __future__ import annotations
 
 import difflib
-import functools
 import gc
 import re
 from collections.abc import Iterator
@@ -14,14 +13,13 @@ from contextlib import contextmanager
 from typing import cast
 
 from lark import UnexpectedInput
-from lark.lexer import PatternStr
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.errors import Reader
-from cleancli.language.parsing.grammar import grammar
+from cleancli.language.parsing.grammar import grammar, keywords
 from cleancli.language.parsing.recovery import Block, blank, outline
 from cleancli.language.record import Record
 from cleancli.language.syntax import Root
@@ -39,15 +37,6 @@ class Parsed(Record):
     root: Root | None
     broken: frozenset[str]
     diagnostics: tuple[Diagnostic, ...]
-
-
-@functools.cache
-def _keywords() -> dict[str, str]:
-    return {
-        terminal.name: terminal.pattern.value
-        for terminal in grammar().terminals
-        if isinstance(terminal.pattern, PatternStr)
-    }
 
 
 @contextmanager
@@ -91,7 +80,7 @@ def parse(source: Source) -> Parsed:
     broken = {block.name for block in shape.blocks if shape.body[block.start : block.end].isspace()}
     text = shape.body
     while len(diagnostics) < _MOST_ERRORS:
-        reader = Reader(source.path, text, len(source.text), _keywords())
+        reader = Reader(source.path, text, len(source.text), keywords())
         try:
             tree = grammar().parse(text)
         except UnexpectedInput as error:
