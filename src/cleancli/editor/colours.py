@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from cleancli.editor.lexemes import Lexeme, LexemeKind, lexemes
 from cleancli.editor.library import Document, Library
 from cleancli.language.parsing.grammar import keywords
+from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
 from cleancli.language.refactoring.name_index import Kind
 
 TYPES = (

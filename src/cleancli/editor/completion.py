@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from cleancli.editor.context import Context, context, open_string
 from cleancli.editor.hover import comment, signature
-from cleancli.editor.lexemes import Lexeme, LexemeKind
 from cleancli.editor.library import Document, Library
 from cleancli.language import syntax
 from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.parsing.grammar import keywords
+from cleancli.language.parsing.lexemes import Lexeme, LexemeKind
 from cleancli.language.refactoring.name_index import Kind, Occurrence
 from cleancli.scene.kinds import LENGTH_UNITS
 from cleancli.scene.schema import INNER, KEYS, TOP

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from lark import UnexpectedInput
 
-from cleancli.editor.lexemes import Lexeme, LexemeKind, lexemes
 from cleancli.language.parsing.grammar import grammar
+from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
 
 _PREFIX = re.compile(r"(?:\?[A-Za-z_0-9]*|[A-Za-z_]\w*)?\Z")
 
