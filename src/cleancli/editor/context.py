@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from lark import UnexpectedInput
 
 from cleancli.language.parsing.grammar import grammar
-from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
+from cleancli.language.parsing.lexemes import WORD, Lexeme, LexemeKind, lexemes
 
-_PREFIX = re.compile(r"(?:\?[A-Za-z_0-9]*|[A-Za-z_]\w*)?\Z")
+_PREFIX = re.compile(rf"(?:\?[A-Za-z_0-9]*|{WORD})?\Z")
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,14 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import line_start
 from cleancli.language.load import kind_of, read_source
+from cleancli.language.parsing.lexemes import WORD
 from cleancli.language.parsing.parse import Parsed, parse
 from cleancli.language.parsing.recovery import blank, outline
 from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence, occurrences
 from cleancli.language.syntax import DomainNode, Include, Root
 from cleancli.resources import shipped, shipped_names
 
-_NAMED_DOMAIN = re.compile(r"\bdomain\s*=\s*[A-Za-z_]\w*")
+_NAMED_DOMAIN = re.compile(rf"\bdomain\s*=\s*{WORD}")
 
 _MOST_FOLDERS = 2000
 """Searched for problems below the folders an editor has open; beyond it, a search would be felt."""

@@ -10,6 +10,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from cleancli.language.diagnostics.characters import for_character
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
 from cleancli.language.parsing.hints import Misplaced, for_token
+from cleancli.language.parsing.lexemes import COMMENT, WORD
 
 _WORDS = {
     "NAME": "a name",
@@ -33,7 +34,6 @@ _IMPLIED = {
 }
 """Terminals that are not said to be expected where another one is."""
 _MOST_SAID = 12
-_COMMENT = re.compile(r"#[^\r\n]*")
 _FAR = 80
 """How many characters behind a token are looked at for what was meant."""
 _FAR_BACK = 4000
@@ -104,7 +104,7 @@ class Reader:
         start = int(token.start_pos or 0)
         near = self._text[max(0, start - _FAR_BACK) : start]
         near = near[near.find("\n") + 1 :] if start > _FAR_BACK else near
-        before = _COMMENT.sub(lambda comment: " " * len(comment[0]), near)
+        before = re.sub(COMMENT, lambda comment: " " * len(comment[0]), near)
         words = tuple(self._keywords[name] for name in sorted(accepted) if name in self._keywords)
         behind = start + len(token)
         return Misplaced(
@@ -121,7 +121,7 @@ class Reader:
         """E107 for a word behind a number; a setting ends there, so it may have been taken for a key."""
         match = None
         if at.accepted == {"EQUAL", "LBRACE"}:
-            match = re.search(r"[0-9][ \t]*(?P<unit>[A-Za-z_]\w*)$", at.before)
+            match = re.search(rf"[0-9][ \t]*(?P<unit>{WORD})$", at.before)
         elif "UNIT" in at.accepted and "NAME" not in at.accepted and at.kind == "NAME":
             match = re.compile(r"(?P<unit>\w+)").match(self._text, start)
         if match is None:
@@ -151,11 +151,11 @@ class Reader:
 
     def _bare_in_condition(self, at: Misplaced) -> Diagnostic | None:
         """A name without parentheses where a condition's part begins: it could still be a term."""
-        word = re.search(r"(?<![?\w])[A-Za-z_]\w*$", at.before)
+        word = re.search(rf"(?<![?\w]){WORD}$", at.before)
         if word and at.accepted == {"LPAR", "EQUAL", "UNEQUAL"} and at.token != ":" and not for_token(at):
             behind = re.match(r"\s*(\w+)", at.after) if at.kind in ("LESS", "OPERATOR") else None
             return self._bare(word.group(), word.start(), at.token, behind[1] if behind else "")
-        compared = re.search(r"(?<![?\w])([A-Za-z_]\w*)\s*(=|!=)$", at.before)
+        compared = re.search(rf"(?<![?\w])({WORD})\s*(=|!=)$", at.before)
         if compared and at.kind in ("NUMBER", "MINUS") and at.accepted == {"NAME", "VARIABLE"}:
             value = re.match(r"[^\s,})]*", at.after)
             return self._bare(

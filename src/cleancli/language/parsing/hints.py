@@ -10,6 +10,7 @@ import difflib
 import re
 from collections.abc import Callable
 
+from cleancli.language.parsing.lexemes import WORD
 from cleancli.language.record import Record
 
 _WORDS = {
@@ -48,8 +49,8 @@ _LISTS = {
 """What the lists of PDDL are here, by their first word."""
 
 
-_APPLICATION = r"\b[A-Za-z_]\w*\s*\([^()]*\)"
-_TERM = r"\??[A-Za-z_]\w*"
+_APPLICATION = rf"\b{WORD}\s*\([^()]*\)"
+_TERM = rf"\??{WORD}"
 _RELATION = r"<=|>=|!=|<|>|="
 _CLOSERS = frozenset({"NUMBER", "RATIONAL", "REST", "THEN", "WITH", "WHEN", "RBRACE", "COLON"})
 """Terminals that stand behind literals and never within their parentheses."""
@@ -99,7 +100,7 @@ def _function_or_count(at: Misplaced) -> str:
         return "`decrease` takes the name of a count that `derived` defines"
     if at.accepted == {"TIMES"}:
         return f"write `{at.before.split()[-1]} * {at.token}`"
-    if at.token == "*" and "MINUS" in at.accepted and (name := re.search(r"([A-Za-z_]\w*)$", at.before)):
+    if at.token == "*" and "MINUS" in at.accepted and (name := re.search(rf"({WORD})$", at.before)):
         return f"the number stands first: `{at.after.split()[0] if at.after.split() else 2} * {name[1]}`"
     return ""
 

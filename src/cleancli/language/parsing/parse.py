@@ -20,6 +20,7 @@ from cleancli.language.diagnostics.source_lines import Lines
 from cleancli.language.parsing.ast_builder import Builder
 from cleancli.language.parsing.errors import Reader
 from cleancli.language.parsing.grammar import grammar, keywords
+from cleancli.language.parsing.lexemes import BLANK, COMMENT
 from cleancli.language.parsing.recovery import Block, blank, outline
 from cleancli.language.record import Record
 from cleancli.language.syntax import Root
@@ -54,7 +55,7 @@ def _nothing_to_collect() -> Iterator[None]:
 
 def kind_of(source: Source) -> str:
     """Whether the text is a "domain", a "problem" or a "scene"; raises Refused (E105) for anything else."""
-    match = re.match(r"(?:[\s\ufeff]|#[^\r\n]*)*(?P<word>\w+|\S)?", source.text)
+    match = re.match(rf"(?:{BLANK}|{COMMENT})*(?P<word>\w+|\S)?", source.text)
     assert match is not None
     word = match["word"]
     if word in KINDS:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.source_lines import Lines, line_start
+from cleancli.language.parsing.lexemes import LEXEME
 from cleancli.language.record import Record
 
-_TOKEN = re.compile(r'#[^\r\n]*|"[^"\r\n]*"|[{}]|[A-Za-z_][A-Za-z0-9_]*|[^\s\ufeff]')
 _LETTER = re.compile(r"[^\r\n]")
 _DEEPEST = 3
 _MOST_REPORTED = 100
@@ -40,7 +40,7 @@ def blank(text: str, start: int, end: int) -> str:
     return text[:start] + _LETTER.sub(" ", text[start:end]) + text[end:]
 
 
-_BEFORE_LOOSE = frozenset({"then", "when", "with", ":", ">"})
+_BEFORE_LOOSE = frozenset({"then", "when", "with", ":", ">", "=>"})
 """What stands in rules before a brace that belongs to no block, but is written there by habit."""
 
 
@@ -70,7 +70,7 @@ class _Scan:
         self.root_end: int | None = None
 
     def run(self) -> None:
-        for match in _TOKEN.finditer(self.source.text):
+        for match in LEXEME.finditer(self.source.text):
             token = match.group()
             if token.startswith("#"):
                 continue
@@ -125,7 +125,7 @@ class _Scan:
         for word in reversed(self.words):
             if word.group() == "rule":
                 return _Open("rule", word.start(), match.start())
-        if self.words and re.match(r"\w", self.words[-1].group()):
+        if self.words and re.match(r"\??\w", self.words[-1].group()):
             word = self.words[-1]
             return _Open(word.group(), word.start(), match.start())
         return _Open("", match.start(), match.start())

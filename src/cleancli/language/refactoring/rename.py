@@ -12,9 +12,9 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED, meant
 from cleancli.language.diagnostics.text_edit import Edit
+from cleancli.language.parsing.lexemes import NAME
 from cleancli.language.refactoring.name_index import Kind, Meaning, Occurrence, names_in
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 RENAMABLE = (
     Kind.TYPE,
     Kind.OBJECT,
@@ -61,7 +61,7 @@ def refusal_of(new: str, thing: Occurrence, declared: Iterable[Occurrence]) -> D
     """Why a thing cannot be called `new` beside what is declared (E803, E804); None where it can."""
     if new in RESERVED and thing.meaning.kind is not Kind.VARIABLE:
         return Diagnostic("E804", f"`{new}` is a word of the language", None)
-    if not _NAME.fullmatch(new):
+    if not re.fullmatch(NAME, new):
         help = "names consist of the letters a to z, digits and `_`, and begin with no digit"
         return Diagnostic("E804", f"`{new}` is no name", None, help=help)
     for other in declared:
