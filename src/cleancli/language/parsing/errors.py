@@ -9,7 +9,8 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from cleancli.language.diagnostics.characters import for_character
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
-from cleancli.language.parsing.hints import Misplaced, for_token
+from cleancli.language.parsing.hints.advice import for_token
+from cleancli.language.parsing.hints.misplaced import Misplaced
 from cleancli.language.parsing.lexemes import COMMENT, WORD
 
 _WORDS = {
