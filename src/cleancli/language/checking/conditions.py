@@ -59,26 +59,33 @@ class Scope(Record):
 
 def resolve_term(node: syntax.TermNode, scope: Scope) -> Term | None:
     """The variable or object a term means; E204 or E205 where there is none."""
-    if node.is_variable:
-        variable = scope.variables.get(node.name)
-        if variable is None:
-            message = f"the variable `?{node.name}` is not bound"
-            help = scope.findings.meant(f"?{node.name}", [f"?{v}" for v in scope.variables], "variable")
-            if way_out := dict(scope.left).get(node.name):
-                help = f"the quantifier that binds it ended at the comma before: {way_out}"
-            scope.findings.error("E204", message, node.span, help=help)
-        return variable
+    return _bound_variable(node, scope) if node.is_variable else _known_object(node, scope)
+
+
+def _bound_variable(node: syntax.TermNode, scope: Scope) -> Variable | None:
+    variable = scope.variables.get(node.name)
+    if variable is None:
+        help = scope.findings.meant(f"?{node.name}", [f"?{v}" for v in scope.variables], "variable")
+        if way_out := dict(scope.left).get(node.name):
+            help = f"the quantifier that binds it ended at the comma before: {way_out}"
+        scope.findings.error("E204", f"the variable `?{node.name}` is not bound", node.span, help=help)
+    return variable
+
+
+def _known_object(node: syntax.TermNode, scope: Scope) -> Object | None:
     found = scope.objects.get(node.name)
     scope.findings.use("constant", node.name)
-    if found is None and "constants" not in scope.declared.unsure and "objects" not in scope.declared.unsure:
-        if node.name in scope.variables or node.name in scope.declared.symbols:
-            help = f"did you mean the variable `?{node.name}`?"
-            if node.name not in scope.variables:
-                help = f"a predicate or function has its parentheses: `{node.name}(...)`"
-            scope.findings.error("E205", f"unknown object `{node.name}`", node.span, help=help)
-        else:
-            scope.findings.unknown("E205", "object", node.name, node.span, scope.objects)
-    return found
+    if found is not None or {"constants", "objects"} & scope.declared.unsure:
+        return found
+    if node.name in scope.variables:
+        help = f"did you mean the variable `?{node.name}`?"
+        scope.findings.error("E205", f"unknown object `{node.name}`", node.span, help=help)
+    elif node.name in scope.declared.symbols:
+        help = f"a predicate or function has its parentheses: `{node.name}(...)`"
+        scope.findings.error("E205", f"unknown object `{node.name}`", node.span, help=help)
+    else:
+        scope.findings.unknown("E205", "object", node.name, node.span, scope.objects)
+    return None
 
 
 def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol, tuple[Term, ...]] | None:
@@ -132,26 +139,32 @@ def resolve_value(
     node: syntax.Name | syntax.Number, symbol: Symbol, scope: Scope, instead: str = ""
 ) -> Value | None:
     """A value of a function; E210 for an unknown one. `instead`: what to write in place of a count."""
-    if isinstance(node, syntax.Name):
-        value: Value | None = node.text
-        shown = node.text
-    else:
-        value = int(node.value) if node.is_whole else None
-        point = ".0" if without_point(node) else ""
-        shown = f"{float(node.value):g}{point}" if value is None else str(value)
+    value: Value | None = node.text if isinstance(node, syntax.Name) else _integer(node)
     if value is not None and value in symbol.values:
         return value
+    shown = _shown_number(node) if isinstance(node, syntax.Number) else node.text
     if shown in scope.declared.counts:
         meant = instead or f"the values of `{symbol.name}` are {shown_values(symbol)}"
         help = f"`{shown}` is a count, and counts are for rewards and horizons only: {meant}"
-    elif isinstance(node, syntax.Number) and is_integer(symbol) and without_point(node):
-        help = without_point(node)
-    elif is_integer(symbol) or isinstance(node, syntax.Number):
+    elif isinstance(node, syntax.Number):
+        help = (is_integer(symbol) and without_point(node)) or f"its values are {shown_values(symbol)}"
+    elif is_integer(symbol):
         help = f"its values are {shown_values(symbol)}"
     else:
         help = scope.findings.meant(shown, map(str, symbol.values), "value")
     scope.findings.error("E210", f"`{symbol.name}` has no value `{shown}`", node.span, help=help)
     return None
+
+
+def _integer(node: syntax.Number) -> int | None:
+    return int(node.value) if node.is_whole else None
+
+
+def _shown_number(node: syntax.Number) -> str:
+    """A number as messages show it: `5.0` with its point, because that is what is wrong with it."""
+    if node.is_whole:
+        return str(int(node.value))
+    return f"{float(node.value):g}{'.0' if without_point(node) else ''}"
 
 
 def is_integer(symbol: Symbol) -> bool:

@@ -5,7 +5,7 @@ Guaranteed by the parser: structure. What is returned holds everything that coul
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -150,55 +150,48 @@ def read_types(node: syntax.DomainNode, findings: Findings) -> Declarations:
 
 def _types(node: syntax.DomainNode, findings: Findings) -> dict[str, Type]:
     once = Once(findings)
-    parents: dict[str, syntax.Name | None] = {}
-    names: dict[str, syntax.Name] = {}
-    for section in sections_of(node.sections, syntax.Types):
-        for group in section.groups:
-            for name in group.names:
-                if once.admits(name, "type"):
-                    parents[name.text] = group.type
-                    names[name.text] = name
+    groups = [group for section in sections_of(node.sections, syntax.Types) for group in section.groups]
+    named = [(name, group.type) for group in groups for name in group.names if once.admits(name, "type")]
+    places = {name.text: place for place, (name, _) in enumerate(named)}
+    circles = _circles({name.text: parent.text for name, parent in named if parent is not None})
+    first_in_circle = {min(circle, key=places.__getitem__) for circle in circles}
     types: dict[str, Type] = {}
-    circles = _circles(parents)
-    broken: set[str] = set()
-    for text, parent in tuple(parents.items()):
-        if parent is not None and parent.text not in parents:
-            if parent.text == "object":
-                help = "no type stands above all others: leave `- object` out"
-                findings.error("E201", "unknown type `object`", parent.span, help=help)
-            else:
-                findings.unknown("E201", "type", parent.text, parent.span, parents)
+    for name, parent in named:
+        if name.text in first_in_circle:
+            message, help = f"the type `{name.text}` is below itself", "types form a tree: remove one parent"
+            findings.error("E215", message, name.span, help=help)
             parent = None
-        if parent is not None and text in circles and circles[text] not in broken:
-            broken.add(circles[text])
-            findings.error(
-                "E215",
-                f"the type `{text}` is below itself",
-                names[text].span,
-                help="types form a tree: remove one parent",
-            )
-            parent = None
-        if parent is not None:
-            findings.use("type", parent.text)
-        types[text] = Type(text, None if parent is None else parent.text)
+        types[name.text] = Type(name.text, _known_parent(parent, places, findings))
     return types
 
 
-def _circles(parents: Mapping[str, syntax.Name | None]) -> dict[str, str]:
-    """The types that lie in a circle, each with a name for its circle. No type is passed more than twice."""
-    circles: dict[str, str] = {}
-    passed: dict[str, str] = {}
+def _known_parent(parent: syntax.Name | None, known: Collection[str], findings: Findings) -> str | None:
+    """The name of the type above another; None where there is none, or one that is not declared (E201)."""
+    if parent is None:
+        return None
+    if parent.text in known:
+        findings.use("type", parent.text)
+        return parent.text
+    if parent.text == "object":
+        help = "no type stands above all others: leave `- object` out"
+        findings.error("E201", "unknown type `object`", parent.span, help=help)
+    else:
+        findings.unknown("E201", "type", parent.text, parent.span, known)
+    return None
+
+
+def _circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
+    """The circles that types form with those above them. No type is passed twice."""
+    passed: set[str] = set()
     for start in parents:
+        line: list[str] = []
         here: str | None = start
         while here is not None and here not in passed:
-            passed[here] = start
-            above = parents.get(here)
-            here = None if above is None else above.text
-        while here is not None and passed[here] == start and here not in circles:
-            circles[here] = start
-            above = parents.get(here)
-            here = None if above is None else above.text
-    return circles
+            passed.add(here)
+            line.append(here)
+            here = parents.get(here)
+        if here in line:
+            yield line[line.index(here) :]
 
 
 def _known_type(name: syntax.Name | None, declared: Declarations, findings: Findings) -> str:

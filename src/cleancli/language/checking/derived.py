@@ -5,8 +5,10 @@ Guaranteed before: types, constants, predicates and functions are read.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
+from graphlib import CycleError, TopologicalSorter
 
 from cleancli.language import syntax
 from cleancli.language.checking.conditions import (
@@ -108,27 +110,23 @@ def _cycles(derived: Mapping[str, DerivedPredicate]) -> Iterator[tuple[str, ...]
             path.append(following)
         cycle = tuple(path[path.index(following) :])
         yield cycle
-        left = {
-            name: [n for n in needs if n not in cycle] for name, needs in left.items() if name not in cycle
-        }
+        left = _without(left, cycle)
 
 
 def _without_ends(needs: Mapping[str, list[str]]) -> dict[str, list[str]]:
     """What is left after taking away, again and again, definitions that need no other."""
-    users: dict[str, list[str]] = {}
-    open_needs = {name: len(needed) for name, needed in needs.items()}
-    for name, needed in needs.items():
-        for other in needed:
-            users.setdefault(other, []).append(name)
-    ends = [name for name, count in open_needs.items() if count == 0]
-    gone = set()
-    while ends:
-        end = ends.pop()
-        gone.add(end)
-        for user in users.get(end, ()):
-            open_needs[user] -= 1
-            if open_needs[user] == 0:
-                ends.append(user)
+    sorter = TopologicalSorter(needs)
+    with suppress(CycleError):  # it still tells what stands before the circles
+        sorter.prepare()
+    ends: set[str] = set()
+    while ready := sorter.get_ready():
+        ends.update(ready)
+        sorter.done(*ready)
+    return _without(needs, ends)
+
+
+def _without(needs: Mapping[str, list[str]], gone: Container[str]) -> dict[str, list[str]]:
+    """The definitions but for some that nobody needs any more."""
     return {name: [n for n in needed if n not in gone] for name, needed in needs.items() if name not in gone}
 
 

@@ -8,7 +8,7 @@ one `forall` or several, and effects that set what the rule's condition says alr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from math import factorial, prod
@@ -63,12 +63,8 @@ class Asked:
 def asked_by(condition: Condition, declared: Declarations) -> Asked:
     """What the literals and equalities of a condition say."""
     same = leaders([part for part in condition if isinstance(part, Equality)])
-    values: dict[_Place, frozenset[Value]] = {}
-    for part in condition:
-        if isinstance(part, Literal):
-            place = _place(part.symbol, part.terms, {}, same, declared.symbols)
-            values[place] = values.get(place, part.values) & part.values
-    return Asked(same, values)
+    literals = [part for part in condition if isinstance(part, Literal)]
+    return Asked(same, _allowed(literals, {}, same, declared))
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,29 +206,53 @@ def _parts(
     declared: Declarations,
 ) -> tuple[_Part, ...] | None:
     """The condition in one order, without what the rule's condition says already; None if it can't hold."""
-    values: dict[_Place, frozenset[Value]] = {}
-    equalities: set[_Part] = set()
-    for part in condition:
-        if isinstance(part, Literal):
-            place = _place(part.symbol, part.terms, numbers, same, declared.symbols)
-            values[place] = values.get(place, part.values) & part.values
-            continue
-        terms = tuple(sorted(_named((part.left, part.right), numbers, same)))
-        if terms[0] != terms[1]:
-            equalities.add(("=" if part.equal else "!=", terms, ()))
-        elif not part.equal:
-            return None
-    if any(("=", terms, ()) in equalities and sign == "!=" for sign, terms, _ in equalities):
+    equalities = _equalities([part for part in condition if isinstance(part, Equality)], numbers, same)
+    literals = [part for part in condition if isinstance(part, Literal)]
+    allowed = _allowed(literals, numbers, same, declared)
+    if equalities is None or any(
+        not values & asked.values.get(place, values) for place, values in allowed.items()
+    ):
         return None
-    if any(not allowed & asked.values.get(place, allowed) for place, allowed in values.items()):
-        return None
-    literals = [
-        (*place, _shown(allowed))
-        for place, allowed in values.items()
-        if _is_bound(place)
-        or not asked.values.get(place, frozenset(declared.symbols[place[0]].values)) <= allowed
+    unsaid = [
+        (*place, _shown(values))
+        for place, values in allowed.items()
+        if not _is_said(place, values, asked, declared)
     ]
-    return tuple(sorted((*literals, *equalities)))
+    return tuple(sorted((*unsaid, *equalities)))
+
+
+def _equalities(
+    equalities: Sequence[Equality], numbers: Mapping[Term, int], same: Mapping[Term, Term]
+) -> set[_Part] | None:
+    """Those that do not hold by themselves; None if they can't hold together."""
+    found: dict[bool, set[_Terms]] = {True: set(), False: set()}
+    for each in equalities:
+        found[each.equal].add(tuple(sorted(_named((each.left, each.right), numbers, same))))
+    if found[True] & found[False] or any(left == right for left, right in found[False]):
+        return None
+    equal: set[_Part] = {("=", terms, ()) for terms in found[True] if terms[0] != terms[1]}
+    return equal | {("!=", terms, ()) for terms in found[False]}
+
+
+def _allowed(
+    literals: Iterable[Literal],
+    numbers: Mapping[Term, int],
+    same: Mapping[Term, Term],
+    declared: Declarations,
+) -> dict[_Place, frozenset[Value]]:
+    """The values that all literals about a place allow."""
+    allowed: dict[_Place, frozenset[Value]] = {}
+    for literal in literals:
+        place = _place(literal.symbol, literal.terms, numbers, same, declared.symbols)
+        allowed[place] = allowed.get(place, literal.values) & literal.values
+    return allowed
+
+
+def _is_said(place: _Place, values: frozenset[Value], asked: Asked, declared: Declarations) -> bool:
+    """Whether the rule's condition leaves a place none but these values."""
+    if _is_bound(place):
+        return False
+    return asked.values.get(place, frozenset(declared.symbols[place[0]].values)) <= values
 
 
 def _place(

@@ -42,21 +42,32 @@ def witness(conditions: Iterable[Condition], declared: Declarations) -> Witness 
     parts = [part for condition in conditions for part in condition]
     equalities = [part for part in parts if isinstance(part, Equality)]
     stands = leaders(equalities)
-    for one, leader in stands.items():
-        if not _can_be_one(one, leader, stands, declared):
-            return None
-    if any(not e.equal and _leader(e.left, stands) == _leader(e.right, stands) for e in equalities):
+    if not _can_stand(stands, equalities, declared):
         return None
-    allowed: dict[tuple[str, tuple[Term, ...]], frozenset[Value]] = {}
-    for part in parts:
-        if isinstance(part, Literal):
-            symbol = declared.symbols[part.symbol]
-            key = (part.symbol, canonical(symbol, tuple(_leader(t, stands) for t in part.terms)))
-            allowed[key] = allowed.get(key, frozenset(symbol.values)) & part.values
+    allowed = _allowed([part for part in parts if isinstance(part, Literal)], stands, declared)
     if not all(allowed.values()):
         return None
-    literals = tuple(Literal(name, terms, values) for (name, terms), values in allowed.items())
+    literals = tuple(Literal(*fluent, values) for fluent, values in allowed.items())
     return Witness(tuple((one, leader) for one, leader in stands.items() if one != leader), literals)
+
+
+def _can_stand(stands: Mapping[Term, Term], equalities: Iterable[Equality], declared: Declarations) -> bool:
+    """Whether the terms of each class can be one object, and no class holds two that are to differ."""
+    if not all(_can_be_one(one, leader, stands, declared) for one, leader in stands.items()):
+        return False
+    return all(e.equal or _leader(e.left, stands) != _leader(e.right, stands) for e in equalities)
+
+
+def _allowed(
+    literals: Iterable[Literal], stands: Mapping[Term, Term], declared: Declarations
+) -> dict[tuple[str, tuple[Term, ...]], frozenset[Value]]:
+    """The values that all literals of a fluent allow; terms that are one object have their leader's name."""
+    allowed: dict[tuple[str, tuple[Term, ...]], frozenset[Value]] = {}
+    for literal in literals:
+        symbol = declared.symbols[literal.symbol]
+        fluent = literal.symbol, canonical(symbol, tuple(_leader(term, stands) for term in literal.terms))
+        allowed[fluent] = allowed.get(fluent, frozenset(symbol.values)) & literal.values
+    return allowed
 
 
 def canonical(symbol: Symbol, terms: tuple[Term, ...]) -> tuple[Term, ...]:

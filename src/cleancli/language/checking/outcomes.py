@@ -153,21 +153,27 @@ def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, int | 
     for mark in weight.marks:
         match mark:
             case syntax.Prior():
-                if prior is not None:
-                    scope.findings.error("E311", "a second `prior`", mark.span)
+                _refuse_second("prior", mark, prior is not None, scope)
                 prior = _probability(mark.probability, scope)
             case syntax.Seen():
-                if seen is not None:
-                    scope.findings.error("E311", "a second `seen`", mark.span)
-                if not mark.count.is_whole:
-                    message = "`seen` counts outcomes: a whole number"
-                    scope.findings.error("E311", message, mark.count.span, help=without_point(mark.count))
-                seen = int(mark.count.value)
+                _refuse_second("seen", mark, seen is not None, scope)
+                seen = _times(mark.count, scope)
             case syntax.Fixed():
-                if fixed:
-                    scope.findings.error("E311", "a second `fixed`", mark.span)
+                _refuse_second("fixed", mark, fixed, scope)
                 fixed = True
     return prior, seen, fixed
+
+
+def _refuse_second(name: str, mark: syntax.Node, is_second: bool, scope: Scope) -> None:
+    if is_second:
+        scope.findings.error("E311", f"a second `{name}`", mark.span)
+
+
+def _times(count: syntax.Number, scope: Scope) -> int:
+    if not count.is_whole:
+        message = "`seen` counts outcomes: a whole number"
+        scope.findings.error("E311", message, count.span, help=without_point(count))
+    return int(count.value)
 
 
 def _result(

@@ -125,27 +125,19 @@ def _objects(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> tuple[Ob
 
 
 def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
-    inits = sections_of(node.sections, syntax.Init)
+    items = [fact for init in sections_of(node.sections, syntax.Init) for fact in init.facts]
+    read = [(item, _fact(item, scope)) for item in items]
     values: dict[tuple[str, tuple[str, ...]], Value] = {}
-    clean = True
-    for item in (fact for init in inits for fact in init.facts):
-        fact = _fact(item, scope)
+    for item, fact in read:
         if fact is None:
-            clean = False
             continue
-        key = (fact.symbol, fact.objects)
-        if values.setdefault(key, fact.value) != fact.value:
-            scope.findings.error(
-                "E405",
-                f"`{fact.symbol}` has another value for these objects above",
-                item.span,
-                help=f"there it is `{values[key]}`",
-            )
-    if clean and not scope.findings.broken & {"init", "objects"}:
-        where = _place_of_init(node)
-        for symbol in domain.symbols:
-            if not symbol.is_predicate:
-                _refuse_missing(symbol, values.keys(), where, scope)
+        stated = values.setdefault((fact.symbol, fact.objects), fact.value)
+        if stated != fact.value:
+            message = f"`{fact.symbol}` has another value for these objects above"
+            scope.findings.error("E405", message, item.span, help=f"there it is `{stated}`")
+    if all(fact is not None for _, fact in read) and not scope.findings.broken & {"init", "objects"}:
+        for function in (symbol for symbol in domain.symbols if not symbol.is_predicate):
+            _refuse_missing(function, values.keys(), _place_of_init(node), scope)
     return frozenset(Fact(symbol, objects, value) for (symbol, objects), value in values.items())
 
 
@@ -199,36 +191,25 @@ def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
 def _refuse_missing(
     symbol: Symbol, given: Collection[tuple[str, tuple[str, ...]]], where: Span, scope: Scope
 ) -> None:
+    """E404 for a function without a value for some objects."""
     known = [o for o in scope.objects.values() if o.type in scope.declared.types]
     fitting = [
         sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
         for parameter in symbol.parameters
     ]
     missing = [objects for objects in product(*fitting) if (symbol.name, objects) not in given]
-    if missing:
-        shown = [f"`{symbol.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED]]
-        more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
-        verb = "has" if len(missing) == 1 else "have"
-        scope.findings.error(
-            "E404",
-            f"{', '.join(shown)}{more} {verb} no value",
-            where,
-            help=f"add a value: {shown_values(symbol)}",
-        )
+    if not missing:
+        return
+    shown = ", ".join(f"`{symbol.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED])
+    more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
+    message = f"{shown}{more} {'has' if len(missing) == 1 else 'have'} no value"
+    scope.findings.error("E404", message, where, help=f"add a value: {shown_values(symbol)}")
 
 
 def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | None:
+    """The horizon; E410 where there is none and the reward gives none."""
     for section in sections_of(node.sections, syntax.HorizonNode):
-        constant = section.constant
-        if section.count is not None:
-            known_counts([count.name for count in domain.counts], section.count, scope)
-        if constant is not None:
-            low = 1 if section.count is None else 0
-            if not constant.is_whole or not low <= constant.value <= _LONGEST:
-                message = f"the horizon is a whole number of actions from {low} to {_LONGEST}"
-                scope.findings.error("E406", message, constant.span, help=without_point(constant))
-        count = None if section.count is None else section.count.text
-        return Horizon(0 if constant is None else int(constant.value), count)
+        return _stated_horizon(section, domain, scope)
     if wanted_decreased(domain) is None and domain.reward and "horizon" not in scope.findings.broken:
         scope.findings.error(
             "E410",
@@ -237,6 +218,24 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
             help="the reward wants no count decreased, to take it from: add for example `horizon = 10`",
         )
     return None
+
+
+def _stated_horizon(node: syntax.HorizonNode, domain: Domain, scope: Scope) -> Horizon:
+    """A number of actions, a count, or their sum."""
+    if node.count is None:
+        return Horizon(_steps(node.constant, 1, scope.findings))
+    known_counts([count.name for count in domain.counts], node.count, scope)
+    return Horizon(_steps(node.constant, 0, scope.findings), node.count.text)
+
+
+def _steps(constant: syntax.Number | None, low: int, findings: Findings) -> int:
+    """A number of actions, at least `low`; E406 for any other number."""
+    if constant is None:
+        return 0
+    if not constant.is_whole or not low <= constant.value <= _LONGEST:
+        message = f"the horizon is a whole number of actions from {low} to {_LONGEST}"
+        findings.error("E406", message, constant.span, help=without_point(constant))
+    return int(constant.value)
 
 
 def _discount(node: syntax.Discount, findings: Findings) -> float:

@@ -47,7 +47,7 @@ def satisfy(formulas: Sequence[Formula], reading: Reading, declared: Declaration
     effort = _Effort()
     top = [f for f in _flat(formulas) if isinstance(f, Equality)]
     several = bool(reading.optional) or any(_compares(f) for f in formulas if not isinstance(f, Equality))
-    for binding in _bindings(reading, top, declared, effort):
+    for binding in _Identification(reading, top, declared, effort).bindings():
         search = _Search(binding, declared, effort)
         facts = search.hold([(formula, binding) for formula in formulas], {})
         if facts is not None:
@@ -88,42 +88,56 @@ def _has_equality(formula: Formula) -> bool:
     return False
 
 
-def _bindings(
-    reading: Reading, equalities: Sequence[Equality], declared: Declarations, effort: _Effort
-) -> Iterator[_Binding]:
-    """Every way in which variables can be the same objects, those with the most objects first.
+@dataclass(frozen=True, slots=True)
+class _Identification:
+    """A search over the ways in which variables can be the same objects.
 
     An object is the constant or the first variable that stands for it; None stands for an object that is not
     needed.
     """
-    variables = reading.variables
-    binding: dict[Term, Term | None] = {c: c for c in declared.constants.values()}
 
-    def fits(variable: Variable, chosen: Term) -> bool:
-        same = [term for term, stands in binding.items() if stands == chosen]
-        if any(declared.meet(variable.type, term.type) is None for term in same):
-            return False
-        return not isinstance(chosen, Object) or declared.is_a(chosen.type, variable.type)
+    reading: Reading
+    equalities: Sequence[Equality]
+    declared: Declarations
+    effort: _Effort
 
-    def right(term: Term) -> bool:
-        bound = [e for e in equalities if term in (e.left, e.right) and {e.left, e.right} <= binding.keys()]
-        return all((binding[e.left] == binding[e.right]) == e.equal for e in bound)
+    def bindings(self) -> Iterator[_Binding]:
+        """Every way that agrees with the equalities, those with the most objects first."""
+        return self._extended({c: c for c in self.declared.constants.values()}, self.reading.variables)
 
-    def extend(at: int) -> Iterator[_Binding]:
-        effort.spend()
-        if at == len(variables):
-            yield dict(binding)
+    def _extended(self, binding: _Binding, free: Sequence[Variable]) -> Iterator[_Binding]:
+        """Every way to bind the free variables, too."""
+        self.effort.spend()
+        if not free:
+            yield binding
             return
-        variable = variables[at]
-        chosen = [*dict.fromkeys(t for t in binding.values() if t is not None and fits(variable, t))]
-        options: list[Term | None] = [variable, *chosen]
-        for option in [*options, None] if variable in reading.optional else options:
-            binding[variable] = option
-            if right(variable):
-                yield from extend(at + 1)
-            del binding[variable]
+        variable, rest = free[0], free[1:]
+        for option in self._options(variable, binding):
+            extended = {**binding, variable: option}
+            if self._agrees(variable, extended):
+                yield from self._extended(extended, rest)
 
-    yield from extend(0)
+    def _options(self, variable: Variable, binding: _Binding) -> Iterator[Term | None]:
+        """What a variable can stand for: an object of its own, one that others stand for, perhaps none."""
+        yield variable
+        for chosen in dict.fromkeys(stands for stands in binding.values() if stands is not None):
+            if self._fits(variable, chosen, binding):
+                yield chosen
+        if variable in self.reading.optional:
+            yield None
+
+    def _fits(self, variable: Variable, chosen: Term, binding: _Binding) -> bool:
+        """Whether an object can have the type of a variable as well as those of all that stand for it."""
+        same = [term for term, stands in binding.items() if stands == chosen]
+        if any(self.declared.meet(variable.type, term.type) is None for term in same):
+            return False
+        return not isinstance(chosen, Object) or self.declared.is_a(chosen.type, variable.type)
+
+    def _agrees(self, term: Term, binding: _Binding) -> bool:
+        """Whether the equalities about a term hold, as far as their terms are bound."""
+        about = [e for e in self.equalities if term in (e.left, e.right)]
+        bound = [e for e in about if {e.left, e.right} <= binding.keys()]
+        return all((binding[e.left] == binding[e.right]) == e.equal for e in bound)
 
 
 @dataclass(frozen=True, slots=True)

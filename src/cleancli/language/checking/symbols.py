@@ -33,29 +33,38 @@ def read_symbols(
     node: syntax.DomainNode, declared: Declarations, once: Once, findings: Findings
 ) -> dict[str, Symbol]:
     """The predicates and functions, in this order; derived predicates are read elsewhere."""
-    symbols: dict[str, Symbol] = {}
-    for predicates in sections_of(node.sections, syntax.Predicates):
-        for predicate in predicates.predicates:
-            parameters = read_variables(predicate.parameters, declared, findings)
-            marks = read_marks(predicate.attributes, ("symmetric", "static"), findings)
-            symmetric = "symmetric" in marks and _may_be_symmetric(predicate, parameters, findings)
-            if once.admits(predicate.name, "predicate"):
-                symbols[predicate.name.text] = Symbol(
-                    predicate.name.text, parameters, symmetric=symmetric, static="static" in marks
-                )
-    for functions in sections_of(node.sections, syntax.Functions):
-        for function in functions.functions:
-            parameters = read_variables(function.parameters, declared, findings)
-            marks = read_marks(function.attributes, ("static",), findings)
-            before = findings.errors
-            values = _values(function, findings)
-            if findings.errors > before:
-                findings.unclear.add(("function", function.name.text))
-            if once.admits(function.name, "function"):
-                symbols[function.name.text] = Symbol(
-                    function.name.text, parameters, values, static="static" in marks
-                )
-    return symbols
+    predicates = [p for section in sections_of(node.sections, syntax.Predicates) for p in section.predicates]
+    functions = [f for section in sections_of(node.sections, syntax.Functions) for f in section.functions]
+    symbols = [
+        *(_predicate(predicate, declared, once, findings) for predicate in predicates),
+        *(_function(function, declared, once, findings) for function in functions),
+    ]
+    return {symbol.name: symbol for symbol in symbols if symbol is not None}
+
+
+def _predicate(
+    node: syntax.PredicateNode, declared: Declarations, once: Once, findings: Findings
+) -> Symbol | None:
+    parameters = read_variables(node.parameters, declared, findings)
+    marks = read_marks(node.attributes, ("symmetric", "static"), findings)
+    symmetric = "symmetric" in marks and _may_be_symmetric(node, parameters, findings)
+    if not once.admits(node.name, "predicate"):
+        return None
+    return Symbol(node.name.text, parameters, symmetric=symmetric, static="static" in marks)
+
+
+def _function(
+    node: syntax.FunctionNode, declared: Declarations, once: Once, findings: Findings
+) -> Symbol | None:
+    parameters = read_variables(node.parameters, declared, findings)
+    marks = read_marks(node.attributes, ("static",), findings)
+    before = findings.errors
+    values = _values(node, findings)
+    if findings.errors > before:
+        findings.unclear.add(("function", node.name.text))
+    if not once.admits(node.name, "function"):
+        return None
+    return Symbol(node.name.text, parameters, values, static="static" in marks)
 
 
 def read_marks(

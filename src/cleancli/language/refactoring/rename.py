@@ -95,20 +95,24 @@ def _declared(
     names: Sequence[Occurrence], old: str, kind: Kind | None, sources: Iterable[Source]
 ) -> Occurrence:
     """The one declaration that `old` means."""
-    owner, dot, name = old.rpartition(".")
+    what = "name" if kind is None else kind.value
     wanted = RENAMABLE if kind is None else (kind,)
     declared = {_thing(n.meaning): n for n in reversed(names) if n.declares and n.meaning.kind in wanted}
-    found = {m: n for m, n in declared.items() if m.name == name and (not dot or m.home == owner)}
-    first, *more = sorted(found.values(), key=names.index) or (None,)
-    if first is None:
-        what = "name" if kind is None else kind.value
-        help = meant(name, {m.name for m in declared}, what)
+    found = sorted((n for meaning, n in declared.items() if _is_called(meaning, old)), key=names.index)
+    if not found:
+        help = meant(old.rpartition(".")[2], {m.name for m in declared}, what)
         raise Refused([Diagnostic("E801", f"no {what} `{old}` is declared", None, help=help)], sources)
-    if more:
-        listed = " and ".join(_called(n.meaning) for n in (first, *more))
+    if len(found) > 1:
+        listed = " and ".join(_called(each.meaning) for each in found)
         help = "choose with --kind; a value is chosen by its function, like `size.small`"
-        raise Refused([Diagnostic("E802", f"`{old}` can mean {listed}", first.span, help=help)], sources)
-    return first
+        raise Refused([Diagnostic("E802", f"`{old}` can mean {listed}", found[0].span, help=help)], sources)
+    return found[0]
+
+
+def _is_called(meaning: Meaning, written: str) -> bool:
+    """Whether someone means a thing who writes its name, or `home.name`."""
+    home, dot, name = written.rpartition(".")
+    return meaning.name == name and (not dot or meaning.home == home)
 
 
 def _called(meaning: Meaning) -> str:
