@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cleancli.editor.library import Document, Library
 from cleancli.language.parsing.grammar import keywords
 from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
-from cleancli.language.refactoring.name_index import Kind
+from cleancli.language.refactoring.name_index import Kind, Occurrence
 
 TYPES = (
     "namespace",
@@ -82,19 +82,20 @@ def _colours(asked: Document, library: Library) -> Iterator[Colour]:
     for lexeme in lexemes(asked.source.text):
         occurrence = places.get(lexeme.start)
         if occurrence is not None:
-            meaning = occurrence.meaning
-            marks = [("declaration", occurrence.declares), ("readonly", meaning.kind is Kind.OBJECT)]
-            modifiers = tuple(name for name, given in marks if given)
-            yield Colour(lexeme.start, lexeme.end, _TYPE_OF[meaning.kind], modifiers)
-        elif lexeme.kind in _LOOKS:
-            yield Colour(lexeme.start, lexeme.end, _LOOKS[lexeme.kind])
-        elif lexeme.kind is LexemeKind.WORD:
-            kind = _by_name(lexeme, words, declared)
-            if kind:
-                yield Colour(lexeme.start, lexeme.end, kind)
+            yield Colour(lexeme.start, lexeme.end, _TYPE_OF[occurrence.meaning.kind], _modifiers(occurrence))
+        elif kind := _LOOKS.get(lexeme.kind) or _by_name(lexeme, words, declared):
+            yield Colour(lexeme.start, lexeme.end, kind)
+
+
+def _modifiers(occurrence: Occurrence) -> tuple[str, ...]:
+    marks = [("declaration", occurrence.declares), ("readonly", occurrence.meaning.kind is Kind.OBJECT)]
+    return tuple(name for name, given in marks if given)
 
 
 def _by_name(lexeme: Lexeme, words: frozenset[str], declared: Mapping[str, Kind]) -> str:
+    """What a word of the language is, or one that is declared; empty for anything else."""
+    if lexeme.kind is not LexemeKind.WORD:
+        return ""
     if lexeme.text in words:
         return "keyword"
     return _TYPE_OF[declared[lexeme.text]] if lexeme.text in declared else ""

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from cleancli.editor.context import Context, context, open_string
-from cleancli.editor.hover import comment, signature
+from cleancli.editor.hover import comment, parameters_of, signature
 from cleancli.editor.library import Document, Library
 from cleancli.language import syntax
 from cleancli.language.checking.planner_block import KEYS as PLANNER
@@ -76,27 +76,45 @@ def _keywords(place: Context) -> Iterator[Completion]:
 # ---- domains and problems
 
 
-def _names(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
-    texts = place.texts
-    last = texts[-1] if texts else ""
-    if last == "-" and place.section != "init":
-        yield from _declared(place, asked, library, Kind.TYPE)
-    elif not place.section and texts[:1] == ("rule",):
-        yield from _in_header(place, asked, library)
-    elif not place.section and texts[-2:] == ("domain", "="):
-        for name in library.domain_names(asked.path):
-            yield Completion(name, Kind.DOMAIN, place.start, "domain")
-    elif not place.section:
-        if place.takes("NAME") and last in ("=", "+"):
-            yield from _declared(place, asked, library, Kind.COUNT)
-    elif place.section == "planner":
-        for key in PLANNER if place.takes("NAME") and last != "=" else ():
-            yield Completion(key, Kind.KEY, place.start, PLANNER[key])
-    elif _is_in_brackets(place.words):
-        for mark in MARKS.get(place.section, ()) if last in ("[", ",") else ():
+def _names(place: Context, asked: Document, library: Library) -> Iterable[Completion]:
+    if place.last == "-" and place.section != "init":
+        return _declared(place, asked, library, Kind.TYPE)
+    if not place.section:
+        return _between_sections(place, asked, library)
+    if place.section == "planner":
+        return _planner_keys(place)
+    if _is_in_brackets(place.words):
+        return _marks(place)
+    return () if place.section in _DECLARING else _in_body(place, asked, library)
+
+
+def _between_sections(place: Context, asked: Document, library: Library) -> Iterable[Completion]:
+    """Headers of rules, and settings of a problem."""
+    if place.texts[:1] == ("rule",):
+        return _in_header(place, asked, library)
+    if place.texts[-2:] == ("domain", "="):
+        return _domains(place, asked, library)
+    if place.takes("NAME") and place.last in ("=", "+"):
+        return _declared(place, asked, library, Kind.COUNT)
+    return ()
+
+
+def _domains(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    for name in library.domain_names(asked.path):
+        yield Completion(name, Kind.DOMAIN, place.start, "domain")
+
+
+def _planner_keys(place: Context) -> Iterator[Completion]:
+    if place.takes("NAME") and place.last != "=":
+        for key, meaning in PLANNER.items():
+            yield Completion(key, Kind.KEY, place.start, meaning)
+
+
+def _marks(place: Context) -> Iterator[Completion]:
+    """What a declaration may be marked with, where a mark may begin."""
+    if place.last in ("[", ","):
+        for mark in MARKS.get(place.section, ()):
             yield Completion(mark, Kind.MARK, place.start, "mark")
-    elif place.section not in _DECLARING:
-        yield from _in_body(place, asked, library)
 
 
 def _in_header(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
@@ -109,7 +127,7 @@ def _in_header(place: Context, asked: Document, library: Library) -> Iterator[Co
         if ":" in texts:
             yield from _declared(place, asked, library, Kind.ACTION)
         return
-    action = _parameters(texts[texts.index("(") - 1], asked, library, Kind.ACTION)
+    action = parameters_of(texts[texts.index("(") - 1], Kind.ACTION, asked, library)
     position = texts.count(",")
     if position < len(action):
         name, type_name = action[position]
@@ -125,7 +143,7 @@ def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Comp
         if symbol == "decrease":
             yield from _declared(place, asked, library, Kind.COUNT)
             return
-        parameters = _parameters(symbol, asked, library, Kind.SYMBOL)
+        parameters = parameters_of(symbol, Kind.SYMBOL, asked, library)
         wanted = parameters[position][1] if position < len(parameters) else ""
         yield from _terms(place, asked, library, wanted)
         return
@@ -205,15 +223,6 @@ def _line(name: str, parents: dict[str, str]) -> list[str]:
     return line
 
 
-def _parameters(name: str, asked: Document, library: Library, kind: Kind) -> list[tuple[str, str]]:
-    """The parameters of a declared symbol or action, as (name, type)."""
-    for occurrence in library.visible(asked):
-        if occurrence.meaning.kind is kind and occurrence.meaning.name == name:
-            groups: tuple[syntax.Group, ...] = getattr(occurrence.node, "parameters", ())
-            return [(n.text, g.type.text) for g in groups if g.type is not None for n in g.names]
-    return []
-
-
 def _variables(place: Context) -> Iterator[Completion]:
     """The variables bound before a place in its section: the header's, then those of quantifiers."""
     header = place.words[: next((i for i, w in enumerate(place.words) if w.text == "{"), 0)]
@@ -274,27 +283,41 @@ def _function_before(words: tuple[Lexeme, ...]) -> str | None:
 # ---- scenes
 
 
-def _scene(place: Context, library: Library, asked: Document) -> Iterator[Completion]:
+def _scene(place: Context, library: Library, asked: Document) -> Iterable[Completion]:
     """Keys and sections where an entry may begin; values behind `=`; units behind a number."""
-    texts = place.texts
-    keys = KEYS.get(place.section, {})
+    if place.last == "=":
+        return _values(place, asked, library)
+    return (*_units(place), *_entries(place))
+
+
+def _values(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    """What a setting may be set to, where that is one of some words."""
     key = _key(place.words)
-    if texts and texts[-1] == "=":
-        if (place.section, key) == (TOP, "domain"):
-            for name in library.domain_names(asked.path):
-                yield Completion(name, Kind.DOMAIN, place.start, "domain")
-        elif key in keys:
-            for value in keys[key].values:
-                yield Completion(value, Kind.WORD, place.start, keys[key].meaning)
+    known = KEYS.get(place.section, {}).get(key)
+    if (place.section, key) == (TOP, "domain"):
+        yield from _domains(place, asked, library)
+    elif known is not None:
+        for value in known.values:
+            yield Completion(value, Kind.WORD, place.start, known.meaning)
+
+
+def _units(place: Context) -> Iterator[Completion]:
+    if not place.words or place.words[-1].kind is not LexemeKind.NUMBER or not place.takes("UNIT"):
         return
-    if place.words and place.words[-1].kind is LexemeKind.NUMBER and place.takes("UNIT"):
-        for unit in keys[key].units if key in keys else LENGTH_UNITS:
-            yield Completion(unit, None, place.start, "unit")
-    if place.takes("NAME") and place.kind and (place.words or place.path or place.accepted is not None):
-        for name, known in keys.items():
-            yield Completion(name, Kind.KEY, place.start, known.meaning)
-        for name in INNER.get(place.section, ()):
-            yield Completion(name, Kind.SECTION, place.start, "section")
+    known = KEYS.get(place.section, {}).get(_key(place.words))
+    for unit in LENGTH_UNITS if known is None else known.units:
+        yield Completion(unit, None, place.start, "unit")
+
+
+def _entries(place: Context) -> Iterator[Completion]:
+    """Keys and sections, where the name of one may stand."""
+    is_in_scene = place.kind and (place.words or place.path or place.accepted is not None)
+    if not is_in_scene or not place.takes("NAME"):
+        return
+    for name, known in KEYS.get(place.section, {}).items():
+        yield Completion(name, Kind.KEY, place.start, known.meaning)
+    for name in INNER.get(place.section, ()):
+        yield Completion(name, Kind.SECTION, place.start, "section")
 
 
 def _key(words: tuple[Lexeme, ...]) -> str:

@@ -39,6 +39,11 @@ class Context:
         """The texts of `words`."""
         return tuple(word.text for word in self.words)
 
+    @property
+    def last(self) -> str:
+        """The text of the last of `words`; empty where there is none."""
+        return self.words[-1].text if self.words else ""
+
     def takes(self, terminal: str) -> bool:
         """Whether a terminal may come next; anything may where that cannot be told."""
         return self.accepted is None or terminal in self.accepted

@@ -91,11 +91,8 @@ def signature(declaration: Occurrence, text: str, asked: Document, library: Libr
         above = f" - {node.type.text}" if node.type is not None else ""
         return f"{meaning.kind.value} {variable}{meaning.name}{above}"
     if isinstance(node, syntax.RuleNode):
-        if meaning.kind is Kind.VARIABLE:
-            type_name = _type_of_term(node, meaning.name, asked, library)
-            return f"variable ?{meaning.name}" + (f" - {type_name}" if type_name else "")
-        terms = ", ".join(f"?{t.name}" if t.is_variable else t.name for t in node.terms)
-        return f"rule {node.name.text}: {node.action.text}({terms})"
+        is_variable = meaning.kind is Kind.VARIABLE
+        return _variable_of(node, meaning.name, asked, library) if is_variable else _header(node)
     if meaning.kind is Kind.VALUE:
         return f"value {meaning.name} of " + " ".join(text[node.span.start : node.span.end].split())
     return f"{_noun(node)} " + " ".join(text[node.span.start : node.span.end].split())
@@ -114,15 +111,26 @@ def _noun(node: syntax.Node) -> str:
     return "derived"
 
 
-def _type_of_term(rule: syntax.RuleNode, name: str, asked: Document, library: Library) -> str:
-    """The type that the rule's action gives to one of its variables; empty where it is not declared."""
+def _header(rule: syntax.RuleNode) -> str:
+    terms = ", ".join(f"?{t.name}" if t.is_variable else t.name for t in rule.terms)
+    return f"rule {rule.name.text}: {rule.action.text}({terms})"
+
+
+def _variable_of(rule: syntax.RuleNode, name: str, asked: Document, library: Library) -> str:
+    """A variable of a rule with the type that the action gives it, where that is declared."""
     position = next((i for i, term in enumerate(rule.terms) if term.is_variable and term.name == name), 0)
+    parameters = parameters_of(rule.action.text, Kind.ACTION, asked, library)
+    above = f" - {parameters[position][1]}" if position < len(parameters) else ""
+    return f"variable ?{name}{above}"
+
+
+def parameters_of(name: str, kind: Kind, asked: Document, library: Library) -> list[tuple[str, str]]:
+    """The parameters of a declared symbol or action, as (name, type)."""
     for occurrence in library.visible(asked):
-        node = occurrence.node
-        if isinstance(node, syntax.ActionNode) and node.name.text == rule.action.text:
-            types = [g.type.text for g in node.parameters if g.type is not None for _ in g.names]
-            return types[position] if position < len(types) else ""
-    return ""
+        if occurrence.meaning.kind is kind and occurrence.meaning.name == name:
+            groups: tuple[syntax.Group, ...] = getattr(occurrence.node, "parameters", ())
+            return [(n.text, g.type.text) for g in groups if g.type is not None for n in g.names]
+    return []
 
 
 def comment(text: str, span: Span) -> Iterator[str]:

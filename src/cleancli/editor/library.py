@@ -162,12 +162,12 @@ class Library:
         return tuple(
             f"{path.name}/" if path in folders else path.name
             for path in shown
-            if path in folders or (path.suffix == ".nid" and self._is_other_domain(path, asked))
+            if path in folders or self._is_other_domain(path, asked)
         )
 
     def _is_other_domain(self, path: Path, asked: Document) -> bool:
         """Whether a file is a domain, or nothing yet, and not the one that was asked about."""
-        found = self.document(path)
+        found = self.document(path) if path.suffix == ".nid" else None
         return found is not None and found.kind in ("domain", "") and found.source.path != asked.source.path
 
     def includers(self, domain: Document, only_open: bool = False) -> tuple[Document, ...]:

@@ -15,7 +15,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem
-from cleancli.language.refactoring.name_index import Kind
+from cleancli.language.refactoring.name_index import Kind, Occurrence
 from cleancli.language.syntax import ProblemNode, SceneNode
 from cleancli.scene.check import check_scene
 
@@ -90,20 +90,25 @@ def _not_one_block(source: Source) -> tuple[Diagnostic, ...]:
 
 
 def _without_domain(asked: Document, domain: Document | None, library: Library) -> Iterable[Diagnostic]:
-    for occurrence in asked.names:
-        if occurrence.meaning.kind is not Kind.DOMAIN or occurrence.declares:
-            continue
-        name = occurrence.meaning.name
-        if domain is None:
-            known = ", ".join(f"`{n}`" for n in library.domain_names(asked.path))
-            message = f"no domain `{name}` beside this file, open or shipped"
-            yield Diagnostic("E001", message, occurrence.span, help=f"known here: {known}")
-        else:
-            errors = [d for d in mistakes(domain, library) if d.level is Level.ERROR]
-            message = f"the domain `{name}` has {plural(len(errors), 'mistake')}"
-            help = f"the first: {errors[0].code} {errors[0].message}"
-            yield replace(errors[0], message=message, span=occurrence.span, label="", help=help)
-        return
-    if asked.parsed is not None and "domain" not in asked.parsed.broken:
+    """Why a problem cannot be checked against its domain."""
+    named = next((o for o in asked.names if o.meaning.kind is Kind.DOMAIN and not o.declares), None)
+    if named is not None and domain is None:
+        yield _no_domain(asked, named, library)
+    elif named is not None and domain is not None:
+        yield _faulty_domain(domain, named, library)
+    elif asked.parsed is not None and "domain" not in asked.parsed.broken:
         help = "add for example `domain = cleaning`"
         yield Diagnostic("E407", "the problem names no domain", asked.names[0].span, help=help)
+
+
+def _no_domain(asked: Document, named: Occurrence, library: Library) -> Diagnostic:
+    known = ", ".join(f"`{name}`" for name in library.domain_names(asked.path))
+    message = f"no domain `{named.meaning.name}` beside this file, open or shipped"
+    return Diagnostic("E001", message, named.span, help=f"known here: {known}")
+
+
+def _faulty_domain(domain: Document, named: Occurrence, library: Library) -> Diagnostic:
+    errors = [each for each in mistakes(domain, library) if each.level is Level.ERROR]
+    message = f"the domain `{named.meaning.name}` has {plural(len(errors), 'mistake')}"
+    help = f"the first: {errors[0].code} {errors[0].message}"
+    return replace(errors[0], message=message, span=named.span, label="", help=help)
