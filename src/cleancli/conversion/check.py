@@ -5,7 +5,6 @@ Guaranteed by `read`: the files have the form of their format.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 
@@ -153,17 +152,22 @@ def _fact(fact: Atom, declared: Mapping[str, Declaration]) -> Iterator[Diagnosti
 
 def _values(library: Library) -> Iterator[Diagnostic]:
     """E913 for functions that the state gives no value, or two."""
-    declared = {symbol.name: symbol for symbol in library.symbols}
     yield from _sets_twice(library.facts)
-    given = Counter({(fact.symbol, fact.terms): 1 for fact in library.facts})
-    for name in used(library):
-        symbol = declared.get(name)
-        if symbol is None or symbol.is_binary or symbol.kind is not Kind.PRIMITIVE or symbol.arity > 1:
-            continue
-        for terms in [()] if symbol.arity == 0 else [(each,) for each in constants_of(library)]:
-            if not given[name, terms]:
-                shown = f"{name}({' '.join(terms)})"
-                yield Diagnostic("E913", f"state.dat has no value of `{shown}`", symbol.span)
+    given = {(fact.symbol, fact.terms) for fact in library.facts}
+    constants = [(each,) for each in constants_of(library)]
+    for function in _used_functions(library):
+        for terms in constants if function.arity else [()]:
+            if (function.name, terms) not in given:
+                shown = f"{function.name}({' '.join(terms)})"
+                yield Diagnostic("E913", f"state.dat has no value of `{shown}`", function.span)
+
+
+def _used_functions(library: Library) -> list[Declaration]:
+    """The functions of no argument or one that rules or facts mention."""
+    declared = {symbol.name: symbol for symbol in library.symbols}
+    mentioned = [declared[name] for name in used(library) if name in declared]
+    functions = [s for s in mentioned if s.kind is Kind.PRIMITIVE and not s.is_binary]
+    return [function for function in functions if function.arity <= 1]
 
 
 def used(library: Library) -> tuple[str, ...]:

@@ -187,20 +187,20 @@ def _horizon(domain: Domain, objects: int, wishes: Wishes) -> Horizon:
 def _left_out(library: Library, words: Vocabulary, translated: tuple[Translated, ...]) -> tuple[str, ...]:
     """What has not been converted, and why."""
     acting = {rule.action.symbol for rule in library.rules}
-    said = {words.names.symbols[symbol.name] for symbol in library.symbols} & words.symbols.keys()
-    idle, unused, derived = [], [], []
-    for symbol in library.symbols:
-        if symbol.kind is Kind.ACTION and symbol.name not in acting:
-            idle.append(symbol.name)
-        elif symbol.kind is Kind.OTHER:
-            derived.append(symbol.name)
-        elif symbol.kind is Kind.PRIMITIVE and symbol.name not in words.names.functions:
-            unused += [] if words.names.symbols[symbol.name] in said else [symbol.name]
     lines = [str(each.line) for each in translated if each.rule is None]
+    actions = [symbol.name for symbol in library.symbols if symbol.kind is Kind.ACTION]
+    primitive = [symbol.name for symbol in library.symbols if symbol.kind is Kind.PRIMITIVE]
+    single = [name for name in primitive if name not in words.names.functions]
     parts = (
-        ("actions without a rule", idle),
-        ("symbols that no rule mentions", unused),
-        ("symbols that follow from others", derived),
+        ("actions without a rule", [name for name in actions if name not in acting]),
+        (
+            "symbols that no rule mentions",
+            [name for name in single if words.names.symbols[name] not in words.symbols],
+        ),
+        (
+            "symbols that follow from others",
+            [symbol.name for symbol in library.symbols if symbol.kind is Kind.OTHER],
+        ),
         ("rules whose context can never hold, at line", lines),
     )
     return tuple(f"left out: {what}: {', '.join(names)}" for what, names in parts if names)

@@ -7,7 +7,7 @@ they are one, grounding finds an outcome that gives the function two values (E60
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -25,25 +25,30 @@ class Group:
 def groups_of(library: Library, constants: Sequence[str]) -> tuple[Group, ...]:
     """The groups that rules of one action choose by, none with a member of another."""
     rivals = _rivals(library)
-    effects = [effect for rule in library.rules for result in rule.results for effect in result.effects]
-    possible = {atom.symbol for atom in (*library.facts, *effects) if atom.value is True}
-    unary = [
-        symbol.name
-        for symbol in library.symbols
-        if symbol.kind is Kind.PRIMITIVE and symbol.arity == 1 and symbol.name in possible
-    ]
+    unary = _unary(library)
     groups: list[Group] = []
     taken: set[str] = set()
     for name in unary:
-        candidates = [
-            each for each in unary if each not in taken and (each == name or (name, each) in rivals)
-        ]
-        members = _largest(candidates, library)
+        candidates = [each for each in unary if each == name or (name, each) in rivals]
+        members = _largest([each for each in candidates if each not in taken], library)
         if name in members:
             taken |= set(members)
-            held = {fact.terms[0] for fact in library.facts if fact.symbol in members and fact.value is True}
-            groups.append(Group(members, not held.issuperset(constants)))
+            groups.append(Group(members, _is_partial(members, library, constants)))
     return tuple(groups)
+
+
+def _unary(library: Library) -> list[str]:
+    """The unary predicates that may hold of an object at some time."""
+    effects = [effect for rule in library.rules for result in rule.results for effect in result.effects]
+    possible = {atom.symbol for atom in (*library.facts, *effects) if atom.value is True}
+    primitive = [symbol for symbol in library.symbols if symbol.kind is Kind.PRIMITIVE]
+    return [symbol.name for symbol in primitive if symbol.arity == 1 and symbol.name in possible]
+
+
+def _is_partial(members: Collection[str], library: Library, constants: Iterable[str]) -> bool:
+    """Whether none of the members holds for some constant at first."""
+    held = {fact.terms[0] for fact in library.facts if fact.symbol in members and fact.value is True}
+    return not held.issuperset(constants)
 
 
 def _rivals(library: Library) -> set[tuple[str, str]]:
@@ -88,21 +93,30 @@ def _broken(members: Sequence[str], library: Library) -> list[str]:
 
 
 def _broken_by(effects: Sequence[Atom], rule: LibraryRule, members: Sequence[str]) -> list[str]:
+    """What an outcome breaks."""
+    changed = dict.fromkeys(effect.terms for effect in effects if effect.symbol in members)
+    return [name for terms in changed for name in _broken_for(terms, effects, rule.context, members)]
+
+
+def _broken_for(
+    terms: tuple[str, ...], effects: Sequence[Atom], context: Sequence[Atom], members: Sequence[str]
+) -> list[str]:
     """What an outcome breaks for one of its terms."""
-    broken: list[str] = []
-    for term in dict.fromkeys(effect.terms for effect in effects if effect.symbol in members):
-        added = _said(effects, term, True, members)
-        deleted = _said(effects, term, False, members)
-        before = _said(rule.context, term, True, members)
-        absent = _said(rule.context, term, False, members)
-        if before:
-            absent = [name for name in members if name not in before]
-        if len(added) != 1:
-            broken += added or [name for name in deleted if name not in absent]
-            continue
-        others = [name for name in members if name not in (*added, *deleted, *absent)]
-        broken += [name for other in others for name in (other, *added)]
-    return broken
+    added = _said(effects, terms, True, members)
+    deleted = _said(effects, terms, False, members)
+    absent = _absent(context, terms, members)
+    if len(added) != 1:
+        return added or [name for name in deleted if name not in absent]
+    staying = [name for name in members if name not in (*added, *deleted, *absent)]
+    return [name for other in staying for name in (other, *added)]
+
+
+def _absent(context: Sequence[Atom], terms: tuple[str, ...], members: Sequence[str]) -> list[str]:
+    """The members that do not hold of the terms before: where one holds, these are all others."""
+    held = _said(context, terms, True, members)
+    if held:
+        return [name for name in members if name not in held]
+    return _said(context, terms, False, members)
 
 
 def _said(atoms: Iterable[Atom], terms: tuple[str, ...], value: bool, members: Sequence[str]) -> list[str]:

@@ -103,15 +103,22 @@ def _translated(
 
 def _apart(outcomes: Iterable[Outcome]) -> tuple[Equality, ...]:
     """Terms that must not be one object, because an outcome gives a symbol one value for each."""
-    found: dict[Equality, None] = {}
-    for outcome in outcomes:
-        for one, other in combinations([e for e in outcome.effects if isinstance(e, Assign)], 2):
-            differing = [pair for pair in zip(one.terms, other.terms, strict=False) if pair[0] != pair[1]]
-            if one.symbol == other.symbol and one.value != other.value and len(differing) == 1:
-                left, right = sorted(differing[0], key=lambda term: (isinstance(term, Object), term.name))
-                if isinstance(left, Variable):
-                    found[Equality(left, right, False)] = None
-    return tuple(found)
+    assigned = [[effect for effect in o.effects if isinstance(effect, Assign)] for o in outcomes]
+    pairs = [pair for effects in assigned for pair in combinations(effects, 2)]
+    apart = (_kept_apart(one, other) for one, other in pairs)
+    return tuple(dict.fromkeys(each for each in apart if each is not None))
+
+
+def _kept_apart(one: Assign, other: Assign) -> Equality | None:
+    """That two terms differ, where the effects would clash if they were one object; None where these cannot
+    clash, or differ anyway."""
+    if one.symbol != other.symbol or one.value == other.value:
+        return None
+    differing = [pair for pair in zip(one.terms, other.terms, strict=True) if pair[0] != pair[1]]
+    if len(differing) != 1:
+        return None
+    left, right = sorted(differing[0], key=lambda term: (isinstance(term, Object), term.name))
+    return Equality(left, right, False) if isinstance(left, Variable) else None
 
 
 def _bound_by(references: Iterable[Reference]) -> set[Term]:
@@ -165,26 +172,41 @@ def _references(
     """
     if not naming:
         naming, asking = asking, ()
-    referred = [name for name in variables_of(*naming, *asking) if name not in rule.action.terms]
-    first = [name for name in referred if name in variables_of(*naming)]
-    second = [name for name in referred if name not in first]
-    inner = dict(variables)
-    same: list[Equality] = []
-    if asking and not second:
-        for name in (n for n in first if n in variables_of(*asking)):
-            taken = [variable.name for variable in inner.values()]
-            inner[name] = Variable(fresh(f"same_{variables[name].name}", taken), OBJECT)
-            same.append(Equality(inner[name], variables[name], True))
-            second.append(name)
-    stages = ((first, variables, naming, ()), (second, inner, asking, same))
-    found = []
-    for names, words_for, atoms, equal in stages:
-        literals = words.conjunction(atoms, words_for)
-        if literals is None:
-            return None
-        if names:
-            found.append(Reference(tuple(words_for[name] for name in names), (*equal, *literals)))
-    return tuple(found)
+    found = [name for name in variables_of(*naming) if name not in rule.action.terms]
+    asked = [name for name in variables_of(*asking) if name not in rule.action.terms]
+    further = [name for name in asked if name not in found]
+    again = {} if further else _aliases(asked, variables)
+    same = [Equality(alias, variables[name], True) for name, alias in again.items()]
+    inner = {**variables, **again}
+    stages = [
+        *([_reference(found, naming, [], words, variables)] if naming else []),
+        *([_reference(further or asked, asking, same, words, inner)] if asking else []),
+    ]
+    references = tuple(each for each in stages if each is not None)
+    return references if len(references) == len(stages) else None
+
+
+def _aliases(names: Iterable[str], variables: Mapping[str, Variable]) -> dict[str, Variable]:
+    """Further variables for what some stand for, by the names of those."""
+    aliases: dict[str, Variable] = {}
+    for name in names:
+        taken = [variable.name for variable in (*variables.values(), *aliases.values())]
+        aliases[name] = Variable(fresh(f"same_{variables[name].name}", taken), OBJECT)
+    return aliases
+
+
+def _reference(
+    names: Iterable[str],
+    atoms: Iterable[Atom],
+    same: Iterable[Equality],
+    words: Vocabulary,
+    variables: Mapping[str, Variable],
+) -> Reference | None:
+    """The reference that binds these names; None where its literals contradict each other."""
+    literals = words.conjunction(atoms, variables)
+    if literals is None:
+        return None
+    return Reference(tuple(variables[name] for name in names), (*same, *literals))
 
 
 # ---- outcomes

@@ -6,12 +6,12 @@ Guaranteed by `check`: atoms fit their declarations.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from cleancli.conversion.check import rule_atoms
 from cleancli.conversion.names import OBJECT, Names
-from cleancli.conversion.records import Atom, Kind, Library
+from cleancli.conversion.records import Atom, Declaration, Kind, Library
 from cleancli.language.model import Fact, Literal, Object, Symbol, Term, Value, Variable
 
 _COMPARE: Mapping[str, Callable[[int, int], bool]] = {
@@ -72,18 +72,18 @@ def vocabulary(library: Library, names: Names) -> Vocabulary:
     """What rules and counts mention; a symbol that only facts mention changes nothing and is left out."""
     counted = [atom for symbol in library.symbols for atom in symbol.condition]
     mentioned = {atom.symbol for atom in (*rule_atoms(library), *counted)}
-    symbols: dict[str, Symbol] = {}
-    for declared in library.symbols:
-        if declared.kind is not Kind.PRIMITIVE or declared.name not in mentioned:
-            continue
-        function = names.functions.get(declared.name)
-        if function is not None:
-            symbols[function.name] = Symbol(function.name, parameters(1), function.values)
-        else:
-            name = names.symbols[declared.name]
-            values = (False, True) if declared.is_binary else _range(library, declared.name)
-            symbols[name] = Symbol(name, parameters(declared.arity), values)
-    return Vocabulary(names, symbols)
+    declared = [s for s in library.symbols if s.kind is Kind.PRIMITIVE and s.name in mentioned]
+    symbols = [_symbol(symbol, library, names) for symbol in declared]
+    return Vocabulary(names, {symbol.name: symbol for symbol in symbols})
+
+
+def _symbol(declared: Declaration, library: Library, names: Names) -> Symbol:
+    """A predicate or function, or the function that a group becomes of which a predicate is a member."""
+    function = names.functions.get(declared.name)
+    if function is not None:
+        return Symbol(function.name, parameters(1), function.values)
+    values = (False, True) if declared.is_binary else _range(library, declared.name)
+    return Symbol(names.symbols[declared.name], parameters(declared.arity), values)
 
 
 def parameters(number: int) -> tuple[Variable, ...]:
@@ -92,19 +92,25 @@ def parameters(number: int) -> tuple[Variable, ...]:
     return tuple(Variable(name, OBJECT) for name in names)
 
 
-def facts(library: Library, words: Vocabulary, objects: Iterable[str]) -> frozenset[Fact]:
+def facts(library: Library, words: Vocabulary, objects: Collection[str]) -> frozenset[Fact]:
     """The state; an object that no member of a group holds for has the group's first value."""
-    found: dict[tuple[str, tuple[str, ...]], Value] = {}
-    for symbol in words.symbols.values():
-        if isinstance(symbol.values[0], str):
-            found |= {(symbol.name, (name,)): symbol.values[0] for name in objects}
-    for atom in library.facts:
-        name, function = words.names.symbols[atom.symbol], words.names.functions.get(atom.symbol)
-        name = name if function is None else function.name
-        if name in words.symbols and atom.value is not False:
-            key = name, tuple(words.names.objects[term] for term in atom.terms)
-            found[key] = atom.value if function is None else function.value_of[atom.symbol]
+    chosen = [symbol for symbol in words.symbols.values() if isinstance(symbol.values[0], str)]
+    found: dict[tuple[str, tuple[str, ...]], Value] = {
+        (symbol.name, (name,)): symbol.values[0] for symbol in chosen for name in objects
+    }
+    stated = (_fact(atom, words) for atom in library.facts)
+    found |= {(fact.symbol, fact.objects): fact.value for fact in stated if fact is not None}
     return frozenset(Fact(name, terms, value) for (name, terms), value in found.items())
+
+
+def _fact(atom: Atom, words: Vocabulary) -> Fact | None:
+    """What a literal of the state says; None for what is false, and of a symbol that is left out."""
+    function = words.names.functions.get(atom.symbol)
+    name = words.names.symbols[atom.symbol] if function is None else function.name
+    if name not in words.symbols or atom.value is False:
+        return None
+    value = atom.value if function is None else function.value_of[atom.symbol]
+    return Fact(name, tuple(words.names.objects[term] for term in atom.terms), value)
 
 
 def _range(library: Library, name: str) -> tuple[Value, ...]:
