@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cleancli.language.parsing.hints.conditions import (
-    negation_of_group,
+    compared_variable,
+    denied_equality,
+    group,
     quantifier,
     step,
     two_functions,
@@ -18,8 +20,14 @@ from cleancli.language.parsing.hints.conditions import (
 from cleancli.language.parsing.hints.misplaced import Misplaced
 from cleancli.language.parsing.hints.missing import missing, near_keyword, unclosed
 from cleancli.language.parsing.hints.pddl import habit_word, list_of_pddl, term_of_list
-from cleancli.language.parsing.hints.sections import declaration, function_or_count, part_of_rule, setting
-from cleancli.language.parsing.hints.signs import braces, name_or_number, separator, sign
+from cleancli.language.parsing.hints.sections import (
+    declaration,
+    function_or_count,
+    header,
+    part_of_rule,
+    setting,
+)
+from cleancli.language.parsing.hints.signs import braces, name_or_number, relation, separator, sign
 
 
 def for_token(at: Misplaced) -> str:
@@ -37,13 +45,17 @@ _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     habit_word,
     setting,
     braces,
-    negation_of_group,
+    denied_equality,
+    group,
     two_functions,
     value_first,
     step,
     unclosed,
     quantifier,
+    header,
     list_of_pddl,
+    relation,
+    compared_variable,
     sign,
     separator,
     term_of_list,

@@ -8,26 +8,34 @@ from cleancli.language.parsing.hints.misplaced import APPLICATION, RELATION, TER
 from cleancli.language.parsing.hints.pddl import LISTS
 
 
-def negation_of_group(at: Misplaced) -> str:
-    """`not (...)` and other parentheses around literals as they are written here."""
+def denied_equality(at: Misplaced) -> str:
+    """`not ?a = ?b`."""
     denied = re.match(rf"\s*=\s*({TERM})", at.after)
     if at.kind == "VARIABLE" and at.word_before == "not" and denied:
         return f"write `{at.token} != {denied[1]}`"
+    return ""
+
+
+def group(at: Misplaced) -> str:
+    """`not (...)` and other parentheses around literals as they are written here."""
     if at.token != "(" or "LPAR" in at.accepted or "NAME" not in at.accepted:
         return ""
     if "REST" in at.accepted and re.match(r"\s*[\d.]", at.after):
         return "outcomes stand without parentheses: `then 0.8: wet(?a)  rest: nothing`"
-    is_denied = bool(re.search(r"\bnot$", at.before))
+    if re.search(r"\bnot$", at.before):
+        return _denied_group(at)
+    if re.match(rf"\s*\?\w+\s*!?=\s*{TERM}\s*\)", at.after) or _literal_within(at):
+        return "the parts of a condition are joined by commas, without parentheses around them"
+    return ""
+
+
+def _denied_group(at: Misplaced) -> str:
     equality = re.match(rf"\s*(\?\w+)\s*=\s*({TERM})\s*\)", at.after)
-    if not is_denied and re.match(rf"\s*\?\w+\s*!?=\s*{TERM}\s*\)", at.after):
-        return "the parts of a condition are joined by commas, without parentheses around them"
-    if is_denied and equality:
+    if equality:
         return f"write `{equality[1]} != {equality[2]}`"
-    literal = re.match(rf"\s*(?:not\s+)?({APPLICATION})", at.after)
-    if literal is None or literal[1].partition("(")[0].strip() in LISTS:
+    literal = _literal_within(at)
+    if literal is None:
         return ""
-    if not is_denied:
-        return "the parts of a condition are joined by commas, without parentheses around them"
     if re.match(r"\s*\)", at.after[literal.end() :]):
         return f"leave the outer parentheses out: `not {literal[1]}`"
     if "FORALL" not in at.accepted and "EXISTS" not in at.accepted:
@@ -36,6 +44,26 @@ def negation_of_group(at: Misplaced) -> str:
         "`not` denies one literal: where several are denied together, define a predicate in `derived`"
         " that holds where they all do, and deny that"
     )
+
+
+def _literal_within(at: Misplaced) -> re.Match[str] | None:
+    """The literal that stands first behind a parenthesis; None where a list of PDDL does."""
+    literal = re.match(rf"\s*(?:not\s+)?({APPLICATION})", at.after)
+    if literal is None or literal[1].partition("(")[0].strip() in LISTS:
+        return None
+    return literal
+
+
+def compared_variable(at: Misplaced) -> str:
+    """`?a < 3` and `?a = 3`."""
+    term = re.search(r"(\?\w+)\s*!?=$", at.before) if at.kind == "NUMBER" else None
+    if at.accepted == {"EQUAL", "UNEQUAL"} and at.kind in ("LESS", "OPERATOR"):
+        compared = f"f({at.word_before}) {at.token} ..."
+    elif term:
+        compared = f"f({term[1]}) = {at.token}"
+    else:
+        return ""
+    return f"a variable stands for an object: compare a function of it, `{compared}`"
 
 
 def two_functions(at: Misplaced) -> str:
@@ -81,18 +109,21 @@ def step(at: Misplaced) -> str:
         return ""
     before = re.search(rf"({APPLICATION})$", at.before)
     if before and "RISE" in at.accepted:
-        amount = re.match(r"\s*(\d+)", at.after)
-        is_doubled = at.after.startswith(at.token)
-        if at.token in "+-" and (amount or is_doubled):
-            return f"write `{before[1]} {at.token}= {amount[1] if amount else 1}`"
+        return _step_of(before[1], at)
     after = re.match(rf"[+-]\s*({APPLICATION})", at.after)
     if after and at.after.startswith(at.token):
         return f"write `{after[1]} {at.token}= 1`"
-    if before and "RISE" in at.accepted:
-        return "an effect sets a number, or adds one to it: `f(?a) := 3`, `f(?a) += 1`"
     if before and {"LESS", "EQUAL"} <= at.accepted and not at.after.startswith(">"):
         return "nothing is calculated in a condition: a function is compared with a value"
     return ""
+
+
+def _step_of(function: str, at: Misplaced) -> str:
+    amount = re.match(r"\s*(\d+)", at.after)
+    is_doubled = at.after.startswith(at.token)
+    if at.token in "+-" and (amount or is_doubled):
+        return f"write `{function} {at.token}= {amount[1] if amount else 1}`"
+    return "an effect sets a number, or adds one to it: `f(?a) := 3`, `f(?a) += 1`"
 
 
 def quantifier(at: Misplaced) -> str:

@@ -55,10 +55,6 @@ def habit_word(at: Misplaced) -> str:
 
 
 def list_of_pddl(at: Misplaced) -> str:
-    if at.token == ":" and "LPAR" in at.accepted:
-        return "what it takes stands in parentheses behind the name: `push(?a - area)`"
-    if at.token == "(" and at.accepted == {"COLON"}:
-        return "a rule has a name of its own: `rule NAME: push(?a) { ... }`"
     if at.token != "(" or "LPAR" in at.accepted:
         return ""
     if at.word_before in ("exists", "forall", "count"):

@@ -45,6 +45,15 @@ def setting(at: Misplaced) -> str:
     return ""
 
 
+def header(at: Misplaced) -> str:
+    """What stands between a name and its parameters or terms."""
+    if at.token == ":" and "LPAR" in at.accepted:
+        return "what it takes stands in parentheses behind the name: `push(?a - area)`"
+    if at.token == "(" and at.accepted == {"COLON"}:
+        return "a rule has a name of its own: `rule NAME: push(?a) { ... }`"
+    return ""
+
+
 def part_of_rule(at: Misplaced) -> str:
     if {"THEN", "WHEN"} <= at.accepted and at.kind in ("NAME", "NOT", "VARIABLE"):
         return near_keyword(at) or "a condition begins with `when`"

@@ -38,30 +38,31 @@ def braces(at: Misplaced) -> str:
     return ""
 
 
-def sign(at: Misplaced) -> str:
-    last = at.before[-1:]
-    if at.token == "=" and last == "=" and at.is_glued:
+def relation(at: Misplaced) -> str:
+    """`==` and `<>`."""
+    last = at.before[-1:] if at.is_glued else ""
+    if at.token == "=" and last == "=":
         return "equality is one `=`"
-    if f"{at.token}{at.after}".startswith("<>") or (at.token == ">" and last == "<" and at.is_glued):
+    if f"{at.token}{at.after}".startswith("<>") or (at.token == ">" and last == "<"):
         return "write `!=`"
-    if at.accepted == {"EQUAL", "UNEQUAL"} and at.kind in ("LESS", "OPERATOR"):
-        return (
-            f"a variable stands for an object: compare a function of it, `f({at.word_before}) {at.token} ...`"
-        )
-    if at.kind == "NUMBER" and (term := re.search(r"(\?\w+)\s*!?=$", at.before)):
-        return f"a variable stands for an object: compare a function of it, `f({term[1]}) = {at.token}`"
-    if at.token == "-" and at.after.startswith(">"):
-        return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` only"
-    if at.token == "=" and "ASSIGN" in at.accepted <= {"ASSIGN", "LPAR"}:
-        return "a count is defined with `:=`"
-    if at.token == "=" and "ASSIGN" in at.accepted:
-        return "an effect sets a value with `:=`; `=` compares in a condition"
-    if at.token == ":=" and "EQUAL" in at.accepted:
-        return "`:=` sets a value in an effect; here write `=`"
-    if at.token == ":" and "EQUAL" in at.accepted:
-        return "a value is given with `=`"
-    if at.token == "-" and "NUMBER" in at.accepted:
-        return "the number must not be negative"
+    return ""
+
+
+def sign(at: Misplaced) -> str:
+    """One of the signs for values, effects and implications where another one stands."""
+    match at.token:
+        case "-" if at.after.startswith(">"):
+            return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` only"
+        case "=" if "ASSIGN" in at.accepted <= {"ASSIGN", "LPAR"}:
+            return "a count is defined with `:=`"
+        case "=" if "ASSIGN" in at.accepted:
+            return "an effect sets a value with `:=`; `=` compares in a condition"
+        case ":=" if "EQUAL" in at.accepted:
+            return "`:=` sets a value in an effect; here write `=`"
+        case ":" if "EQUAL" in at.accepted:
+            return "a value is given with `=`"
+        case "-" if "NUMBER" in at.accepted:
+            return "the number must not be negative"
     return ""
 
 
