@@ -188,22 +188,20 @@ def _left_out(library: Library, words: Vocabulary, translated: tuple[Translated,
     """What has not been converted, and why."""
     acting = {rule.action.symbol for rule in library.rules}
     lines = [str(each.line) for each in translated if each.rule is None]
-    actions = [symbol.name for symbol in library.symbols if symbol.kind is Kind.ACTION]
-    primitive = [symbol.name for symbol in library.symbols if symbol.kind is Kind.PRIMITIVE]
-    single = [name for name in primitive if name not in words.names.functions]
+    idle = [name for name in _declared(library, Kind.ACTION) if name not in acting]
+    single = [name for name in _declared(library, Kind.PRIMITIVE) if name not in words.names.functions]
+    unused = [name for name in single if words.names.symbols[name] not in words.symbols]
     parts = (
-        ("actions without a rule", [name for name in actions if name not in acting]),
-        (
-            "symbols that no rule mentions",
-            [name for name in single if words.names.symbols[name] not in words.symbols],
-        ),
-        (
-            "symbols that follow from others",
-            [symbol.name for symbol in library.symbols if symbol.kind is Kind.OTHER],
-        ),
+        ("actions without a rule", idle),
+        ("symbols that no rule mentions", unused),
+        ("symbols that follow from others", _declared(library, Kind.OTHER)),
         ("rules whose context can never hold, at line", lines),
     )
     return tuple(f"left out: {what}: {', '.join(names)}" for what, names in parts if names)
+
+
+def _declared(library: Library, kind: Kind) -> list[str]:
+    return [symbol.name for symbol in library.symbols if symbol.kind is kind]
 
 
 def _guessed(domain: Domain, problem: Problem, wishes: Wishes) -> tuple[str, ...]:

@@ -22,7 +22,6 @@ from cleancli.language.model import (
     OutcomeKind,
     Reference,
     Rule,
-    Term,
     Value,
     Variable,
 )
@@ -56,6 +55,12 @@ def _about_references(rule: LibraryRule) -> list[Atom]:
     return [atom for atom in rule.context if not set(variables_of(atom)) <= set(rule.action.terms)]
 
 
+def _about_arguments(rule: LibraryRule) -> list[Atom]:
+    """What the context says of the action's arguments alone."""
+    about = _about_references(rule)
+    return [atom for atom in rule.context if atom not in about]
+
+
 _Question = tuple[str, str, tuple[int | str | None, ...]]
 """An action, a symbol, and terms: positions among the action's, constants, None for what is referred to."""
 
@@ -77,15 +82,22 @@ def _contested(library: Library, words: Vocabulary) -> set[_Question]:
     return {question for question, values in asked.items() if len(values) > 1}
 
 
+def _naming_and_asking(
+    rule: LibraryRule, words: Vocabulary, contested: set[_Question]
+) -> tuple[list[Atom], list[Atom]]:
+    """What the context says of its references, in two parts: what finds them, and what is contested."""
+    about = _about_references(rule)
+    asking = [atom for atom in about if _question(atom, rule, words) in contested]
+    return [atom for atom in about if atom not in asking], asking
+
+
 def _translated(
     rule: LibraryRule, name: str, words: Vocabulary, contested: set[_Question], whole: bool
 ) -> Translated:
     variables = _variables(rule)
     head, equal = _head(rule, words, variables)
-    about = _about_references(rule)
-    plain = words.conjunction([a for a in rule.context if a not in about], variables)
-    asking = [atom for atom in about if _question(atom, rule, words) in contested]
-    references = _references(rule, [a for a in about if a not in asking], asking, words, variables)
+    plain = words.conjunction(_about_arguments(rule), variables)
+    references = _references(rule, *_naming_and_asking(rule, words, contested), words, variables)
     context = words.conjunction(rule.context, variables)
     if plain is None or references is None or context is None:
         return Translated(rule.line, None, ())
@@ -94,7 +106,8 @@ def _translated(
     apart = _apart(outcomes)
     if apart:
         remarks = (*remarks, "what `!=` keeps apart, one outcome would both set and clear")
-    known_apart = [part for part in apart if {part.left, part.right}.isdisjoint(_bound_by(references))]
+    bound = {variable for reference in references for variable in reference.variables}
+    known_apart = [part for part in apart if bound.isdisjoint((part.left, part.right))]
     condition: Condition = (*equal, *known_apart, *plain)
     references = _with([part for part in apart if part not in known_apart], references)
     action = words.names.symbols[rule.action.symbol]
@@ -119,10 +132,6 @@ def _kept_apart(one: Assign, other: Assign) -> Equality | None:
         return None
     left, right = sorted(differing[0], key=lambda term: (isinstance(term, Object), term.name))
     return Equality(left, right, False) if isinstance(left, Variable) else None
-
-
-def _bound_by(references: Iterable[Reference]) -> set[Term]:
-    return {variable for reference in references for variable in reference.variables}
 
 
 def _with(apart: Sequence[Equality], references: tuple[Reference, ...]) -> tuple[Reference, ...]:

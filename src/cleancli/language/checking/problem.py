@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import product
 
 from cleancli.language import syntax
@@ -136,8 +136,7 @@ def _state(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> State:
             message = f"`{fact.symbol}` has another value for these objects above"
             scope.findings.error("E405", message, item.span, help=f"there it is `{stated}`")
     if all(fact is not None for _, fact in read) and not scope.findings.broken & {"init", "objects"}:
-        for function in (symbol for symbol in domain.symbols if not symbol.is_predicate):
-            _refuse_missing(function, values.keys(), _place_of_init(node), scope)
+        _refuse_missing(domain, values.keys(), _place_of_init(node), scope)
     return frozenset(Fact(symbol, objects, value) for (symbol, objects), value in values.items())
 
 
@@ -189,21 +188,32 @@ def _fact(node: syntax.FactNode, scope: Scope) -> Fact | None:
 
 
 def _refuse_missing(
-    symbol: Symbol, given: Collection[tuple[str, tuple[str, ...]]], where: Span, scope: Scope
+    domain: Domain, given: Collection[tuple[str, tuple[str, ...]]], where: Span, scope: Scope
 ) -> None:
-    """E404 for a function without a value for some objects."""
-    known = [o for o in scope.objects.values() if o.type in scope.declared.types]
-    fitting = [
-        sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
-        for parameter in symbol.parameters
-    ]
-    missing = [objects for objects in product(*fitting) if (symbol.name, objects) not in given]
-    if not missing:
-        return
-    shown = ", ".join(f"`{symbol.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED])
+    """E404 for each function without a value for some objects."""
+    for function in (symbol for symbol in domain.symbols if not symbol.is_predicate):
+        wanted = _tuples_of(function, scope)
+        missing = [objects for objects in wanted if (function.name, objects) not in given]
+        if missing:
+            message = _without_value(function, missing)
+            scope.findings.error("E404", message, where, help=f"add a value: {shown_values(function)}")
+
+
+def _without_value(function: Symbol, missing: Sequence[tuple[str, ...]]) -> str:
+    shown = ", ".join(f"`{function.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED])
     more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
-    message = f"{shown}{more} {'has' if len(missing) == 1 else 'have'} no value"
-    scope.findings.error("E404", message, where, help=f"add a value: {shown_values(symbol)}")
+    return f"{shown}{more} {'has' if len(missing) == 1 else 'have'} no value"
+
+
+def _tuples_of(symbol: Symbol, scope: Scope) -> Iterable[tuple[str, ...]]:
+    """All tuples of objects that a symbol applies to."""
+    known = [o for o in scope.objects.values() if o.type in scope.declared.types]
+    return product(
+        *(
+            sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
+            for parameter in symbol.parameters
+        )
+    )
 
 
 def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | None:

@@ -88,17 +88,13 @@ class Blocks:
     def _find_items(self, node: Node, numbers: dict[int, int]) -> None:
         """Note what a node lists between its own braces, and so for all that it holds."""
         inside = self.depth[numbers[node.span.start]] + 1
-        for field in fields(node):
-            value = getattr(node, field.name)
-            for part in value if isinstance(value, tuple) else (value,):
-                if not isinstance(part, Node):
-                    continue
-                number = numbers[part.span.start]
-                if isinstance(value, tuple) and self.depth[number] == inside:
-                    self.items.add(number)
-                if isinstance(part, OutcomeNode):
-                    self.outcomes.add(number)
-                self._find_items(part, numbers)
+        for part, is_listed in _parts_of(node):
+            number = numbers[part.span.start]
+            if is_listed and self.depth[number] == inside:
+                self.items.add(number)
+            if isinstance(part, OutcomeNode):
+                self.outcomes.add(number)
+            self._find_items(part, numbers)
 
     def _is_tall(self, opening: int) -> bool:
         """Whether a block takes several lines: was so written, is a rule or the whole file, is too wide."""
@@ -150,3 +146,13 @@ class Blocks:
         if self.tokens[number].text not in ("-", "+") or self.tokens[number + 1].type != "NUMBER":
             return False
         return not re.match(r"[\w?)\]]", self.tokens[number - 1].text)
+
+
+def _parts_of(node: Node) -> Iterator[tuple[Node, bool]]:
+    """The nodes that a node holds, each with whether it is one of a list."""
+    for field in fields(node):
+        value = getattr(node, field.name)
+        is_list = isinstance(value, tuple)
+        for part in value if is_list else (value,):
+            if isinstance(part, Node):
+                yield part, is_list
