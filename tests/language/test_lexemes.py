@@ -49,8 +49,24 @@ def test_strings_that_nothing_closes() -> None:
     assert [match[0] for match in LEXEME.finditer(text)] == ["include", '"', "base", "}", "{"]
 
 
-@pytest.mark.parametrize("name", ["fläche", "12", "1.5", "?tray"])
-def test_a_block_is_named_by_the_whole_word_before_it(name: str) -> None:
-    source = Source("f", f"domain d {{\n  {name} {{\n  types {{ a }}\n}}\n")
-    messages = [diagnostic.message for diagnostic in parse(source).diagnostics]
-    assert f"the `{name}` block is never closed" in messages
+def unclosed(header: str) -> list[str]:
+    """What is said of a block that is not closed."""
+    source = Source("f", f"domain d {{\n  {header} {{\n  types {{ a }}\n}}\n")
+    return [diagnostic.message for diagnostic in parse(source).diagnostics if diagnostic.code == "E102"]
+
+
+@pytest.mark.parametrize(("header", "name"), [("fläche", "fläche"), ("?tray", "tray")])
+def test_a_block_is_named_by_the_whole_word_before_it(header: str, name: str) -> None:
+    assert unclosed(header) == [f"the `{name}` block is never closed"]
+
+
+@pytest.mark.parametrize("header", ["12", "1.5", "..", '"tray"'])
+def test_a_block_without_a_word_before_it_has_no_name(header: str) -> None:
+    assert unclosed(header) == ["this block is never closed"]
+
+
+def test_a_half_written_header_hides_none_of_the_next_sections() -> None:
+    text = "domain d {\n  types ?a { a }\n  predicates { p(?x - a) }\n}\n"
+    parsed = parse(Source("f", text))
+    assert parsed.root is not None
+    assert len(parsed.diagnostics) == 2

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.source_lines import Lines, line_start
-from cleancli.language.parsing.lexemes import LEXEME
+from cleancli.language.parsing.lexemes import LEXEME, WORD
 from cleancli.language.record import Record
 
 _LETTER = re.compile(r"[^\r\n]")
@@ -125,9 +125,10 @@ class _Scan:
         for word in reversed(self.words):
             if word.group() == "rule":
                 return _Open("rule", word.start(), match.start())
-        if self.words and re.match(r"\??\w", self.words[-1].group()):
-            word = self.words[-1]
-            return _Open(word.group(), word.start(), match.start())
+        last = self.words[-1] if self.words else None
+        name = re.search(rf"{WORD}$", last.group()) if last else None
+        if last and name:
+            return _Open(name.group(), last.start() + name.start(), match.start())
         return _Open("", match.start(), match.start())
 
     def _close(self, match: re.Match[str]) -> None:
