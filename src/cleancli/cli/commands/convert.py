@@ -19,13 +19,14 @@ from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.load import read_source
+from cleancli.language.parsing.lexemes import NAME
 
 FILES = ("rules.dat", "state.dat", "symbols.dat")
 
 
 def _named(context: click.Context, option: click.Parameter, name: str) -> str:
     """A name that the domain can have, with a file of its own beside problem.nid."""
-    if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) is None or name in {*RESERVED, "problem"}:
+    if re.fullmatch(NAME, name) is None or name in {*RESERVED, "problem"}:
         raise click.BadParameter("take letters, digits and `_`, and no word that means something already")
     return name
 

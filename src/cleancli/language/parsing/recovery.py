@@ -126,9 +126,9 @@ class _Scan:
             if word.group() == "rule":
                 return _Open("rule", word.start(), match.start())
         last = self.words[-1] if self.words else None
-        name = re.search(rf"{WORD}$", last.group()) if last else None
-        if last and name:
-            return _Open(name.group(), last.start() + name.start(), match.start())
+        found = re.search(rf"{WORD}$", last.group()) if last else None
+        if last and found:
+            return _Open(found.group(), last.start() + found.start(), match.start())
         return _Open("", match.start(), match.start())
 
     def _close(self, match: re.Match[str]) -> None:
