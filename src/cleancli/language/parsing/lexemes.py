@@ -9,6 +9,7 @@ such as the `x` in `640x480`.
 from __future__ import annotations
 
 import enum
+import functools
 import re
 from typing import NamedTuple
 
@@ -52,15 +53,21 @@ LEXEME = _any_lexeme(_STRING)
 """Any lexeme, comments too, in the group that its kind names. A quotation mark that nothing closes in its
 line is a sign like any other: braces behind it count."""
 
-_TYPED = _any_lexeme(rf"{_STRING}?")
-"""The same in half-typed text: someone is writing that string, and it ends with the line."""
-
 _KINDS = {kind.value: kind for kind in LexemeKind}
+
+
+@functools.cache
+def _half_typed() -> re.Pattern[str]:
+    """The same in half-typed text: someone is writing that string, and it ends with the line.
+
+    Compiled when an editor first asks: checks do without.
+    """
+    return _any_lexeme(rf"{_STRING}?")
 
 
 def lexemes(text: str) -> tuple[Lexeme, ...]:
     """Every lexeme of half-typed text, comments too; a string that is not closed ends with its line."""
     return tuple(
         Lexeme(_KINDS[str(match.lastgroup)], match[0], match.start(), match.end())
-        for match in _TYPED.finditer(text)
+        for match in _half_typed().finditer(text)
     )
