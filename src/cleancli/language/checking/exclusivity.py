@@ -72,13 +72,11 @@ def _asked(rule: Rule, declared: Declarations) -> _Asked:
     """The values that the rule's literals want of facts, whose terms are positions of the action."""
     positions = {variable: number for number, variable in enumerate(rule.variables)}
     asked: dict[_Fact, frozenset[Value]] = {}
-    for part in rule.condition:
-        if isinstance(part, Literal):
-            symbol = declared.symbols[part.symbol]
-            named = [positions[t] if isinstance(t, Variable) else t.name for t in part.terms]
-            terms = tuple(sorted(named, key=str)) if symbol.symmetric else tuple(named)
-            key = part.symbol, terms
-            asked[key] = asked.get(key, part.values) & part.values
+    for literal in (part for part in rule.condition if isinstance(part, Literal)):
+        named = [positions[t] if isinstance(t, Variable) else t.name for t in literal.terms]
+        symmetric = declared.symbols[literal.symbol].symmetric
+        fact = literal.symbol, tuple(sorted(named, key=str) if symmetric else named)
+        asked[fact] = asked.get(fact, literal.values) & literal.values
     return asked
 
 

@@ -77,14 +77,16 @@ def _rest(nodes: tuple[syntax.OutcomeNode, ...], header: Span, scope: Scope) -> 
     if known and scope.findings.errors == before and (total > 1 or (total < 1 and not rests)):
         first, last = nodes[0].weight.chance.span, nodes[-1].weight.chance.span
         span = Span(first.path, first.start, last.end) if len(nodes) == 1 else header
-        off = f"{print_fraction(abs(total - 1))} {'too much' if total > 1 else 'is missing'}"
-        help = "" if total > 1 else "let the last outcome say `rest` to take what is left"
-        scope.findings.error(
-            "E301", f"the probabilities sum to {print_fraction(total)}, {off}", span, help=help
-        )
+        _refuse_sum(total, span, scope)
     for extra in rests[1:]:
         scope.findings.error("E303", "a second `rest`", extra.span, help="only one outcome can take the rest")
     return max(Fraction(0), 1 - total)
+
+
+def _refuse_sum(total: Fraction, span: Span, scope: Scope) -> None:
+    off = f"{print_fraction(abs(total - 1))} {'too much' if total > 1 else 'is missing'}"
+    help = "" if total > 1 else "let the last outcome say `rest` to take what is left"
+    scope.findings.error("E301", f"the probabilities sum to {print_fraction(total)}, {off}", span, help=help)
 
 
 def _shared(name: syntax.Name, scope: Scope) -> Fraction | None:

@@ -37,6 +37,7 @@ from cleancli.language.model import (
     Symbol,
     Term,
     Type,
+    Value,
     Variable,
 )
 
@@ -137,8 +138,13 @@ def print_literal(part: Literal | Equality, symbols: Symbols) -> str:
     symbol = symbols[part.symbol]
     if symbol.is_predicate:
         return applied if True in part.values else f"not {applied}"
-    chosen = [v for v in symbol.values if v in part.values]
-    others = [v for v in symbol.values if v not in part.values]
+    return _comparison(applied, symbol, part.values)
+
+
+def _comparison(applied: str, symbol: Symbol, values: frozenset[Value]) -> str:
+    """That a function has one of some values."""
+    chosen = [v for v in symbol.values if v in values]
+    others = [v for v in symbol.values if v not in values]
     if len(chosen) == 1:
         return f"{applied} = {chosen[0]}"
     if len(others) > 1 and tuple(chosen) == symbol.values[: len(chosen)]:
