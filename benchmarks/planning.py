@@ -37,8 +37,8 @@ from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options
 from cleancli.planning.planners.prada import prada
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "planning"))
-import reference
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from support import reference_prada
 
 DOMAIN = load_domain(read_source(Path(__file__).with_suffix(".nid")))
 SURFACE = np.array([0.60, 0.50])
@@ -153,7 +153,7 @@ def _reference(task: Task, tables: Tables, best: float) -> float:
     sequences = [actions for actions, _ in itertools.islice(_drawn(task, tables, best), 5)]
     started = time.process_time()
     for actions in sequences:
-        reference.value(task, actions)
+        reference_prada.value(task, actions)
     return (time.process_time() - started) / len(sequences)
 
 

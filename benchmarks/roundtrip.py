@@ -18,10 +18,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from random import Random
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "language"))
-
-import generate
-
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
@@ -33,6 +29,9 @@ from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 from cleancli.scene.model import Scene
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from support import random_texts
 
 Model = Domain | Problem | Scene
 
@@ -65,19 +64,19 @@ def laid_out_differs(text: str, model: Model, load: Callable[[Source], Model]) -
     tidy = layout(text)
     if load(Source("laid out", tidy)) != model:
         return f"reads as another model when laid out:\n{tidy}"
-    if generate.comments_of(tidy) != generate.comments_of(text):
+    if random_texts.comments_of(tidy) != random_texts.comments_of(text):
         return f"has other comments when laid out:\n{tidy}"
     return "" if layout(tidy) == tidy else f"is laid out differently the second time:\n{tidy}"
 
 
-def generated(seed: int) -> Iterator[tuple[generate.Generated, Callable[[Source], Model], Domain]]:
+def generated(seed: int) -> Iterator[tuple[random_texts.Generated, Callable[[Source], Model], Domain]]:
     """The files of one seed, with what reads them and the seed's domain."""
     rng = Random(seed)
-    made, world = generate.domain(rng)
+    made, world = random_texts.domain(rng)
     domain = load_domain(Source("plain", made.plain))
     yield made, load_domain, domain
-    yield generate.problem(world, rng), lambda source: load_problem(source, domain), domain
-    yield generate.scene(rng), load_scene, domain
+    yield random_texts.problem(world, rng), lambda source: load_problem(source, domain), domain
+    yield random_texts.scene(rng), load_scene, domain
 
 
 def wrong_with_shipped(path: Path) -> str:

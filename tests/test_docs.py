@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-import docs_numbers
 from cleancli.cli.command_table import COMMANDS
 from cleancli.cli.main import run
-from docs_numbers import Passage, named_commands, passages, sourced
+from support import docs_numbers
+from support.docs_numbers import Passage, named_commands, passages, sourced
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -68,7 +68,7 @@ def test_readme_states_the_two_commands() -> None:
 
 @pytest.mark.parametrize("page", docs_numbers.PAGES, ids=lambda page: page.stem)
 def test_every_number_names_its_source(page: Path) -> None:
-    """docs/decisions/0010; `python tests/docs_numbers.py` lists them all."""
+    """docs/decisions/0010; `python tests/support/docs_numbers.py` lists them all."""
     numbers = list(sourced(page.stem, page.read_text(encoding="utf-8")))
     assert [f"line {number.line}: {number.written}" for number in numbers if not number.source] == []
 

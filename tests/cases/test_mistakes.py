@@ -10,7 +10,8 @@ import re
 from pathlib import Path
 
 import pytest
-from refusal import cases, expected_path, refusal
+
+from support.cases import cases, expected_path, refusal
 
 ROOT = Path(__file__).parents[2]
 CASES = cases(Path(__file__).parent / "mistakes")

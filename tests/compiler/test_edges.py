@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import domain_texts
 import pytest
 
 from cleancli.compiler import rewards, semantics
@@ -10,6 +9,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import SupportTooLargeError, exact_value, forward
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.refused import Refused
+from support import domain_texts
 
 MOP = """domain d {
   types { area }

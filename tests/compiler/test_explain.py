@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from handmade import JOIN_DRAGS, A, B, M, drags_problem, true
-
 from cleancli.compiler.explain import FactChange, Failure, UnclearReference, explain
 from cleancli.language.model import DerivedPredicate, Fact, Quantified
+from support.handmade import JOIN_DRAGS, A, B, M, drags_problem, true
 
 
 def test_the_covering_rule_with_its_reference_bound() -> None:

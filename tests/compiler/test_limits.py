@@ -9,7 +9,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from handmade import A, B, M, false, noise, one_of, outcome, put, true
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.grounding_size import RULE_LIMIT, count_groundings
@@ -39,6 +38,7 @@ from cleancli.language.model import (
     Symbol,
     Type,
 )
+from support.handmade import A, B, M, false, noise, one_of, outcome, put, true
 
 SPAN = Span("d.nid", 3, 7)
 

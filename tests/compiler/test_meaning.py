@@ -8,8 +8,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from handmade import JOIN_DRAGS, drags_problem
-from random_domains import NAMES, Generator
 from scipy import stats
 
 from cleancli.compiler.fluents import Fluent
@@ -19,6 +17,8 @@ from cleancli.compiler.semantics import covering_rule, reaches_goal, reward, sam
 from cleancli.compiler.task import GroundState, Task
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
+from support.handmade import JOIN_DRAGS, drags_problem
+from support.random_domains import NAMES, Generator
 
 STATES = 40
 """Visited per domain."""

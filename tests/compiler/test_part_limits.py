@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import domain_texts
 import pytest
 
 from cleancli.compiler import ground as ground_module
 from cleancli.compiler import grounding_size, partial_evaluation
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics.refused import Refused
+from support import domain_texts
 
 TEXT = """domain d {
   types { area }

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 
 import pytest
-from random_domains import Generator
 
 from cleancli.cli.inputs import check_file
 from cleancli.compiler.ground import ground
@@ -15,6 +14,7 @@ from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
+from support.random_domains import Generator
 
 ROOMS = """domain rooms {
   types      { area; room }

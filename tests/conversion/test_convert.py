@@ -7,7 +7,6 @@ import random
 import re
 from pathlib import Path
 
-import meaning
 import pytest
 
 from cleancli.cli.main import run
@@ -18,6 +17,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.printing.formatter import layout
+from support import libprada_records
 
 KITCHEN = Path(__file__).parent / "kitchen"
 FILES = ("rules.dat", "state.dat", "symbols.dat")
@@ -200,14 +200,14 @@ def test_without_dirt_more_of_the_first_count_pays() -> None:
 
 
 def test_the_task_means_what_the_records_do() -> None:
-    assert meaning.disagreements(texts(), steps=60, seed=1) == []
+    assert libprada_records.disagreements(texts(), steps=60, seed=1) == []
 
 
 def test_a_task_that_means_something_else_is_noticed() -> None:
     """The comparison can fail: the rule's outcome is another one in the records."""
     files = texts()
     other = {**files, "rules.dat": files["rules.dat"].replace("0.8 -dirt(X) wet(X)", "0.8 -dirt(X)")}
-    assert meaning.disagreements(files, steps=60, seed=1, read_from=other)
+    assert libprada_records.disagreements(files, steps=60, seed=1, read_from=other)
 
 
 # ---- nothing but refusals

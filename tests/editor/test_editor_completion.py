@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from texts import DOMAIN, PROBLEM, SCENE, marked
 
 from cleancli.editor.completion import MARKS, completions
 from cleancli.editor.context import context
+from support.editor_texts import DOMAIN, PROBLEM, SCENE, marked
 
 SYMBOLS = ["dirt", "near", "traversal", "size", "weight"]
 RULE = DOMAIN[: DOMAIN.index("  rule join_two")]

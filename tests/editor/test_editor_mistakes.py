@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from texts import DOMAIN, FOLDER, OPEN, PROBLEM, SCENE, SHIPPED, opened
 
 from cleancli.editor.library import Library, document
 from cleancli.editor.mistakes import mistakes
 from cleancli.language.diagnostics.diagnostic import Source
+from support.editor_texts import DOMAIN, FOLDER, OPEN, PROBLEM, SCENE, SHIPPED, opened
 
 
 def found(name: str, text: str, library: Library = OPEN) -> list[tuple[str, str]]:

@@ -7,10 +7,10 @@ import typing
 from collections.abc import Iterator
 
 import pytest
-from texts import DOMAIN, at, marked, opened
 
 from cleancli.language import syntax
 from cleancli.language.refactoring.name_index import DECLARED, USED, Kind
+from support.editor_texts import DOMAIN, at, marked, opened
 
 
 def parts_of(kind: object) -> Iterator[object]:

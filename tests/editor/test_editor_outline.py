@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from texts import DOMAIN, OPEN, marked, opened
-
 from cleancli.editor.colours import MODIFIERS, TYPES, colours
 from cleancli.editor.formatting import formatting
 from cleancli.editor.library import document
@@ -11,6 +9,7 @@ from cleancli.editor.symbols import Entry, symbols
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.printing.formatter import layout
+from support.editor_texts import DOMAIN, OPEN, marked, opened
 
 
 def names(entries: tuple[Entry, ...]) -> list[object]:

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from texts import DOMAIN, FOLDER, OPEN, PROBLEM, SCENE, SHIPPED
 
 from cleancli.editor.colours import colours
 from cleancli.editor.completion import completions
@@ -20,6 +19,7 @@ from cleancli.editor.positions import Positions
 from cleancli.editor.symbols import Entry, symbols
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.text_edit import apply_edits
+from support.editor_texts import DOMAIN, FOLDER, OPEN, PROBLEM, SCENE, SHIPPED
 
 CUTS = 25
 """Prefixes of each shipped file."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from texts import DOMAIN, OPEN, at, marked
 
 from cleancli.editor.hover import hover
+from support.editor_texts import DOMAIN, OPEN, at, marked
 
 
 def shown(name: str, mark: str) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from texts import DOMAIN, PROBLEM
 
 from cleancli.editor.colours import colours
 from cleancli.editor.completion import completions
@@ -16,6 +15,7 @@ from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
+from support.editor_texts import DOMAIN, PROBLEM
 
 _START, _END = DOMAIN.index("  types"), DOMAIN.index("  actions")
 BASE = "domain base {\n" + DOMAIN[_START:_END] + "}\n"

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from texts import DOMAIN, FOLDER, OPEN, PROBLEM, at, opened
 
 from cleancli.editor.library import Library
 from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
 from cleancli.language.diagnostics.text_edit import apply_edits
+from support.editor_texts import DOMAIN, FOLDER, OPEN, PROBLEM, at, opened
 
 TABLES, TWO = str(FOLDER / "tables.nid"), str(FOLDER / "two.nid")
 

@@ -13,10 +13,10 @@ import pytest
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.client import LanguageClient
-from texts import DOMAIN, PROBLEM
 
 from cleancli import __version__
 from cleancli.editor.colours import MODIFIERS, TYPES
+from support.editor_texts import DOMAIN, PROBLEM
 
 
 class Client(LanguageClient):

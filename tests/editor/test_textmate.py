@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from texts import ROOT
 
 from cleancli.language.parsing.parse import KINDS
+from support.editor_texts import ROOT
 
 EDITORS = ROOT / "editors"
 GRAMMAR = json.loads((EDITORS / "textmate" / "nid.tmLanguage.json").read_text(encoding="utf-8"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from scripted import Scripted
 
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, symbolic_session
@@ -15,6 +14,7 @@ from cleancli.recording import journal
 from cleancli.recording.journal_writer import Entries, expected, likely_course
 from cleancli.scene.check import load_scene
 from cleancli.world.robot import Status
+from support.scripted_robot import Scripted
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))
 PROBLEM = load_problem(read_source(find("three_areas", "problems")), DOMAIN)

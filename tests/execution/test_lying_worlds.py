@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from scripted import STROKE, WITHDRAWAL, Points, Scripted
 
 from cleancli.execution.episode_state import PATIENCE
 from cleancli.execution.events import Acted, Decided, Ended, Event, Failed, Looked, Purpose, Started
@@ -20,6 +19,7 @@ from cleancli.language.model import Domain
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status
+from support.scripted_robot import STROKE, WITHDRAWAL, Points, Scripted
 
 SPOTS = ((-0.2, 0.1), (0.1, -0.15))
 

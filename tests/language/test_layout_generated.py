@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
-import generate
 import pytest
 
 from cleancli.language.diagnostics.diagnostic import Source
@@ -14,6 +13,7 @@ from cleancli.language.parsing.parse import parse
 from cleancli.language.printing.formatter import layout
 from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
+from support import random_texts
 
 SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]
 
@@ -22,7 +22,7 @@ def _keeps_all(text: str) -> str:
     """The text laid out, which says the same with the same comments and is laid out the same again."""
     tidy = layout(text)
     assert parse(Source("tidy", tidy)).root == parse(Source("given", text)).root
-    assert generate.comments_of(tidy) == generate.comments_of(text)
+    assert random_texts.comments_of(tidy) == random_texts.comments_of(text)
     assert layout(tidy) == tidy
     return tidy
 
@@ -37,8 +37,8 @@ def test_shipped_files_with_any_line_ends(path: Path, end: str) -> None:
 @pytest.mark.parametrize("seed", range(30))
 def test_generated_files_mean_the_same(seed: int) -> None:
     rng = Random(seed)
-    made, world = generate.domain(rng)
-    problem, scene = generate.problem(world, rng).text, generate.scene(rng).text
+    made, world = random_texts.domain(rng)
+    problem, scene = random_texts.problem(world, rng).text, random_texts.scene(rng).text
     domain = load_domain(Source("given", made.text))
     assert load_domain(Source("tidy", _keeps_all(made.text))) == domain
     tidy = load_problem(Source("tidy", _keeps_all(problem)), domain)

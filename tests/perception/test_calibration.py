@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import synthetic
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.calibrate import MARGIN, NotClean, calibrate
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
+from support import synthetic
 
 NONE = np.zeros((0, 2))
 LENTILS = np.array([(x, y) for x in (-0.3, -0.1, 0.05, 0.2) for y in (-0.2, 0.1)])

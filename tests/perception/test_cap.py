@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import synthetic
-
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.perception.area import Area
 from cleancli.perception.cap import left_out
 from cleancli.scene.model import Scene
+from support import synthetic
 
 
 def area(name: str, x: float, covered: float) -> Area:

@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-import synthetic
 
 from cleancli.geometry.ellipse import Ellipse, contains, points_within
 from cleancli.perception.area import Area
 from cleancli.perception.occlusion import Known, find_unseen, remember
 from cleancli.perception.perceive import Observation, perceive
+from support import synthetic
 
 HALF = 0.10
 AREA = Area(Ellipse((0.0, 0.0), (HALF, HALF), 0.0), 2e-3, "a1")

@@ -8,14 +8,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-import synthetic
-from synthetic import Box
 
 from cleancli.geometry.ellipse import Ellipse, contains, points_within
 from cleancli.perception.area import Area
 from cleancli.perception.occlusion import Known, find_unseen, remember
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import Stroke, track
+from support import synthetic
+from support.synthetic import Box
 
 RNG = np.random.default_rng(5)
 WEST = synthetic.grouped(RNG, 14, (-0.2, 0.1), 0.025)

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import synthetic
-from synthetic import Box
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
 from cleancli.perception.perceive import BadFrame, Observation, perceive
 from cleancli.perception.surface import NoSurface
+from support import synthetic
+from support.synthetic import Box
 
 NONE = np.zeros((0, 2))
 GROUPS = np.vstack(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import synthetic
 
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact
@@ -11,6 +10,7 @@ from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
 from cleancli.perception.pictures import contact_sheet, draw, project
 from cleancli.perception.tracking import track
+from support import synthetic
 
 
 def test_projection_agrees_with_the_camera_that_drew_the_frame() -> None:

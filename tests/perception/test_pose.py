@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import synthetic
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.surface import NoSurface
+from support import synthetic
 
 LENTILS = np.array([(-0.25, -0.15), (-0.05, 0.2), (0.1, -0.1), (0.22, 0.17)])
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from synthetic import frame, grouped, scene
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.perceive import perceive
 from cleancli.perception.recorded import BadRecording, load_frames, save_frames
+from support.synthetic import frame, grouped, scene
 
 
 @pytest.fixture(scope="module")

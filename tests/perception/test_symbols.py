@@ -6,13 +6,13 @@ from dataclasses import replace
 from math import pi
 
 import pytest
-import synthetic
 
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize
+from support import synthetic
 
 
 def symbol(name: str, *types: str, **more: object) -> Symbol:

@@ -7,9 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
-import domains
 import pytest
-from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import exact_value
@@ -18,6 +16,8 @@ from cleancli.planning.kernels import state_graph
 from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
+from support import small_tasks
+from support.planned import planned
 
 SWEEP = """
 domain d {
@@ -38,7 +38,7 @@ def plan(name: str, task: Task, **options: int) -> Plan:
 
 
 def sweeping(outcomes: str) -> Task:
-    return domains.task(SWEEP % outcomes, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 1")
+    return small_tasks.task(SWEEP % outcomes, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 1")
 
 
 def worth(task: Task, steps: int, width: int) -> float:
@@ -52,9 +52,9 @@ def worth(task: Task, steps: int, width: int) -> float:
 def test_the_best_of_all_sequences_is_found(
     seed: int, determinize: Callable[[Task], tuple[Task, tuple[int, ...]]]
 ) -> None:
-    task = replace(domains.costly_task(seed), horizon=2)
+    task = replace(small_tasks.costly_task(seed), horizon=2)
     if seed % 2:
-        task = domains.timed(task)
+        task = small_tasks.timed(task)
     certain, origins = determinize(task)
     assert all(o.probability == 1 for rule in certain.rules for o in rule.outcomes)
     assert [certain.discounts[i] for i in range(len(origins))] == [task.discounts[o] for o in origins]
@@ -65,14 +65,14 @@ def test_the_best_of_all_sequences_is_found(
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_narrow_beam_finds_no_more_than_a_wide_one(seed: int) -> None:
-    task = replace(all_outcomes(domains.costly_task(seed))[0], horizon=4)
+    task = replace(all_outcomes(small_tasks.costly_task(seed))[0], horizon=4)
     values = [worth(task, 4, width) for width in (1, 5, 10_000)]
     assert max(values) == values[-1]
     assert values[0] >= -1e-12
 
 
 def test_a_search_without_room_ends_with_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    task = replace(all_outcomes(domains.costly_task(2))[0], horizon=4)
+    task = replace(all_outcomes(small_tasks.costly_task(2))[0], horizon=4)
     whole = worth(task, 4, 10_000)
     monkeypatch.setattr(state_graph, "EDGE_LIMIT", 40)
     assert 0.0 < worth(task, 4, 10_000) <= whole

@@ -6,10 +6,8 @@ import pickle
 from collections import Counter
 from collections.abc import Mapping
 
-import domains
 import numpy as np
 import pytest
-import reference
 from scipy import stats
 
 from cleancli.compiler.semantics import (
@@ -28,13 +26,14 @@ from cleancli.planning.evaluation.forecast import Forecast, exact_course, foreca
 from cleancli.planning.evaluation.value import evaluate, exact
 from cleancli.planning.plan import Options, TooManyStatesError
 from cleancli.planning.registry import PLANNERS
+from support import reference_prada, small_tasks
 
 SEEDS = range(6)
 
 
 def case(seed: int) -> tuple[Task, list[int]]:
-    task = domains.weighted_task(seed)
-    task = domains.timed(task) if seed % 2 else task
+    task = small_tasks.weighted_task(seed)
+    task = small_tasks.timed(task) if seed % 2 else task
     return task, np.random.default_rng(seed).integers(len(task.actions), size=4).tolist()
 
 
@@ -51,7 +50,7 @@ def test_the_three_values_of_a_sequence(seed: int) -> None:
     for sequence in (actions, [], [*actions, *actions]):  # longer than the horizon, too
         found = evaluate(prepare(task), sequence, Options(seed=seed), runs=20_000)
         assert found.exact == pytest.approx(exact_value(task, sequence))
-        assert found.factored == pytest.approx(reference.value(task, sequence))
+        assert found.factored == pytest.approx(reference_prada.value(task, sequence))
         assert abs(found.sampled.value - exact_value(task, sequence)) <= (
             stats.norm.isf(1e-5) * found.sampled.error + 1e-9
         )
@@ -120,16 +119,16 @@ def test_each_step_is_expected_to_do_what_the_distribution_says(seed: int) -> No
 def test_marginals_and_the_factored_belief_of_each_step(seed: int) -> None:
     task, actions = case(seed)
     marginals = forecast(prepare(task), actions, seed).marginals
-    factored = plan_beliefs(prepare(task), actions, reference.CUT)
+    factored = plan_beliefs(prepare(task), actions, reference_prada.CUT)
     slots = [(v, x) for v, variable in enumerate(task.variables) for x in range(len(variable.values))]
-    belief = reference.initial(task)
+    belief = reference_prada.initial(task)
     for row, distribution in enumerate(course(task, actions)):
         for slot, (v, x) in enumerate(slots):
             mass = sum(mass for state, mass in distribution.items() if state[v] == x)
             assert marginals[row, slot] == pytest.approx(mass, abs=1e-9)
             assert factored[row, slot] == pytest.approx(belief[v, x], abs=1e-9)
         if row < len(actions):
-            belief = reference.update(task, belief, actions[row], reference.CUT)
+            belief = reference_prada.update(task, belief, actions[row], reference_prada.CUT)
 
 
 def test_too_many_states_are_not_followed() -> None:

@@ -8,11 +8,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-import domains
 import numpy as np
-import optimal
 import pytest
-from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, progress, reward, successors
@@ -21,6 +18,8 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Plan, TooManyStatesError
 from cleancli.planning.planners import rational
+from support import optimal, small_tasks
+from support.planned import planned
 
 
 def optimum(task: Task) -> Callable[[GroundState, int], float]:
@@ -37,7 +36,7 @@ def graph(task: Task, steps: int, limit: int = 10_000) -> Graph:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_graph_is_the_process(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     found = graph(task, 3)
     states = [tuple(row) for row in found.states.tolist()]
     number = {state: index for index, state in enumerate(states)}
@@ -70,7 +69,7 @@ def _edges(found: Graph, edges: slice) -> list[tuple[float, int]]:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_backward_induction_is_the_recursion(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     found, value = graph(task, 4), optimum(task)
     values, _ = backward(found, lower_process(task), task.discount, 4)
     for step, within in enumerate(found.within[:4].tolist()):
@@ -79,7 +78,7 @@ def test_backward_induction_is_the_recursion(seed: int) -> None:
 
 
 def test_too_many_states_are_none_and_room_grows() -> None:
-    task = domains.random_task(3)
+    task = small_tasks.random_task(3)
     number = len(graph(task, 5).states)
     assert len(graph(task, 5, number).states) == number
     assert reachable(lower_process(task), task.initial, number - 1, 5) is None
@@ -92,9 +91,9 @@ def exact(task: Task, **options: Any) -> Plan:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_floats_fractions_and_the_recursion_agree(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), horizon=3)
+    task = replace(small_tasks.weighted_task(seed), horizon=3)
     if seed % 2:
-        task = domains.timed(task)
+        task = small_tasks.timed(task)
     plan = exact(task)
     assert plan.value == pytest.approx(optimum(task)(task.initial, 3), abs=1e-12)
     slow = exact(task, arithmetic="rational")
@@ -104,7 +103,7 @@ def test_floats_fractions_and_the_recursion_agree(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_sequence_is_worth_more(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), horizon=3)
+    task = replace(small_tasks.weighted_task(seed), horizon=3)
     plan = exact(task)
     rng = np.random.default_rng(seed)
     sequences = [rng.integers(6, size=3).tolist() for _ in range(50)]
@@ -113,7 +112,9 @@ def test_no_sequence_is_worth_more(seed: int) -> None:
 
 
 def test_fractions_have_no_rounding() -> None:
-    task = replace(domains.task(domains.SECTION_4, domains.TWO_SCATTERED), discount=0.1, discounts=(0.1,) * 4)
+    task = replace(
+        small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED), discount=0.1, discounts=(0.1,) * 4
+    )
     value, _ = rational.optimum(replace(task, horizon=2), 100)
     clean = Fraction(1, 2) + Fraction(1, 10) * Fraction(1, 2)
     join = Fraction(1, 2) + Fraction(1, 10) * (
@@ -125,7 +126,7 @@ def test_fractions_have_no_rounding() -> None:
 
 
 def test_the_example_of_section_4_seen_through() -> None:
-    task = domains.task(domains.SECTION_4, domains.TWO_SCATTERED)
+    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     plan = exact(task)
     assert plan.measure == "policy"
     assert [str(a) for a in plan.actions] == ["join(a, b)", "join(a, b)", "clean(a)"]
@@ -134,7 +135,7 @@ def test_the_example_of_section_4_seen_through() -> None:
 
 @pytest.mark.parametrize("arithmetic", ["float", "rational"])
 def test_too_many_states_are_refused(arithmetic: str) -> None:
-    task = domains.random_task(3)
+    task = small_tasks.random_task(3)
     with pytest.raises(TooManyStatesError) as refused:
         exact(task, states=10, arithmetic=arithmetic)
     assert refused.value.limit == 10
@@ -143,7 +144,7 @@ def test_too_many_states_are_refused(arithmetic: str) -> None:
 
 def guarded(seed: int) -> Task:
     """A random task where nothing is asked or paid once variable 0 or 1 has taken its last value."""
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     before_last = {v: frozenset(range(len(task.variables[v].values) - 1)) for v in (0, 1)}
 
     def guard(condition: GroundCondition) -> GroundCondition:
@@ -171,6 +172,8 @@ def test_what_is_forgotten_changes_no_value(seed: int) -> None:
 
 
 def test_a_clean_area_is_the_same_scattered_or_not() -> None:
-    task = domains.task(domains.SECTION_4, "objects { a b c - area } init { dirt(a), dirt(b), scattered(c) }")
+    task = small_tasks.task(
+        small_tasks.SECTION_4, "objects { a b c - area } init { dirt(a), dirt(b), scattered(c) }"
+    )
     assert len(graph(task, 3).states) > len(graph(prepare(task).forgetful.task, 3).states) == 6
     assert exact(task).value == pytest.approx(optimum(task)(task.initial, task.horizon))

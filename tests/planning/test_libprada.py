@@ -11,9 +11,7 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-import domains
 import pytest
-import reference
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task, holds
@@ -25,6 +23,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain, load_problem, read_source
 from cleancli.language.printing.formatter import layout
 from cleancli.planning.evaluation.belief_value import plan_value
+from support import reference_prada, small_tasks
 
 REFERENCE = """
 domain d {
@@ -45,7 +44,7 @@ PROBLEM = "objects { a b m n - area } init { dirt(a), dirt(m), dirt(n), between(
 
 
 def task(problem: str, compat: bool) -> Task:
-    domain = domains.domain(REFERENCE)
+    domain = small_tasks.domain(REFERENCE)
     source = Source("p.nid", f"problem p {{ domain = d {problem} }}")
     return ground(domain, load_problem(source, domain), compat=compat)
 
@@ -56,17 +55,19 @@ def test_each_binding_of_a_reference_is_a_rule_of_its_own() -> None:
     assert [holds(rule.condition, both.initial) for rule in both.rules] == [True, True]
     assert [str(action) for action in both.actions] == ["join(a, b)"]
     # Two rules of probability 1 leave nothing of each other: P(r) = φ(r) (1 - φ(r')).
-    assert reference.value(both, [0], independent_rules=True) == 0.0
+    assert reference_prada.value(both, [0], independent_rules=True) == 0.0
 
 
 def test_one_binding_is_the_same_either_way() -> None:
     problem = PROBLEM.replace("dirt(n), ", "")
     assert task(problem, compat=True) == task(problem, compat=False)
-    assert reference.value(task(problem, compat=True), [0], independent_rules=True) == pytest.approx(1.6)
+    assert reference_prada.value(task(problem, compat=True), [0], independent_rules=True) == pytest.approx(
+        1.6
+    )
 
 
 def test_rules_may_overlap() -> None:
-    domain = domains.domain(REFERENCE)
+    domain = small_tasks.domain(REFERENCE)
     again = replace(domain.rules[0], name="again", condition=(), references=(), outcomes=domain.default)
     several = replace(domain, rules=(*domain.rules, again))
     source = Source("p.nid", f"problem p {{ domain = d {PROBLEM.replace('dirt(n), ', '')} }}")
@@ -146,7 +147,7 @@ def at(atom: Atom, bound: dict[str, str]) -> Ground:
 
 
 def cut(probability: float) -> float:
-    return probability if probability >= reference.CUT else 0.0
+    return probability if probability >= reference_prada.CUT else 0.0
 
 
 SYMBOLS = """\
@@ -275,8 +276,8 @@ def test_its_ground_rules_are_found_but_for_those_about_the_container(areas: int
 @needs_files
 def test_its_value_of_a_plan_is_found() -> None:
     task = replace(task_of(2, compat=True), horizon=3)
-    steps = [domains.action(task, f"moveToContainerStraight({name})") for name in ("o11", "o10", "o10")]
-    assert reference.value(task, steps, independent_rules=True) == pytest.approx(1.4024, abs=5e-5)
+    steps = [small_tasks.action(task, f"moveToContainerStraight({name})") for name in ("o11", "o10", "o10")]
+    assert reference_prada.value(task, steps, independent_rules=True) == pytest.approx(1.4024, abs=5e-5)
 
 
 @needs_files

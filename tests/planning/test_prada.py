@@ -10,12 +10,9 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-import domains
 import numpy as np
 import pytest
-import reference
 from numba import njit
-from planned import planned
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -38,6 +35,8 @@ from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
+from support import reference_prada, small_tasks
+from support.planned import planned
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -50,7 +49,7 @@ def names(plan: Plan) -> list[str]:
     return [str(action) for action in plan.actions]
 
 
-@pytest.mark.parametrize("make", [domains.random_task, domains.weighted_task])
+@pytest.mark.parametrize("make", [small_tasks.random_task, small_tasks.weighted_task])
 @pytest.mark.parametrize("compat", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_inference_agrees_with_the_reference(seed: int, compat: bool, make: Callable[[int], Task]) -> None:
@@ -60,7 +59,7 @@ def test_inference_agrees_with_the_reference(seed: int, compat: bool, make: Call
         actions = rng.integers(len(task.actions), size=length).tolist()
         for threshold in (0.0, 0.03, 0.2):
             value = plan_value(task, actions, rule_threshold=threshold, compat=compat)
-            expected = reference.value(task, actions, independent_rules=compat, threshold=threshold)
+            expected = reference_prada.value(task, actions, independent_rules=compat, threshold=threshold)
             assert value == pytest.approx(expected, abs=1e-9)
 
 
@@ -70,13 +69,13 @@ def test_rules_may_overlap_where_they_are_independent(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for length in (1, 4, 9):
         actions = rng.integers(len(task.actions), size=length).tolist()
-        expected = reference.value(task, actions, independent_rules=True)
+        expected = reference_prada.value(task, actions, independent_rules=True)
         assert plan_value(task, actions, compat=True) == pytest.approx(expected, abs=1e-9)
 
 
 def overlapping(seed: int) -> Task:
     """A task in which many rules have lost a literal, and so exclude each other no more."""
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     rng = np.random.default_rng([seed, 2])
     return replace(
         task,
@@ -88,7 +87,7 @@ def overlapping(seed: int) -> Task:
 def test_a_belief_about_one_variable_is_exact(seed: int) -> None:
     """A rule that asks for a variable is taken to know it, so with one variable nothing is approximate."""
     rng = np.random.default_rng(seed)
-    task = replace(domains.random_task(seed), variables=(StateVariable("v", (), tuple("abcd")),))
+    task = replace(small_tasks.random_task(seed), variables=(StateVariable("v", (), tuple("abcd")),))
     rules = []
     for action in range(len(task.actions)):
         first, last = sorted(rng.choice(5, size=2, replace=False).tolist())
@@ -100,7 +99,9 @@ def test_a_belief_about_one_variable_is_exact(seed: int) -> None:
         task,
         initial=(int(rng.integers(4)),),
         rules=tuple(rules),
-        rewards=tuple(replace(domains.decrease((0, frozenset({x}))), state=Fraction(x)) for x in range(4)),
+        rewards=tuple(
+            replace(small_tasks.decrease((0, frozenset({x}))), state=Fraction(x)) for x in range(4)
+        ),
     )
     for length in (1, 3, 8):
         actions = rng.integers(len(task.actions), size=length).tolist()
@@ -121,7 +122,7 @@ def _thirds(rng: np.random.Generator) -> tuple[GroundOutcome, ...]:
 @pytest.mark.parametrize("seed", range(6))
 def test_a_belief_stays_one(seed: int, compat: bool) -> None:
     """Probabilities stay probabilities, and no step pays more than the bound for giving up says."""
-    task = overlapping(seed) if compat else domains.weighted_task(seed)
+    task = overlapping(seed) if compat else small_tasks.weighted_task(seed)
     tables = lower(task, independent=compat)
     belief = belief_search.new_belief(tables, 0.0)
     kernel.initialise(tables, np.asarray(task.initial, dtype=np.int32), belief)
@@ -170,7 +171,7 @@ def test_actions_are_drawn_in_proportion_to_their_weights(likely: float) -> None
 @pytest.mark.parametrize("compat", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_giving_up_samples_loses_no_plan(seed: int, compat: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    task = overlapping(seed) if compat else domains.weighted_task(seed)
+    task = overlapping(seed) if compat else small_tasks.weighted_task(seed)
     options = Options(300, seed, compat=compat)
     plan = prada(task, options)
     monkeypatch.setattr(belief_search, "ceiling", lambda tables, discount, steps: np.full(steps + 1, np.inf))
@@ -179,14 +180,14 @@ def test_giving_up_samples_loses_no_plan(seed: int, compat: bool, monkeypatch: p
 
 @pytest.mark.parametrize("seed", range(4))
 def test_threads_change_nothing(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), counted=None)
+    task = replace(small_tasks.weighted_task(seed), counted=None)
     plans = [prada(task, Options(2500, seed, threads=threads)) for threads in (1, 2, 3)]
     assert plans[0].samples == 2500
     assert all(replace(plan, seconds=plans[0].seconds) == plans[0] for plan in plans)
 
 
 def test_a_time_limit_ends_the_sampling() -> None:
-    task = replace(domains.random_task(3), horizon=40)
+    task = replace(small_tasks.random_task(3), horizon=40)
     plan = prada(task, Options(10**9, 0, time_limit=0.02))
     assert 0 < plan.samples < 10**9
     again = prada(task, Options(plan.samples, 0, time_limit=1000.0))
@@ -195,19 +196,21 @@ def test_a_time_limit_ends_the_sampling() -> None:
 
 @pytest.mark.parametrize("seed", range(25))
 def test_one_step_from_a_known_state_is_exact(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     task = replace(task, rewards=task.rewards[:4])  # of one variable each, which a belief knows exactly
     for action in range(len(task.actions)):
         assert plan_value(task, [action]) == pytest.approx(exact_value(task, [action]), abs=1e-12)
 
 
 def section_4(discount: float = 1.0) -> Task:
-    return domains.task(domains.SECTION_4, domains.TWO_SCATTERED + f" horizon = 2 discount = {discount}")
+    return small_tasks.task(
+        small_tasks.SECTION_4, small_tasks.TWO_SCATTERED + f" horizon = 2 discount = {discount}"
+    )
 
 
 def test_the_papers_example_is_valued_exactly() -> None:
     task = section_4(0.95)
-    clean_a, clean_b, join = (domains.action(task, a) for a in ("clean(a)", "clean(b)", "join(a, b)"))
+    clean_a, clean_b, join = (small_tasks.action(task, a) for a in ("clean(a)", "clean(b)", "join(a, b)"))
 
     def both_cleaned(*actions: int) -> float:
         distribution = {task.initial: 1.0}
@@ -231,9 +234,9 @@ def test_the_papers_example_is_planned_as_the_paper_says() -> None:
 
 def test_rules_taken_as_independent_miss_the_papers_example() -> None:
     task = section_4()
-    join = [domains.action(task, "join(a, b)"), domains.action(task, "clean(b)")]
-    assert reference.value(task, join) == pytest.approx(1.06)
-    assert reference.value(task, join, independent_rules=True) == pytest.approx(0.852)
+    join = [small_tasks.action(task, "join(a, b)"), small_tasks.action(task, "clean(b)")]
+    assert reference_prada.value(task, join) == pytest.approx(1.06)
+    assert reference_prada.value(task, join, independent_rules=True) == pytest.approx(0.852)
     plan = prada(task, Options(1000, 0, compat=True))
     assert sorted(names(plan)) == ["clean(a)", "clean(b)"]
     assert plan.value == pytest.approx(1.0)
@@ -248,8 +251,8 @@ def test_the_reference_reproduces_the_authors_implementation() -> None:
     objects = (Object("a", "area"), Object("b", "area"))
     task = ground(domain, Problem("two", "benchmark", objects, frozenset(facts)))
     steps = ("pushStraightAlong(b, a)", "pushStraight(a)", "pushStraight(a)")
-    push = [domains.action(task, step) for step in steps]
-    assert reference.value(task, push, independent_rules=True) == pytest.approx(1.4024, abs=5e-5)
+    push = [small_tasks.action(task, step) for step in steps]
+    assert reference_prada.value(task, push, independent_rules=True) == pytest.approx(1.4024, abs=5e-5)
     assert plan_value(task, push, compat=True) == pytest.approx(1.4024, abs=5e-5)
 
 
@@ -263,7 +266,7 @@ def test_samples_are_a_prefix_of_more_samples() -> None:
 
 def test_the_reported_value_is_the_plans() -> None:
     for seed in range(5):
-        task = domains.random_task(seed)
+        task = small_tasks.random_task(seed)
         plan = prada(task, Options(500, seed))
         actions = [task.actions.index(action) for action in plan.actions]
         assert plan.value == pytest.approx(plan_value(task, actions), abs=1e-12)
@@ -271,8 +274,8 @@ def test_the_reported_value_is_the_plans() -> None:
 
 def test_same_seed_same_plan_in_another_process() -> None:
     script = (
-        "import domains; from planned import planned;"
-        "p = planned('prada', domains.random_task(5), samples=300, seed=11);"
+        "from support import small_tasks; from support.planned import planned;"
+        "p = planned('prada', small_tasks.random_task(5), samples=300, seed=11);"
         "print([str(a) for a in p.actions], p.value)"
     )
     run = [sys.executable, "-c", script]
@@ -281,12 +284,12 @@ def test_same_seed_same_plan_in_another_process() -> None:
         subprocess.run(run, capture_output=True, text=True, check=True, env=environment).stdout
         for _ in range(2)
     }
-    here = prada(domains.random_task(5), Options(300, 11))
+    here = prada(small_tasks.random_task(5), Options(300, 11))
     assert outputs == {f"{names(here)} {here.value}\n"}
 
 
 def test_a_seeded_plan_stays_as_it_is() -> None:
-    plan = prada(domains.random_task(5), Options(300, 11))
+    plan = prada(small_tasks.random_task(5), Options(300, 11))
     assert (names(plan), round(plan.value, 9)) == (
         ["act5()", "act5()", "act0()", "act2()", "act2()"],
         0.384488144,
@@ -312,7 +315,7 @@ def test_a_plan_for_the_shipped_problem() -> None:
     ],
 )
 def test_nothing_to_do_gives_an_empty_plan(problem: str, planner: str) -> None:
-    task = domains.task(domains.SECTION_4, problem)
+    task = small_tasks.task(small_tasks.SECTION_4, problem)
     plan = PLANNERS[planner](prepare(task), Options(100, 0))
     assert (plan.actions, plan.value) == ((), 0.0)
 
@@ -341,7 +344,7 @@ def test_sure_and_impossible_outcomes(planner: str, sure: int, value: float) -> 
 def test_sixty_areas_within_the_time_limit() -> None:
     names = [f"a{index:02d}" for index in range(60)]
     facts = ", ".join(f"dirt({name})" for name in names)
-    task = domains.task(SIXTY, f"objects {{ {' '.join(names)} - area }} init {{ {facts} }}")
+    task = small_tasks.task(SIXTY, f"objects {{ {' '.join(names)} - area }} init {{ {facts} }}")
     prepared = prepare(task)
     prada(task, Options(1))
     for planner in ("prada", "aprada"):
@@ -351,30 +354,35 @@ def test_sixty_areas_within_the_time_limit() -> None:
         assert plan.seconds["search"] < 2.0
 
 
-SIXTY = domains.SECTION_4.replace("join(?a ?b - area) }", "}").replace(
-    domains.SECTION_4[domains.SECTION_4.index("  rule join") : domains.SECTION_4.index("  default")], ""
+SIXTY = small_tasks.SECTION_4.replace("join(?a ?b - area) }", "}").replace(
+    small_tasks.SECTION_4[
+        small_tasks.SECTION_4.index("  rule join") : small_tasks.SECTION_4.index("  default")
+    ],
+    "",
 )
 
 
 def test_no_time_gives_an_empty_plan() -> None:
-    assert prada(replace(domains.random_task(0), horizon=0), Options(100, 0)).actions == ()
+    assert prada(replace(small_tasks.random_task(0), horizon=0), Options(100, 0)).actions == ()
 
 
 def test_one_area_is_cleaned_twice_since_it_may_fail() -> None:
     problem = "objects { a - area } init { dirt(a) }"
-    plan = prada(domains.task(domains.SECTION_4, problem), Options(100, 0))
+    plan = prada(small_tasks.task(small_tasks.SECTION_4, problem), Options(100, 0))
     assert names(plan) == ["clean(a)", "clean(a)"]
     assert plan.value == pytest.approx(0.8 + 0.95 * 0.16)
-    assert exact_value(domains.task(domains.SECTION_4, problem), [0, 0]) == pytest.approx(0.8 + 0.95 * 0.16)
+    assert exact_value(small_tasks.task(small_tasks.SECTION_4, problem), [0, 0]) == pytest.approx(
+        0.8 + 0.95 * 0.16
+    )
 
 
 def test_useless_last_steps_and_worthless_plans_are_dropped() -> None:
-    sure = domains.SECTION_4.replace("0.8: not dirt(?a) rest: nothing", "1: not dirt(?a)")
-    plan = prada(domains.task(sure, "objects { a - area } init { dirt(a) } horizon = 5"), Options(100, 0))
+    sure = small_tasks.SECTION_4.replace("0.8: not dirt(?a) rest: nothing", "1: not dirt(?a)")
+    plan = prada(small_tasks.task(sure, "objects { a - area } init { dirt(a) } horizon = 5"), Options(100, 0))
     assert (names(plan), plan.value) == (["clean(a)"], 1.0)
-    poor = domains.SECTION_4.replace("0.8:", "0.04:")
+    poor = small_tasks.SECTION_4.replace("0.8:", "0.04:")
     problem = "objects { a - area } init { dirt(a) } horizon = 1"
-    assert prada(domains.task(poor, problem), Options(100, 0)).actions == ()
+    assert prada(small_tasks.task(poor, problem), Options(100, 0)).actions == ()
 
 
 def test_coverage_is_equation_3() -> None:
@@ -487,5 +495,5 @@ def test_a_plan_is_worth_more_than_stopping_by_more_than_the_margin(margin: floa
         reward { 0.05 * decrease(n) }
       }"""
     problem = "objects { a1 - area } init { dirt(a1) } horizon = 1 discount = 1"
-    found = planned("prada", domains.task(domain, problem), samples=100, margin=margin)
+    found = planned("prada", small_tasks.task(domain, problem), samples=100, margin=margin)
     assert len(found.actions) == length

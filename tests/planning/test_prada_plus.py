@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-import domains
 import numpy as np
 import pytest
-from optimal import optimum
 from scipy import stats
 
 from cleancli.compiler.semantics import exact_value
@@ -21,6 +19,8 @@ from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.planners.prada_plus import PradaPlusOptions, prada_plus
+from support import small_tasks
+from support.optimal import optimum
 
 WORDS = 300
 
@@ -42,9 +42,9 @@ def spread(task: Task) -> float:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_runs_are_worth_what_the_process_says(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     if seed % 2:
-        task = domains.timed(task)
+        task = small_tasks.timed(task)
     rng, prepared = np.random.default_rng(seed), prepare(task)
     for length in (0, 1, 3, 5):
         chosen = rng.integers(len(task.actions), size=length).tolist()
@@ -55,7 +55,7 @@ def test_runs_are_worth_what_the_process_says(seed: int) -> None:
 
 def one_rule(*probabilities: Fraction) -> Task:
     """One variable, which starts at 0; the only action sets it to i with the i-th probability."""
-    task = domains.random_task(0)
+    task = small_tasks.random_task(0)
     values = tuple(map(str, range(len(probabilities) + 1)))
     outcomes = tuple(GroundOutcome(p, OutcomeKind.CHANGE, ((0, i + 1),)) for i, p in enumerate(probabilities))
     rule = replace(task.rules[0], action=0, condition=((0, frozenset({0})),), outcomes=outcomes)
@@ -78,7 +78,7 @@ def test_outcomes_come_as_often_as_declared(shares: str) -> None:
     task, runs = one_rule(*probabilities), 64 * WORDS
     counts = []
     for index in range(len(probabilities)):
-        reward = replace(domains.decrease((0, frozenset({index + 1}))), decrease=Fraction(-1))
+        reward = replace(small_tasks.decrease((0, frozenset({index + 1}))), decrease=Fraction(-1))
         share = annealing.value(prepare(replace(task, rewards=(reward,))), [0], WORDS, 5)
         counts.append(round(share * runs))
     assert sum(counts) == runs
@@ -89,7 +89,7 @@ def test_outcomes_come_as_often_as_declared(shares: str) -> None:
 
 
 def test_uses_of_an_action_have_luck_of_their_own() -> None:
-    task = domains.task(domains.SECTION_4, "objects { a - area } init { dirt(a) } horizon = 3")
+    task = small_tasks.task(small_tasks.SECTION_4, "objects { a - area } init { dirt(a) } horizon = 3")
     again = annealing.value(prepare(task), [0, 0, 0], WORDS, 1)
     assert again == pytest.approx(exact_value(task, [0, 0, 0]), abs=0.01)
 
@@ -104,7 +104,7 @@ def best_of_all(task: Task) -> tuple[float, Sequence[int]]:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_few_states_are_solved(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     plan = prada_plus(prepare(task), Options(), PradaPlusOptions())
     assert (plan.measure, plan.samples) == ("policy", 0)
     assert plan.value == pytest.approx(optimum(task)(task.initial, task.horizon)[0], abs=1e-9)
@@ -113,7 +113,7 @@ def test_few_states_are_solved(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_nearly_the_best_of_all_sequences_is_found(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), horizon=3)
+    task = replace(small_tasks.weighted_task(seed), horizon=3)
     best, _ = best_of_all(task)
     nothing = exact_value(task, [])
     found = exact_value(task, indices(task, search(task, Options(2000, seed))))
@@ -121,8 +121,8 @@ def test_nearly_the_best_of_all_sequences_is_found(seed: int) -> None:
 
 
 def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
-    text = domains.TWO_SCATTERED + " horizon = 2 discount = 1"
-    plan = search(domains.task(domains.SECTION_4, text), Options(500, 1))
+    text = small_tasks.TWO_SCATTERED + " horizon = 2 discount = 1"
+    plan = search(small_tasks.task(small_tasks.SECTION_4, text), Options(500, 1))
     assert plan.actions[0].name == "join"
     assert plan.value == pytest.approx(1.06, abs=0.04)
 
@@ -150,14 +150,15 @@ def test_a_gain_is_reached_by_way_of_equals(seed: int) -> None:
     """From a detour to shelter and crossing it is one change that gains nothing, and one more."""
     wet = "objects { } init { wet(north), wet(east), wet(south) }"
     plan = search(
-        domains.task(COURIER, f"{wet} goal {{ delivered() }} horizon = 2 discount = 1"), Options(1000, seed)
+        small_tasks.task(COURIER, f"{wet} goal {{ delivered() }} horizon = 2 discount = 1"),
+        Options(1000, seed),
     )
     assert [str(action) for action in plan.actions] == ["shelter()", "cross()"]
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), horizon=8)
+    task = replace(small_tasks.weighted_task(seed), horizon=8)
     ours, theirs = (
         search(task, Options(2000, seed)),
         prada(prepare(task), Options(2000, seed), PradaOptions()),
@@ -168,27 +169,27 @@ def test_it_is_no_worse_than_prada_with_as_many_sequences(seed: int) -> None:
 
 def test_the_value_is_the_plans() -> None:
     for seed in range(5):
-        task = domains.weighted_task(seed)
+        task = small_tasks.weighted_task(seed)
         plan = search(task, Options(500, seed))
         assert plan.value == pytest.approx(exact_value(task, indices(task, plan)), abs=0.02 * spread(task))
 
 
 def test_the_number_of_threads_changes_nothing() -> None:
-    task = domains.weighted_task(3)
+    task = small_tasks.weighted_task(3)
     plans = [search(task, Options(1000, 5, threads=threads)) for threads in (1, 2, 3)]
     assert len({(plan.actions, plan.value) for plan in plans}) == 1
 
 
 def test_the_last_plan_is_a_start() -> None:
     """A chain of one try can only come back with what it was given."""
-    task = domains.weighted_task(1)
+    task = small_tasks.weighted_task(1)
     good = search(task, Options(4000, 1))
     again = search(task, Options(4, 2, previous=good.actions))
     assert exact_value(task, indices(task, again)) >= exact_value(task, indices(task, good)) - 0.02
 
 
 def test_a_time_limit_is_kept() -> None:
-    task = replace(domains.weighted_task(2), horizon=8)
+    task = replace(small_tasks.weighted_task(2), horizon=8)
     search(task, Options(10))
     plan = search(task, Options(10**7, 1, time_limit=0.2))
     assert 0.19 < plan.seconds["search"] < 1.0
@@ -196,15 +197,15 @@ def test_a_time_limit_is_kept() -> None:
 
 
 def test_seeds_may_be_large() -> None:
-    task = domains.weighted_task(3)
+    task = small_tasks.weighted_task(3)
     assert search(task, Options(100, 2**64 - 1)).actions == search(task, Options(100, 2**64 - 1)).actions
 
 
 @pytest.mark.parametrize("problem", ["objects { a - area } init { }", "objects { } init { }"])
 def test_nothing_to_do_gives_an_empty_plan(problem: str) -> None:
-    plan = search(domains.task(domains.SECTION_4, problem), Options(100))
+    plan = search(small_tasks.task(small_tasks.SECTION_4, problem), Options(100))
     assert (plan.actions, plan.value) == ((), 0.0)
 
 
 def test_no_time_gives_an_empty_plan() -> None:
-    assert search(replace(domains.random_task(0), horizon=0), Options(100)).actions == ()
+    assert search(replace(small_tasks.random_task(0), horizon=0), Options(100)).actions == ()

@@ -11,10 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import domains
 import numpy as np
 import pytest
-from optimal import optimum
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -23,6 +21,8 @@ from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
+from support import small_tasks
+from support.optimal import optimum
 
 STEPS = 3
 SEEDS = range(6)
@@ -103,7 +103,7 @@ def test_the_best_policy_loses_nothing(regret: ModuleType, seed: int) -> None:
 def test_the_loop_earns_the_value_that_is_printed(regret: ModuleType, seed: int) -> None:
     """Of planners that know the best policy, where states pay, waiting is a choice, and much is worth the
     same."""
-    task = domains.weighted_task(seed) if seed % 2 else domains.random_task(seed)
+    task = small_tasks.weighted_task(seed) if seed % 2 else small_tasks.random_task(seed)
     if seed % 4 < 2:
         task = replace(task, discount=1.0, discounts=(1.0,) * 6)
     game = regret.game_of(prepare(replace(task, horizon=STEPS)), STEPS)

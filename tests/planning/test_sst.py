@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import domains
 import pytest
-from planned import planned
 
 from cleancli.compiler.task import Task
 from cleancli.planning.plan import Plan
+from support import small_tasks
+from support.planned import planned
 
 
 def plan(name: str, task: Task, **options: Any) -> Plan:
@@ -19,7 +19,7 @@ def plan(name: str, task: Task, **options: Any) -> Plan:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_many_results_and_the_whole_horizon_tend_to_the_optimum(seed: int) -> None:
-    task = replace(domains.costly_task(seed), horizon=2)
+    task = replace(small_tasks.costly_task(seed), horizon=2)
     best = plan("exact", task)
     sampled = plan("sst", task, branching=20_000, depth=9)
     assert sampled.value == pytest.approx(best.value, abs=0.05)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-import domains
 import numpy as np
 import pytest
-import reference
 from scipy import stats
 
 from cleancli.compiler.lowering.state_tables import lower_process
@@ -22,6 +20,7 @@ from cleancli.compiler.semantics import (
 from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.kernels import transitions
+from support import reference_prada, small_tasks
 
 SEEDS = range(12)
 
@@ -37,7 +36,7 @@ def array(assignment: GroundState) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_conditions_rules_and_rewards_are_those_of_the_task(seed: int) -> None:
-    task = replace(domains.weighted_task(seed), goal=(((0, frozenset({0})), (1, frozenset({1}))),))
+    task = replace(small_tasks.weighted_task(seed), goal=(((0, frozenset({0})), (1, frozenset({1}))),))
     process = lower_process(task)
     conditions = [*(r.condition for r in task.rules), *(r.condition for r in task.rewards), *task.goal]
     for assignment in some_states(task, seed, 30):
@@ -53,7 +52,7 @@ def test_conditions_rules_and_rewards_are_those_of_the_task(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
-    task = domains.weighted_task(seed)
+    task = small_tasks.weighted_task(seed)
     process, draws = lower_process(task), 4000
     assignment = some_states(task, seed, 1)[0]
     for action in range(len(task.actions)):
@@ -71,8 +70,8 @@ def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
-    task = domains.weighted_task(seed)
-    task = domains.timed(task) if seed % 2 else task
+    task = small_tasks.weighted_task(seed)
+    task = small_tasks.timed(task) if seed % 2 else task
     rng = np.random.default_rng(seed)
     actions = rng.integers(len(task.actions), size=4)
     idle = np.concatenate([[0.0], np.cumsum(task.discount ** np.arange(task.horizon))])
@@ -85,7 +84,7 @@ def test_a_sequence_is_worth_what_its_exact_value_says(seed: int) -> None:
 
 
 def test_time_discounts_by_duration() -> None:
-    task = domains.timed(domains.weighted_task(1))
+    task = small_tasks.timed(small_tasks.weighted_task(1))
     assert task.discounts == pytest.approx([0.9 ** ((i + 1) / 3.5) for i in range(6)])
     for actions in ([0], [5], [5, 0, 3, 3]):
         value, factor, distribution = 0.0, 1.0, {task.initial: 1.0}
@@ -104,17 +103,17 @@ def test_time_discounts_by_duration() -> None:
         rest = sum(mass * standing(task, s) for s, mass in distribution.items())
         value += factor * rest * sum(0.9**k for k in range(task.horizon - len(actions)))
         assert exact_value(task, actions) == pytest.approx(value)
-        assert plan_value(task, actions) == pytest.approx(reference.value(task, actions), abs=1e-9)
+        assert plan_value(task, actions) == pytest.approx(reference_prada.value(task, actions), abs=1e-9)
 
 
 def test_equal_durations_discount_as_steps_do() -> None:
-    task = domains.weighted_task(3)
+    task = small_tasks.weighted_task(3)
     equal = replace(task, actions=tuple(replace(a, duration=4.0) for a in task.actions), step=4.0, untimed=())
     assert by_time(equal).discounts == pytest.approx(task.discounts)
 
 
 def test_time_needs_durations() -> None:
-    nothing = replace(domains.random_task(0), untimed=(), actions=(), rules=(), discounts=(), step=None)
+    nothing = replace(small_tasks.random_task(0), untimed=(), actions=(), rules=(), discounts=(), step=None)
     assert by_time(nothing) == nothing, "a domain without actions has nothing to discount"
     with pytest.raises(NoDurationError, match="act0"):
-        by_time(domains.random_task(0))
+        by_time(small_tasks.random_task(0))

@@ -8,11 +8,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-import domains
 import numpy as np
-import optimal
 import pytest
-from planned import planned
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, standing, successors
@@ -24,6 +21,8 @@ from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes
+from support import optimal, small_tasks
+from support.planned import planned
 
 DOORS = """
 domain doors {
@@ -55,7 +54,7 @@ PLANS = {
 
 
 def doors(reward: str, inside: str, rules: str = "") -> Task:
-    return domains.task(DOORS % (rules, reward), f"objects {{ a1 - door }} {inside}")
+    return small_tasks.task(DOORS % (rules, reward), f"objects {{ a1 - door }} {inside}")
 
 
 def chosen_by(name: str, task: Task) -> tuple[list[str], Plan]:
@@ -127,7 +126,7 @@ def test_a_goal_that_pays_nothing_is_reached_where_that_costs_nothing(name: str)
 def odd(seed: int) -> Task:
     """A random task with a goal and with an action that changes nothing; rewards of one half or of any
     weight, discounted by steps, by time or not at all."""
-    task = domains.weighted_task(seed) if seed % 2 else domains.random_task(seed)
+    task = small_tasks.weighted_task(seed) if seed % 2 else small_tasks.random_task(seed)
     rules = tuple(
         replace(rule, outcomes=tuple(replace(o, effects=()) for o in rule.outcomes))
         if rule.action == 5
@@ -137,7 +136,7 @@ def odd(seed: int) -> Task:
     goal = (((0, frozenset({1})), (1, frozenset({0}))), ((0, frozenset({0})), (2, frozenset({1}))))
     task = replace(task, rules=rules, goal=goal, horizon=3)
     if seed % 3 == 0:
-        return domains.timed(task)
+        return small_tasks.timed(task)
     return replace(task, discount=1.0, discounts=(1.0,) * 6) if seed % 3 == 1 else task
 
 
@@ -225,7 +224,7 @@ def test_actions_beyond_the_horizon_do_not_count() -> None:
 )
 def test_what_changes_nothing_is_kept_where_waiting_can_pay(reward: str, kept: bool) -> None:
     text = (DOORS % (WAIT, reward)).replace("wait() }", "wait() [cost = 1] }", 1)
-    task = domains.task(text, "objects { a1 - door } goal { open(a1) } horizon = 2")
+    task = small_tasks.task(text, "objects { a1 - door } goal { open(a1) } horizon = 2")
     assert task.waiting is kept
     assert ("wait()" in [str(action) for action in task.actions]) is kept
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import domains
 import pytest
-from planned import planned
 
 from cleancli.compiler.task import Task
 from cleancli.planning.plan import Plan
+from support import small_tasks
+from support.planned import planned
 
 
 def plan(name: str, task: Task, **options: Any) -> Plan:
@@ -19,9 +19,9 @@ def plan(name: str, task: Task, **options: Any) -> Plan:
 
 @pytest.mark.parametrize("seed", [0, 2, 4, 5])
 def test_episodes_tend_to_the_optimum(seed: int) -> None:
-    task = replace(domains.costly_task(seed), horizon=3)
+    task = replace(small_tasks.costly_task(seed), horizon=3)
     if seed == 4:
-        task = domains.timed(task)
+        task = small_tasks.timed(task)
     best = plan("exact", task)
     assert best.value > 0.1
     few, many = (plan("uct", task, samples=n) for n in (20, 100_000))
@@ -31,7 +31,7 @@ def test_episodes_tend_to_the_optimum(seed: int) -> None:
 
 
 def test_the_example_of_section_4_is_seen_through() -> None:
-    task = domains.task(domains.SECTION_4, domains.TWO_SCATTERED)
+    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     found = plan("uct", task, samples=100_000)
     assert found.value == pytest.approx(plan("exact", task).value, abs=0.03)
     assert found.actions[0].name == "join"
@@ -39,14 +39,14 @@ def test_the_example_of_section_4_is_seen_through() -> None:
 
 
 def test_same_seed_same_plan_however_the_tree_grows() -> None:
-    task = replace(domains.random_task(0), horizon=4)
+    task = replace(small_tasks.random_task(0), horizon=4)
     one, other = (plan("uct", task, samples=3000, seed=5) for _ in range(2))
     assert (one.actions, one.value) == (other.actions, other.value)
     assert plan("uct", task, samples=3000, seed=6).value != one.value
 
 
 def test_the_time_limit_ends_the_search() -> None:
-    task = domains.random_task(0)
+    task = small_tasks.random_task(0)
     cut = plan("uct", task, samples=10**9, time_limit=0.05)
     assert 0 < cut.samples < 10**9
     assert cut.seconds["search"] < 1.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from run_folders import write_run
+
+from support.run_folders import write_run
 
 
 @pytest.fixture

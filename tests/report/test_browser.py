@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
-from run_folders import RECORDS, write_run
 
 from cleancli.cli.main import run
 from cleancli.recording.pictures import VIDEO_INTERVAL, Video
+from support.run_folders import RECORDS, write_run
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 

@@ -11,7 +11,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
@@ -19,6 +18,7 @@ from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record
 from cleancli.report.page import run_page, ticks
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import read_run
+from support.run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run
 
 
 def test_what_files_say_is_escaped(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from run_folders import RECORDS, SECONDS, header, write_run
 
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.recording.journal import Chance, Expected, FactEntry, Started
@@ -15,6 +14,7 @@ from cleancli.report.account import row_of
 from cleancli.report.run import read_run
 from cleancli.report.steps import chance_text, facts_text, likeliest, steps_of
 from cleancli.report.timeline import timeline
+from support.run_folders import RECORDS, SECONDS, header, write_run
 
 
 def test_steps_tell_what_was_expected_and_what_happened() -> None:

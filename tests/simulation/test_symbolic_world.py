@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import rooms
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -24,20 +23,21 @@ from cleancli.simulation import episode as episodes
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode
 from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
+from support import doors
 
-DOORS, JAMMING, PAID = (rooms.domain(text) for text in (rooms.DOORS, rooms.JAMMING, rooms.PAID))
-PROBLEM = rooms.problem(DOORS)
+DOORS, JAMMING, PAID = (doors.domain(text) for text in (doors.DOORS, doors.JAMMING, doors.PAID))
+PROBLEM = doors.problem(DOORS)
 STEPS = "horizon = 5"
 COUNTED = Options().counted
 UNLUCKY = 1
 """A seed whose first episode opens no door by the first action, while others do."""
 
 
-def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
+def run(text: str, *said: str, inside: str = doors.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
     """One episode of a planner that always says the same."""
-    known = rooms.domain(text)
-    given = rooms.problem(known, inside)
-    who = Agent(rooms.saying(*said), known, given)
+    known = doors.domain(text)
+    given = doors.problem(known, inside)
+    who = Agent(doors.saying(*said), known, given)
     return episode(world_of(known, given), who, number, Options(), EpisodeLimits(**limits))
 
 
@@ -48,19 +48,19 @@ def run(text: str, *said: str, inside: str = rooms.TWO_DOORS, number: int = 0, *
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (rooms.DOORS, ("push(a)", "oil(b)", "push(a)", "push(b)")),
-        (rooms.PAID, ("push(a)", "push(a)", "oil(b)")),
-        (rooms.JAMMING, ("push(a)", "push(a)", "oil(a)")),
-        (rooms.STORMY, ("storm()", "push(a)", "storm()")),
+        (doors.DOORS, ("push(a)", "oil(b)", "push(a)", "push(b)")),
+        (doors.PAID, ("push(a)", "push(a)", "oil(b)")),
+        (doors.JAMMING, ("push(a)", "push(a)", "oil(a)")),
+        (doors.STORMY, ("storm()", "push(a)", "storm()")),
     ],
 )
 def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], timed: bool) -> None:
-    known = rooms.domain(text)
-    given = rooms.problem(known, f"{rooms.TWO_DOORS} {STEPS}")
+    known = doors.domain(text)
+    given = doors.problem(known, f"{doors.TWO_DOORS} {STEPS}")
     task = ground(known, given)
     numbers = [[str(a) for a in task.actions].index(name) for name in said]
     expected = exact_value(by_time(task) if timed else task, numbers)
-    world, who = world_of(known, given, timed), Agent(rooms.saying(*said), known, given, timed)
+    world, who = world_of(known, given, timed), Agent(doors.saying(*said), known, given, timed)
     limits = EpisodeLimits(max_actions=len(said), commit=len(said))
     found = [episode(world, who, n, Options(), limits) for n in range(3000)]
     # What is paid for the state after the limit of actions is left out, so the horizon is that limit.
@@ -72,7 +72,7 @@ def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], ti
 
 def test_after_an_early_end_standing_still_is_paid() -> None:
     idle = run(
-        rooms.PAID,
+        doors.PAID,
         inside=f"{{init}} {STEPS}".format(init="init { open(a), force(a) = 1, force(b) = 1 }"),
         max_actions=4,
     )
@@ -83,14 +83,14 @@ def test_after_an_early_end_standing_still_is_paid() -> None:
 
 def test_actions_that_can_change_nothing_cost_and_last() -> None:
     """The planner thinks that oil helps; in the world it does nothing, so the task has no such action."""
-    text = rooms.DOORS.replace("reward { decrease(shut) }", "reward { decrease(shut) - cost }")
-    known = rooms.domain(text)
+    text = doors.DOORS.replace("reward { decrease(shut) }", "reward { decrease(shut) - cost }")
+    known = doors.domain(text)
     without = text.replace("then 0.5: open(?d)\n         rest: noise", "then 1: noise").replace(
         "oil(?d - door) [duration = 10 s]", "oil(?d - door) [duration = 8 s, cost = 0.25]"
     )
-    actual = rooms.domain(without)
-    given = rooms.problem(known)
-    who = Agent(rooms.saying("oil(a)"), known, given)
+    actual = doors.domain(without)
+    given = doors.problem(known)
+    who = Agent(doors.saying("oil(a)"), known, given)
     found = episode(world_of(actual, given), who, 0, Options(), EpisodeLimits(max_actions=3))
     assert (found.reason, found.success) == (Reason.LIMIT, False)
     assert found.plain == pytest.approx(-0.75)
@@ -104,52 +104,52 @@ def test_actions_that_can_change_nothing_cost_and_last() -> None:
 
 def test_the_pace_is_that_of_what_has_an_effect_somewhere() -> None:
     """Not of what happens to occur: here no door can be pushed, and knocking does nothing anywhere."""
-    text = rooms.DOORS.replace("actions    {", "actions    { knock() [duration = 99 s] ").replace(
+    text = doors.DOORS.replace("actions    {", "actions    { knock() [duration = 99 s] ").replace(
         "  reward", "  rule k: knock() { then 1: nothing }\n  reward"
     )
-    known = rooms.domain(text)
-    given = rooms.problem(known, "init { jammed(a), jammed(b), force(a) = 1, force(b) = 1 }")
+    known = doors.domain(text)
+    given = doors.problem(known, "init { jammed(a), jammed(b), force(a) = 1, force(b) = 1 }")
     world = world_of(known, given, timed=True)
     rng = np.random.default_rng(0)
     expected = {"push(a)": 4.0, "oil(a)": 10.0, "knock()": 99.0}
     for said, seconds in expected.items():
-        (action,) = rooms.saying(said)(
-            Agent(rooms.saying(), known, given).prepared(given.state, 30), Options()
+        (action,) = doors.saying(said)(
+            Agent(doors.saying(), known, given).prepared(given.state, 30), Options()
         ).actions
         assert do(world, world.task.initial, action, rng)[0].discount == pytest.approx(0.95 ** (seconds / 7))
 
 
 def test_robot_time_needs_every_duration() -> None:
-    text = rooms.DOORS.replace("[duration = 4 s, cost = 1]", "[cost = 1]")
+    text = doors.DOORS.replace("[duration = 4 s, cost = 1]", "[cost = 1]")
     assert run(text, "oil(a)", max_actions=2).seconds is not None
     assert run(text, "push(a)", max_actions=2).seconds is None
     with pytest.raises(NoDurationError, match="push"):
-        world_of(rooms.domain(text), PROBLEM, timed=True)
+        world_of(doors.domain(text), PROBLEM, timed=True)
 
 
 # ---- why episodes end
 
 
 def test_reasons() -> None:
-    goal = f"{rooms.TWO_DOORS} goal {{ open(a) }}"
-    assert run(rooms.DOORS, "oil(a)", inside=goal).reason is Reason.GOAL
-    assert run(rooms.DOORS, "oil(b)", inside=goal, max_actions=9).reason is Reason.LIMIT
-    assert run(rooms.DOORS, "oil(a)", "oil(b)", commit=2).reason is Reason.CLEARED
-    assert run(rooms.DOORS).reason is Reason.IDLE
-    assert run(rooms.DOORS, "oil(a)", max_actions=0).reason is Reason.LIMIT
+    goal = f"{doors.TWO_DOORS} goal {{ open(a) }}"
+    assert run(doors.DOORS, "oil(a)", inside=goal).reason is Reason.GOAL
+    assert run(doors.DOORS, "oil(b)", inside=goal, max_actions=9).reason is Reason.LIMIT
+    assert run(doors.DOORS, "oil(a)", "oil(b)", commit=2).reason is Reason.CLEARED
+    assert run(doors.DOORS).reason is Reason.IDLE
+    assert run(doors.DOORS, "oil(a)", max_actions=0).reason is Reason.LIMIT
     open_already = "init { open(a), open(b), force(a) = 1, force(b) = 1 }"
-    assert run(rooms.DOORS, "oil(a)", inside=open_already, max_actions=0).reason is Reason.CLEARED
-    endless = run(rooms.PAID, "push(a)", inside=f"{rooms.TWO_DOORS} {STEPS}", max_actions=7)
+    assert run(doors.DOORS, "oil(a)", inside=open_already, max_actions=0).reason is Reason.CLEARED
+    endless = run(doors.PAID, "push(a)", inside=f"{doors.TWO_DOORS} {STEPS}", max_actions=7)
     assert (endless.reason, endless.success, len(endless.actions)) == (Reason.LIMIT, None, 7)
 
 
 def test_a_goal_that_can_never_hold_is_no_success() -> None:
-    found = run(rooms.DOORS, "oil(b)", inside=f"{rooms.TWO_DOORS} goal {{ jammed(a) }}", max_actions=3)
+    found = run(doors.DOORS, "oil(b)", inside=f"{doors.TWO_DOORS} goal {{ jammed(a) }}", max_actions=3)
     assert (found.reason, found.success) == (Reason.LIMIT, False)
 
 
 def test_an_episode_ends_amid_a_plan() -> None:
-    found = run(rooms.DOORS, *["oil(a)"] * 9, commit=9, inside=f"{rooms.TWO_DOORS} goal {{ open(a) }}")
+    found = run(doors.DOORS, *["oil(a)"] * 9, commit=9, inside=f"{doors.TWO_DOORS} goal {{ open(a) }}")
     assert found.reason is Reason.GOAL
     assert len(found.actions) < 9
     assert len(found.planning) == 1
@@ -159,10 +159,10 @@ def test_an_episode_ends_amid_a_plan() -> None:
 
 
 def test_an_episode_depends_on_seed_and_number_alone() -> None:
-    goal = f"{rooms.TWO_DOORS} goal {{ open(a) }}"
-    alone = [run(rooms.DOORS, "push(a)", number=n, inside=goal).actions for n in (3, 5)]
-    given = rooms.problem(DOORS, goal)
-    world, who = world_of(DOORS, given), Agent(rooms.saying("push(a)"), DOORS, given)
+    goal = f"{doors.TWO_DOORS} goal {{ open(a) }}"
+    alone = [run(doors.DOORS, "push(a)", number=n, inside=goal).actions for n in (3, 5)]
+    given = doors.problem(DOORS, goal)
+    world, who = world_of(DOORS, given), Agent(doors.saying("push(a)"), DOORS, given)
     together = [episode(world, who, n, Options(), EpisodeLimits()).actions for n in range(6)]
     assert [together[3], together[5]] == alone
     assert len({len(actions) for actions in together}) > 1
@@ -171,7 +171,7 @@ def test_an_episode_depends_on_seed_and_number_alone() -> None:
 def test_the_nth_action_meets_the_same_luck_whatever_came_before() -> None:
     """Pushing an open door draws nothing, and yet uses up its number."""
     world = world_of(DOORS, PROBLEM)
-    push = rooms.saying("push(a)", "push(b)")
+    push = doors.saying("push(a)", "push(b)")
     a, b = push(Agent(push, DOORS, PROBLEM).prepared(PROBLEM.state, COUNTED), Options()).actions
     opened = assignment_of(world.task, PROBLEM.state | {Fact("open", ("a",))})
     assert opened is not None
@@ -191,10 +191,10 @@ def test_horizons_and_rests_of_plans() -> None:
 
     def planner(prepared: Prepared, options: Options) -> Plan:
         asked.append((prepared.task.horizon, options.seed, tuple(map(str, options.previous))))
-        return rooms.plan(prepared, prepared.task.actions[:2])
+        return doors.plan(prepared, prepared.task.actions[:2])
 
-    known = rooms.domain(rooms.PAID)
-    given = rooms.problem(known, f"{rooms.TWO_DOORS} {STEPS}")
+    known = doors.domain(doors.PAID)
+    given = doors.problem(known, f"{doors.TWO_DOORS} {STEPS}")
     who = Agent(planner, known, given)
     episode(world_of(known, given), who, 0, Options(), EpisodeLimits(max_actions=3, horizon=3))
     assert [horizon for horizon, _, _ in asked] == [3, 2, 1]
@@ -206,7 +206,7 @@ def test_horizons_and_rests_of_plans() -> None:
 
 
 def test_the_horizon_is_that_of_the_present_state() -> None:
-    who = Agent(rooms.saying(), DOORS, PROBLEM)
+    who = Agent(doors.saying(), DOORS, PROBLEM)
     assert who.prepared(PROBLEM.state, COUNTED).task.horizon == 3
     assert who.prepared(PROBLEM.state | {Fact("open", ("b",))}, COUNTED).task.horizon == 2
 
@@ -214,7 +214,7 @@ def test_the_horizon_is_that_of_the_present_state() -> None:
 def test_rules_are_grounded_again_only_for_what_they_cannot_change(monkeypatch: pytest.MonkeyPatch) -> None:
     grounded = []
     monkeypatch.setattr(agents, "ground", lambda *given: grounded.append(given) or ground(*given))
-    who = Agent(rooms.saying(), DOORS, PROBLEM)
+    who = Agent(doors.saying(), DOORS, PROBLEM)
     jammed = PROBLEM.state | {Fact("jammed", ("a",))}
     stronger = frozenset(fact for fact in jammed if fact.objects != ("a",)) | {
         Fact("jammed", ("a",)),
@@ -245,9 +245,9 @@ def test_a_world_may_do_what_the_planner_does_not_expect() -> None:
     def pushing(prepared: Prepared, options: Options) -> Plan:
         task = prepared.task
         shut = {v.objects for v, i in zip(task.variables, task.initial, strict=True) if not v.values[i]}
-        return rooms.plan(prepared, [a for a in task.actions if a.name == "push" and a.objects in shut][:1])
+        return doors.plan(prepared, [a for a in task.actions if a.name == "push" and a.objects in shut][:1])
 
-    given = rooms.problem(DOORS)
+    given = doors.problem(DOORS)
     own = [
         episode(world_of(DOORS, given), Agent(pushing, DOORS, given), n, Options(), EpisodeLimits())
         for n in range(40)
@@ -271,7 +271,7 @@ def test_what_a_process_refuses_is_refused_here_too(monkeypatch: pytest.MonkeyPa
     def late(prepared: Prepared, options: Options, own: None) -> Plan:
         if prepared.task.horizon < 3:
             raise NoDurationError(["push"])
-        return rooms.plan(prepared, prepared.task.actions[:1])
+        return doors.plan(prepared, prepared.task.actions[:1])
 
     monkeypatch.setattr(batch, "ProcessPoolExecutor", lambda jobs, context: ThreadPoolExecutor(jobs))
     setup = batch.Batch(

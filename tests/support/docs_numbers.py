@@ -1,4 +1,4 @@
-"""Where every number of the documents comes from: `python tests/docs_numbers.py [PAGE ...]`.
+"""Where every number of the documents comes from: `python tests/support/docs_numbers.py [PAGE ...]`.
 
 Prints each number of docs/ with the command that makes it or the file that sets it, and those that have
 neither at the end (exit code 1). The rule is in docs/decisions/0010-numbers-name-their-source.md:
@@ -26,7 +26,7 @@ from itertools import takewhile
 from math import isclose, pi
 from pathlib import Path
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PAGES = tuple(sorted((ROOT / "docs").rglob("*.md")))
 
 NUMBER = re.compile(r"(?<![\w.,^-])[-−]?\d+(?:\^\d+)?(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?(?![\w])")
