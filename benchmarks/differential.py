@@ -1,12 +1,12 @@
 """The product against another reading of the documents: `python benchmarks/differential.py`.
 
 Draws domains with every construct and their problems, and compares what the product says of them with what
-the interpreter in tests/differential says, which was written from docs/language.md and docs/planning.md
-alone: transitions, rewards, values of sequences and of the best policy, plans, `explain`, `plan --explain`,
-drawn frequencies, closed loops and learned numbers. Domains that the checker refuses are looked at (no state
-may contradict the refusal), and do not count. The files of a domain with a difference are kept in FOLDER,
-and the exit code is 1. 5,000 domains take about 15 minutes on two free cores, 30 some 20 seconds. A run
-that is started again with the same FOLDER and seed goes on where it stopped.
+the interpreter in tests/support/differential says, which was written from docs/language.md and
+docs/planning.md alone: transitions, rewards, values of sequences and of the best policy, plans, `explain`,
+`plan --explain`, drawn frequencies, closed loops and learned numbers. Domains that the checker refuses are
+looked at (no state may contradict the refusal), and do not count. The files of a domain with a difference
+are kept in FOLDER, and the exit code is 1. 5,000 domains take about 15 minutes on two free cores, 30 some
+20 seconds. A run that is started again with the same FOLDER and seed goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -24,10 +24,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "differential"))
-
-from comparing import compare
-from comparison import Comparison, unlikely
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from support.differential.comparing import compare
+from support.differential.comparison import Comparison, unlikely
 
 APART = 1_000_000
 """Seeds of domains that belong to one `--seed`."""

@@ -10,8 +10,9 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from comparing import compare
-from comparison import Comparison, unlikely
+
+from support.differential.comparing import compare
+from support.differential.comparison import Comparison, unlikely
 
 DOMAINS = 30
 """Domains that pass `check`, in each part."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from random import Random
 
 import pytest
-from abstract import (
+
+from support.differential.abstract import (
     Closure,
     Comparison,
     Definition,
@@ -23,8 +24,8 @@ from abstract import (
     Shift,
     Truth,
 )
-from drawing import draw
-from writing import Writer
+from support.differential.drawing import draw
+from support.differential.writing import Writer
 
 DRAWN = 300
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from abstract import (
+
+from support.differential.abstract import (
     Action,
     Count,
     Domain,
@@ -21,8 +22,8 @@ from abstract import (
     Truth,
     Variable,
 )
-from interpreter import Meaning, TwoRules, TwoValues
-from worth import STOP, Worth
+from support.differential.interpreter import Meaning, TwoRules, TwoValues
+from support.differential.worth import STOP, Worth
 
 A, B, M = Variable("?a", "area"), Variable("?b", "area"), Variable("?m", "area")
 DIRT, OPEN = Symbol("dirt", ("area",)), Symbol("open", ("area",))

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-import product
-from abstract import Domain, Problem
-from comparing_loops import compare_learned, compare_loop
-from comparing_states import compare_draws, compare_explanations, compare_states
-from comparing_values import compare_values
-from comparison import Comparison
-from drawing import draw
-from interpreter import Meaning, State, TwoRules, TwoValues
-from judging import judge_check, judge_ground
-from product import Grounded
-from worth import Worth
+from support.differential import product
+from support.differential.abstract import Domain, Problem
+from support.differential.comparing_loops import compare_learned, compare_loop
+from support.differential.comparing_states import compare_draws, compare_explanations, compare_states
+from support.differential.comparing_values import compare_values
+from support.differential.comparison import Comparison
+from support.differential.drawing import draw
+from support.differential.interpreter import Meaning, State, TwoRules, TwoValues
+from support.differential.judging import judge_check, judge_ground
+from support.differential.product import Grounded
+from support.differential.worth import Worth
 
 SOLVED = 150
 """An optimum is compared where no more states are reached within the horizon."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from random import Random
 
-from abstract import (
+from support.differential.abstract import (
     Action,
     Closure,
     Comparison,
@@ -32,7 +32,7 @@ from abstract import (
     Value,
     Variable,
 )
-from outcomes_drawn import OutcomeDrawer
+from support.differential.outcomes_drawn import OutcomeDrawer
 
 Variables = tuple[Variable, ...]
 OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}

@@ -8,11 +8,11 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-import product
-from comparison import Comparison
-from interpreter import Call, State
-from product import Grounded
-from worth import STOP, Worth
+from support.differential import product
+from support.differential.comparison import Comparison
+from support.differential.interpreter import Call, State
+from support.differential.product import Grounded
+from support.differential.worth import STOP, Worth
 
 ASKED = 0.45
 """The share of domains that the command line is asked about; what it calls is asked about all of them."""

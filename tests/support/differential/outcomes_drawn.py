@@ -6,11 +6,20 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from abstract import ForEach, Outcome, Setting, SetTruth, SetValue, Shift, Symbol, Variable
-from writing import number
+from support.differential.abstract import (
+    ForEach,
+    Outcome,
+    Setting,
+    SetTruth,
+    SetValue,
+    Shift,
+    Symbol,
+    Variable,
+)
+from support.differential.writing import number
 
 if TYPE_CHECKING:
-    from drawing import Drawer
+    from support.differential.drawing import Drawer
 
 MARKS = ("", "", "", "", "prior 0.3, seen 4", "seen 2", "fixed", "prior 1/7")
 Said = tuple[Fraction, str, str]

@@ -9,12 +9,12 @@ from fractions import Fraction
 from pathlib import Path
 from random import Random
 
-import product
-from abstract import Rule
-from comparison import Comparison
-from interpreter import Binding, Call, Meaning, State, TwoValues
-from product import Loaded, near
-from worth import STOP, Worth
+from support.differential import product
+from support.differential.abstract import Rule
+from support.differential.comparison import Comparison
+from support.differential.interpreter import Binding, Call, Meaning, State, TwoValues
+from support.differential.product import Loaded, near
+from support.differential.worth import STOP, Worth
 
 EPISODES = 40
 ACTIONS = 4

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 
-from abstract import (
+from support.differential.abstract import (
     Action,
     Closure,
     Comparison,

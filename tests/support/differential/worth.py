@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from interpreter import Call, Meaning, State
+from support.differential.interpreter import Call, Meaning, State
 
 Number = Fraction | float
 TIE = 1e-9

@@ -7,9 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from interpreter import Meaning, State
-from product import near
 from scipy.special import chdtrc
+
+from support.differential.interpreter import Meaning, State
+from support.differential.product import near
 
 
 @dataclass(slots=True)

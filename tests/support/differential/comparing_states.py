@@ -6,11 +6,12 @@ from collections import Counter
 from fractions import Fraction
 from random import Random
 
-from comparison import Comparison, shown
-from interpreter import State
-from product import Grounded, Loaded
 from scipy.special import bdtr, bdtrc
-from worth import Worth
+
+from support.differential.comparison import Comparison, shown
+from support.differential.interpreter import State
+from support.differential.product import Grounded, Loaded
+from support.differential.worth import Worth
 
 STATES = 40
 """States whose transitions are compared, of those that are reached."""

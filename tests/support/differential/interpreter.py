@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from abstract import (
+from support.differential.abstract import (
     Action,
     Closure,
     Comparison,

@@ -14,11 +14,6 @@ from random import Random
 from typing import Any
 
 import numpy as np
-from abstract import Domain as DrawnDomain
-from abstract import Problem as DrawnProblem
-from abstract import Value
-from interpreter import Call, Meaning, State
-from writing import Writer, call
 
 from cleancli.cli.main import run
 from cleancli.compiler.explain import Explanation, explain
@@ -35,6 +30,11 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.symbolic_world import DrawnStep, World, do, world_of
+from support.differential.abstract import Domain as DrawnDomain
+from support.differential.abstract import Problem as DrawnProblem
+from support.differential.abstract import Value
+from support.differential.interpreter import Call, Meaning, State
+from support.differential.writing import Writer, call
 
 DOMAIN, PROBLEM = "drawn.nid", "drawn_problem.nid"
 

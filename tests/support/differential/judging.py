@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from random import Random
 
-from abstract import Outcome, Rule
-from comparison import Comparison, shown
-from interpreter import Meaning, State, TwoValues
-
 from cleancli.language.diagnostics.diagnostic import Diagnostic
+from support.differential.abstract import Outcome, Rule
+from support.differential.comparison import Comparison, shown
+from support.differential.interpreter import Meaning, State, TwoValues
 
 SAMPLED = 200
 """States that are drawn to see whether a refusal by the checker is right."""
