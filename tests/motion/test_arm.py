@@ -24,15 +24,15 @@ from cleancli.motion.arm import (
 )
 from cleancli.motion.clearance import clear, segment_gaps
 from cleancli.motion.joint_path import reached
-from cleancli.scene.model import Scene
 from cleancli.world.robots.wam import arm_for
+from support.tables import PAPER
 
 _Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
-def arm(paper_scene: Scene) -> Arm:
-    return arm_for(paper_scene)
+def arm() -> Arm:
+    return arm_for(PAPER)
 
 
 def some_joints(arm: Arm, count: int, seed: int = 1) -> _Array:

@@ -21,6 +21,7 @@ from cleancli.motion.search import way
 from cleancli.motion.timing import SpeedLimits, timed
 from cleancli.scene.model import Scene
 from cleancli.world.robots.wam import BUILD, arm_for
+from support.tables import PAPER
 
 _Array = NDArray[np.float64]
 REST = np.array(BUILD.rest)
@@ -28,8 +29,8 @@ STEP = 1 / 240
 
 
 @pytest.fixture(scope="module")
-def arm(paper_scene: Scene) -> Arm:
-    return arm_for(paper_scene)
+def arm() -> Arm:
+    return arm_for(PAPER)
 
 
 def planned(arm: Arm, path: ToolPath, how: Interpolation | None = None) -> tuple[_Array, tuple[Leg, ...]]:
@@ -58,8 +59,8 @@ def between_samples(arm: Arm, joints: _Array, parts: tuple[Leg, ...]) -> _Array:
 
 
 @pytest.mark.parametrize(("x", "y"), [(-0.2, 0.1), (0.0, -0.2), (0.15, 0.05)])
-def test_a_straight_push_is_straight(arm: Arm, paper_scene: Scene, x: float, y: float) -> None:
-    path = push(paper_scene, x, y)
+def test_a_straight_push_is_straight(arm: Arm, x: float, y: float) -> None:
+    path = push(PAPER, x, y)
     joints, parts = planned(arm, path)
     assert (joints >= np.array(arm.low)).all()
     assert (joints <= np.array(arm.high)).all()
@@ -73,8 +74,8 @@ def test_a_straight_push_is_straight(arm: Arm, paper_scene: Scene, x: float, y: 
     assert np.abs(tool[:, 2]).max() < 1e-3, "the rag keeps on the surface"
 
 
-def test_a_fast_push_bows_and_keeps_on_the_surface(arm: Arm, paper_scene: Scene) -> None:
-    path = push(paper_scene, -0.15, 0.0, "moveToContainerFast")
+def test_a_fast_push_bows_and_keeps_on_the_surface(arm: Arm) -> None:
+    path = push(PAPER, -0.15, 0.0, "moveToContainerFast")
     assert path.interpolation is Interpolation.JOINT
     joints, parts = planned(arm, path)
     tool = between_samples(arm, joints, parts)
@@ -87,9 +88,9 @@ def test_a_fast_push_bows_and_keeps_on_the_surface(arm: Arm, paper_scene: Scene)
     assert clear(arm, joints).all()
 
 
-def test_the_bow_is_that_of_a_straight_line_between_joints(arm: Arm, paper_scene: Scene) -> None:
+def test_the_bow_is_that_of_a_straight_line_between_joints(arm: Arm) -> None:
     """Where the joint-space motion happens to keep the height, nothing is corrected: so compare places."""
-    path = push(paper_scene, 0.1, 0.0, "moveToContainerFast")
+    path = push(PAPER, 0.1, 0.0, "moveToContainerFast")
     joints, parts = planned(arm, path)
     begin = len(parts[0].points)
     ends = joints[[begin, begin + len(parts[1].points) - 1]]
@@ -100,7 +101,7 @@ def test_the_bow_is_that_of_a_straight_line_between_joints(arm: Arm, paper_scene
     assert gaps.max() < 2e-3
 
 
-def test_a_place_too_far_is_refused_with_its_reason(arm: Arm, paper_scene: Scene) -> None:
+def test_a_place_too_far_is_refused_with_its_reason(arm: Arm) -> None:
     corners = (Waypoint(-1.2, 0, 0.05, 0, 0.2), Waypoint(-1.2, 0, 0, 0, 0.1), Waypoint(-0.9, 0, 0, 0, 0.1))
     for how in Interpolation:
         with pytest.raises(Unreachable, match=r"\(-120.0 cm, 0.0 cm\): [\d.]+ cm too far"):

@@ -16,16 +16,16 @@ from cleancli.motion.clearance import clear
 from cleancli.motion.joint_path import nearest_pose, stroke, through_air
 from cleancli.motion.legs import legs
 from cleancli.motion.path import Interpolation, ToolPath
-from cleancli.scene.model import Scene
 from cleancli.world.robots.wam import BUILD, arm_for
+from support.tables import PAPER
 
 _Array = NDArray[np.float64]
 REST = np.array(BUILD.rest)
 
 
 @pytest.fixture(scope="module")
-def arm(paper_scene: Scene) -> Arm:
-    return arm_for(paper_scene)
+def arm() -> Arm:
+    return arm_for(PAPER)
 
 
 def seconds(arm: Arm, begin: _Array, end: _Array) -> _Array:
@@ -41,10 +41,8 @@ def beginning(arm: Arm, path: ToolPath, how: Interpolation, here: _Array) -> _Ar
 
 @pytest.mark.parametrize("how", list(Interpolation))
 @pytest.mark.parametrize(("x", "y"), [(-0.15, 0.1), (0.1, -0.15)])
-def test_a_stroke_begins_near_where_the_arm_is(
-    arm: Arm, paper_scene: Scene, how: Interpolation, x: float, y: float
-) -> None:
-    path = tool_path("moveToContainerStraight", (Ellipse((x, y), (0.03, 0.02), 0.4),), paper_scene)
+def test_a_stroke_begins_near_where_the_arm_is(arm: Arm, how: Interpolation, x: float, y: float) -> None:
+    path = tool_path("moveToContainerStraight", (Ellipse((x, y), (0.03, 0.02), 0.4),), PAPER)
     usual = beginning(arm, path, how, REST)
     above = legs(path.waypoints, np.zeros(4))[0].points[:1]
     found = everywhere(arm, poses(above, np.zeros(1)))[0].reshape(-1, 7)

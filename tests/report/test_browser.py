@@ -49,7 +49,8 @@ def opened(browser: Browser, path: Path, width: int = 1280, scheme: str = "light
     return page, wrong
 
 
-def test_a_page_without_errors_whose_pictures_load(browser: Browser, run_folder: Path) -> None:
+def test_a_page_without_errors_whose_pictures_load(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder)]) == 0
     page, wrong = opened(browser, run_folder / "report.html")
     widths = page.evaluate("[...document.images].map(i => i.complete ? i.naturalWidth : 0)")
@@ -59,7 +60,8 @@ def test_a_page_without_errors_whose_pictures_load(browser: Browser, run_folder:
     assert wrong == []
 
 
-def test_the_chart_says_what_run_json_says(browser: Browser, run_folder: Path) -> None:
+def test_the_chart_says_what_run_json_says(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder)]) == 0
     page, _ = opened(browser, run_folder / "report.html")
     told = json.loads((run_folder / "run.json").read_text(encoding="utf-8"))["episode"]["seconds"]
@@ -77,7 +79,8 @@ def test_the_chart_says_what_run_json_says(browser: Browser, run_folder: Path) -
 
 @pytest.mark.parametrize("width", [320, 600, 1600])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, run_folder: Path) -> None:
+def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder)]) == 0
     page, _ = opened(browser, run_folder / "report.html", width, scheme)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
@@ -119,7 +122,8 @@ def test_long_names_stay_within_the_window_and_their_box(
         page.close()
 
 
-def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browser, run_folder: Path) -> None:
+def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     video = Video(run_folder / "video.mp4")
     for number in range(60):
         video.add(np.full((300, 400, 3), 4 * number, np.uint8), number * VIDEO_INTERVAL, "wiping")

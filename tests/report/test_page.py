@@ -29,7 +29,8 @@ def test_what_files_say_is_escaped(tmp_path: Path) -> None:
     assert "it can&#39;t reach &lt;there&gt; &amp; back" in page
 
 
-def test_the_page_asks_for_nothing_outside_itself(run_folder: Path) -> None:
+def test_the_page_asks_for_nothing_outside_itself(tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     page = run_page(read_run(run_folder))
     assert "http://" not in page
     assert "https://" not in page
@@ -54,7 +55,8 @@ def test_ticks_are_few_and_within(longest: float) -> None:
     assert found[-1] <= longest
 
 
-def test_one_run_is_written_into_its_folder(run_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_run_is_written_into_its_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder)]) == ExitCode.DONE
     assert (run_folder / "report.html").read_text(encoding="utf-8") == run_page(read_run(run_folder))
     out = capsys.readouterr().out
@@ -77,7 +79,8 @@ def test_several_runs_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture
     assert not (one / "report.html").exists()
 
 
-def test_json_is_the_figures_alone(run_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_is_the_figures_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder), "--json"]) == ExitCode.DONE
     (row,) = json.loads(capsys.readouterr().out)["runs"]
     assert row["seconds"] == SECONDS

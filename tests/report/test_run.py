@@ -57,7 +57,8 @@ def test_time_follows_time_and_areas_are_counted() -> None:
     assert [count.areas for count in counts] == [2, 1, 0, 0]
 
 
-def test_a_row_is_what_run_json_says(run_folder: Path) -> None:
+def test_a_row_is_what_run_json_says(tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
     row = row_of(read_run(run_folder))
     assert dict(row.seconds) == SECONDS
     assert row.total == pytest.approx(sum(SECONDS.values()))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -15,6 +13,7 @@ from cleancli.perception.tracking import track
 from cleancli.scene.model import Group, Scene
 from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable
+from support.tables import scene
 
 GROUPS = (Group(9, (-0.2, 0.1), 0.03), Group(9, (0.0, -0.1), 0.03), Group(9, (0.2, 0.15), 0.03))
 
@@ -24,9 +23,7 @@ def observed(table: PybulletTable, scene: Scene) -> Observation:
 
 
 @pytest.mark.parametrize("robot", ["gantry", "wam"])
-def test_through_a_whole_push_no_area_is_lost_or_invented_behind_the_tool(
-    scene: Callable[..., Scene], robot: str
-) -> None:
+def test_through_a_whole_push_no_area_is_lost_or_invented_behind_the_tool(robot: str) -> None:
     """The middle group is pushed away; looks at every 0.8 s of it, with whatever hides what."""
     setting = scene(*GROUPS, robot=robot)
     with PybulletTable(setting, 1) as table:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cleancli.scene.model import Scattered, Scene
+from cleancli.scene.model import Scattered
 from cleancli.world import camera
 from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
+from support.tables import scene
 
-MakeScene = Callable[..., Scene]
 
-
-def test_table_and_floor_are_at_their_distances(scene: MakeScene) -> None:
+def test_table_and_floor_are_at_their_distances() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         depth = table.observe().depth
     assert depth.shape == (480, 640)
@@ -28,14 +26,14 @@ def test_table_and_floor_are_at_their_distances(scene: MakeScene) -> None:
     assert np.median(depth[:20]) == pytest.approx(0.9 + par.TABLE_HEIGHT, abs=5e-3)
 
 
-def test_depth_is_quantised(scene: MakeScene) -> None:
+def test_depth_is_quantised() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         depth = table.observe().depth
     values = np.unique(np.round(depth[200:280, 280:360], 5))
     assert np.diff(values).min() == pytest.approx(par.DEPTH_STEP * 0.81, rel=0.05)
 
 
-def test_lentils_are_seen_where_they_lie(scene: MakeScene) -> None:
+def test_lentils_are_seen_where_they_lie() -> None:
     with closing(PybulletTable(scene(Scattered(12, (-0.3, -0.25), (0.3, 0.25))), 4)) as table:
         eye = camera.overhead(scene().camera)
         colour, depth = camera.render(table._engine, eye, scene().light)
@@ -51,7 +49,7 @@ def test_lentils_are_seen_where_they_lie(scene: MakeScene) -> None:
     assert np.abs(np.mean(errors, axis=0)).max() < 4e-4, "a quarter of a pixel"
 
 
-def test_colours_are_the_scenes(scene: MakeScene) -> None:
+def test_colours_are_the_scenes() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         colour = table.observe().colour
     assert colour.dtype == np.uint8
@@ -81,7 +79,7 @@ def test_edges_are_jittered_and_partly_unknown() -> None:
     assert (seen[:, 32:] > 1.5).all()
 
 
-def test_the_tool_hides_what_it_stands_above(scene: MakeScene) -> None:
+def test_the_tool_hides_what_it_stands_above() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         table._drive.stand(np.array((0.1, 0.05, 0.0, 0.3)))
         colour, depth = camera.render(table._engine, camera.overhead(scene().camera), scene().light)
@@ -90,7 +88,7 @@ def test_the_tool_hides_what_it_stands_above(scene: MakeScene) -> None:
     assert colour[hidden].mean() < 140
 
 
-def test_the_onlooker_sees_without_noise(scene: MakeScene) -> None:
+def test_the_onlooker_sees_without_noise() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         first, second = table.picture(), table.picture()
         small = table.picture(160, 120)
@@ -99,7 +97,7 @@ def test_the_onlooker_sees_without_noise(scene: MakeScene) -> None:
     np.testing.assert_array_equal(first, second)
 
 
-def test_light_falls_from_where_the_scene_says(scene: MakeScene) -> None:
+def test_light_falls_from_where_the_scene_says() -> None:
     setting = scene()
     brightness = []
     with closing(PybulletTable(setting, 1)) as table:

@@ -3,7 +3,6 @@ tilted surface, very many particles. There is a result, or a motion that fails a
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
@@ -14,12 +13,10 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, can_execute, tool_path
 from cleancli.perception.perceive import perceive
 from cleancli.scene.model import Group, Scattered, Scene
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable, Truth
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, scene
 
 SIZES = {"gantry": (0.9, 0.7), "wam": (0.55, 0.55), "reem": (0.45, 0.45)}
 """Surfaces that the robots reach."""
@@ -38,7 +35,7 @@ def last_resort(robot: str) -> str:
     return PICK_UP if can_execute(PICK_UP, 1, robot) else "moveToContainerStraight"
 
 
-def cleaned(setting: Scene, seed: int, middle: tuple[float, float], finish: Finish) -> Truth:
+def cleaned(setting: Scene, seed: int, middle: tuple[float, float]) -> Truth:
     """Where everything is after the robot was told to take the disc at `middle` off the table."""
     with closing(PybulletTable(setting, seed)) as table:
         path = tool_path(last_resort(setting.robot), (Ellipse(middle, (0.03, 0.03), 0.0),), setting)
@@ -48,9 +45,7 @@ def cleaned(setting: Scene, seed: int, middle: tuple[float, float], finish: Fini
 
 
 @each_robot
-def test_areas_off_the_table_end_the_motion_or_fail_it_at_once(
-    scene: MakeScene, finish: Finish, robot: str
-) -> None:
+def test_areas_off_the_table_end_the_motion_or_fail_it_at_once(robot: str) -> None:
     setting = scene(edge="north", robot=robot, size=SIZES[robot])
     x, y = np.array(SIZES[robot]) / 2
     beyond, wide = Ellipse((x + 0.06, 0.1), (0.05, 0.03), 0.2), Ellipse((x / 2, y), (0.5, 0.3), 0.4)
@@ -79,28 +74,26 @@ def test_areas_off_the_table_end_the_motion_or_fail_it_at_once(
 
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
 @pytest.mark.parametrize("robot", ["wam", "reem"])
-def test_an_arm_cleans_with_the_container_at_each_edge(
-    scene: MakeScene, finish: Finish, robot: str, edge: str
-) -> None:
+def test_an_arm_cleans_with_the_container_at_each_edge(robot: str, edge: str) -> None:
     setting = scene(edge=edge, robot=robot, size=SIZES[robot])
     x, y = np.array(setting.outwards()) * (SIZES[robot][0] / 2 - BESIDE_CONTAINER)
     setting = replace(setting, dirt=(Group(8, (float(x), float(y)), 0.02),))
-    truth = cleaned(setting, LOW[robot], (float(x), float(y)), finish)
+    truth = cleaned(setting, LOW[robot], (float(x), float(y)))
     assert truth.in_container >= 6
     assert truth.in_container + truth.on_table == 8
 
 
 @each_robot
-def test_a_tilted_table_is_cleaned_as_well(scene: MakeScene, finish: Finish, robot: str) -> None:
+def test_a_tilted_table_is_cleaned_as_well(robot: str) -> None:
     setting = scene(Group(8, NEARBY.centre, 0.02), edge="south", robot=robot, size=SIZES[robot])
     tilted = replace(setting, surface=replace(setting.surface, tilt=(np.radians(4.0), np.radians(-5.0))))
-    truth = cleaned(tilted, LOW[robot], NEARBY.centre, finish)
+    truth = cleaned(tilted, LOW[robot], NEARBY.centre)
     assert truth.in_container >= 6
     assert truth.in_container + truth.on_table == 8
 
 
 @pytest.mark.parametrize("robot", ["gantry", "wam"])
-def test_five_hundred_lentils_lie_and_are_seen(scene: MakeScene, robot: str) -> None:
+def test_five_hundred_lentils_lie_and_are_seen(robot: str) -> None:
     corner = tuple(0.45 * side for side in SIZES[robot])
     setting = scene(Scattered(500, (-corner[0], -corner[1]), corner), robot=robot, size=SIZES[robot])
     with closing(PybulletTable(setting, 3)) as table:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 
 import numpy as np
@@ -10,21 +9,19 @@ import pytest
 
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.perception.perceive import perceive
-from cleancli.scene.model import Ink, Scene
+from cleancli.scene.model import Ink
 from cleancli.world import camera
 from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer, drawn
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, scene
 
 LINE = Ink(((-0.02, -0.02), (0.04, -0.02), (0.04, 0.03)), 0.008)
 OTHER = Ink(((0.0, 0.25), (0.05, 0.25)), 0.008)
 
 
-def test_a_line_covers_its_length_times_its_width(scene: MakeScene) -> None:
+def test_a_line_covers_its_length_times_its_width() -> None:
     covered = drawn(scene(LINE)).sum() * par.INK_CELL**2
     # Round ends; the corner's inner quarter is covered by both pieces.
     expected = 0.11 * 0.008 + np.pi * 0.004**2 - 0.004**2 * (1 - np.pi / 4)
@@ -33,7 +30,7 @@ def test_a_line_covers_its_length_times_its_width(scene: MakeScene) -> None:
     assert dot == pytest.approx(np.pi * 0.005**2, rel=0.2)
 
 
-def test_ink_is_found_where_it_is(scene: MakeScene) -> None:
+def test_ink_is_found_where_it_is() -> None:
     layer = InkLayer(scene(LINE))
     x = np.array([[0.0, 0.04], [0.04, -0.1]])
     y = np.array([[-0.02, 0.02], [0.04, 3.0]])
@@ -41,7 +38,7 @@ def test_ink_is_found_where_it_is(scene: MakeScene) -> None:
     assert np.abs(layer.places()[:, :2].mean(axis=0) - (0.022, -0.009)).max() < 4e-3
 
 
-def test_cameras_and_perception_see_it(scene: MakeScene) -> None:
+def test_cameras_and_perception_see_it() -> None:
     setting = scene(LINE)
     with closing(PybulletTable(setting, 1)) as table:
         eye = camera.overhead(setting.camera)
@@ -56,23 +53,23 @@ def test_cameras_and_perception_see_it(scene: MakeScene) -> None:
     assert (np.abs(onlooker - par.INK_COLOUR).max(axis=2) < 3).sum() > 50
 
 
-def wipe(table: PybulletTable, height: float, finish: Finish) -> None:
+def wipe(table: PybulletTable, height: float) -> None:
     corners = ((-0.08, 0.05), (-0.08, height), (0.10, height), (0.10, 0.05))
     table.start(ToolPath(tuple(Waypoint(x, 0.0, z, 0.0, 0.15) for x, z in corners), Interpolation.STRAIGHT))
     assert finish(table) is Status.DONE
 
 
 def test_the_rag_takes_ink_where_it_presses_and_none_where_it_does_not(
-    scene: MakeScene, finish: Finish, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(par, "HEIGHT_NOISE", 0.0)
     setting = scene(LINE, OTHER)
     with closing(PybulletTable(setting, 3)) as table:
-        wipe(table, 0.008, finish)
+        wipe(table, 0.008)
         untouched = table.truth()
         left = []
         for _ in range(3):
-            wipe(table, -0.002, finish)
+            wipe(table, -0.002)
             left.append(table.truth().ink_left)
         ink = table.truth().ink
     assert untouched.ink_left == 1
@@ -84,7 +81,7 @@ def test_the_rag_takes_ink_where_it_presses_and_none_where_it_does_not(
     assert (ink[ink[:, 1] > 0.2][:, 2] == 1).all(), "what lies beside the rag's way stays"
 
 
-def test_without_ink_there_is_none_left(scene: MakeScene) -> None:
+def test_without_ink_there_is_none_left() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         truth = table.truth()
     assert truth.ink_left == 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from math import radians
@@ -15,11 +14,9 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.scene.model import Group, Scattered, Scene, Surface
 from cleancli.world import constants as par
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, scene
 
 
 def wait(table: PybulletTable, seconds: float) -> NDArray[np.float64]:
@@ -45,7 +42,7 @@ def way(setting: Scene, speed: float, seconds: float) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("kind", sorted(par.PARTICLES))
-def test_particles_lie_on_the_surface_and_stay(scene: MakeScene, kind: str) -> None:
+def test_particles_lie_on_the_surface_and_stay(kind: str) -> None:
     setting = scene(Scattered(10, (-0.2, -0.2), (0.2, 0.2), kind))
     with closing(PybulletTable(setting, 3)) as table:
         before = table.truth().positions
@@ -54,7 +51,7 @@ def test_particles_lie_on_the_surface_and_stay(scene: MakeScene, kind: str) -> N
         assert np.abs(wait(table, 1.0) - before).max() < 1e-4
 
 
-def test_a_group_of_several_kinds_is_all_there(scene: MakeScene) -> None:
+def test_a_group_of_several_kinds_is_all_there() -> None:
     setting = scene(*(Group(6, (0.0, 0.0), 0.01, kind) for kind in sorted(par.PARTICLES)))
     with closing(PybulletTable(setting, 1)) as table:
         truth = table.truth()
@@ -62,7 +59,7 @@ def test_a_group_of_several_kinds_is_all_there(scene: MakeScene) -> None:
     assert truth.positions[:, 2].min() > 0
 
 
-def test_peas_roll_and_come_to_rest_where_lentils_and_rice_slide(scene: MakeScene) -> None:
+def test_peas_roll_and_come_to_rest_where_lentils_and_rice_slide() -> None:
     ways = {
         kind: way(scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2), kind)), 0.1, 4.0) for kind in par.PARTICLES
     }
@@ -73,7 +70,7 @@ def test_peas_roll_and_come_to_rest_where_lentils_and_rice_slide(scene: MakeScen
     np.testing.assert_allclose(longer, ways["peas"], atol=5e-4)
 
 
-def test_friction_of_the_surface_decides_how_far_a_lentil_slides(scene: MakeScene) -> None:
+def test_friction_of_the_surface_decides_how_far_a_lentil_slides() -> None:
     setting = scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2)))
     slick, rough = (
         way(replace(setting, surface=Surface(0.9, 0.7, friction, (205, 198, 184))), 0.4, 1.5)
@@ -82,7 +79,7 @@ def test_friction_of_the_surface_decides_how_far_a_lentil_slides(scene: MakeScen
     assert slick.min() > 2 * rough.max()
 
 
-def test_on_a_tilted_surface_peas_roll_down_and_lentils_lie(scene: MakeScene) -> None:
+def test_on_a_tilted_surface_peas_roll_down_and_lentils_lie() -> None:
     surface = Surface(0.9, 0.7, 0.45, (205, 198, 184), (radians(4), 0.0))
     for kind, rolls in (("peas", True), ("lentils", False)):
         setting = replace(scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2), kind)), surface=surface)
@@ -99,9 +96,7 @@ def test_on_a_tilted_surface_peas_roll_down_and_lentils_lie(scene: MakeScene) ->
 @pytest.mark.parametrize(
     "tilt", [(10.0, 0.0), (0.0, -10.0), (-7.0, 7.0)], ids=["west", "north", "south-east"]
 )
-def test_whatever_rolls_past_the_end_of_the_floor_lies_there(
-    scene: MakeScene, finish: Finish, tilt: tuple[float, float]
-) -> None:
+def test_whatever_rolls_past_the_end_of_the_floor_lies_there(tilt: tuple[float, float]) -> None:
     slope = radians(tilt[0]), radians(tilt[1])
     surface = Surface(0.9, 0.7, 0.45, (205, 198, 184), slope)
     setting = replace(scene(Scattered(8, (-0.3, -0.2), (0.3, 0.2), "peas")), surface=surface)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from math import pi
@@ -11,15 +10,14 @@ import numpy as np
 import pytest
 
 from cleancli.scene.grasps import SHIPPED
-from cleancli.scene.model import Rag, Scene
+from cleancli.scene.model import Rag
 from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
+from support.tables import scene
 
 
 @pytest.mark.parametrize("name", sorted(SHIPPED))
-def test_a_bent_flap_springs_back_no_faster_than_its_gain_says(
-    scene: Callable[..., Scene], name: str
-) -> None:
+def test_a_bent_flap_springs_back_no_faster_than_its_gain_says(name: str) -> None:
     """docs/world.md: so fast may a lentil be that a flap flicks, and no faster than that and the tool."""
     grasp = SHIPPED[name]
     setting = replace(scene(), rag=Rag(grasp, grasp.width))

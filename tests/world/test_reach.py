@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 from cleancli.world.reach_map import STEP, reach
 from cleancli.world.robots.registry import ROBOTS
+from support.tables import scene
 
 
-def test_the_gantry_reaches_every_place_and_places_cover_the_surface(scene: Callable[..., Scene]) -> None:
+def test_the_gantry_reaches_every_place_and_places_cover_the_surface() -> None:
     places, reached = reach(scene())
     assert reached.all()
     assert np.abs(places).max(axis=0).tolist() == [0.45, 0.35]

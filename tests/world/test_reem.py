@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from itertools import product
 
@@ -16,15 +15,13 @@ from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
 from cleancli.scene.model import Group, Scene
 from cleancli.world.constants import PARTICLES
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.robots.arm_drive import TOOL
 from cleancli.world.robots.constants import PAN_GAP, PAN_HELD
 from cleancli.world.robots.dustpan import plate, walls, within
 from cleancli.world.robots.reem import Reem
 from cleancli.world.table import PybulletTable
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, in_two_processes, scene
 
 AREA = Ellipse((-0.02, 0.03), (0.03, 0.03), 0.0)
 SIGNS = tuple(product((-1, 1), repeat=3))
@@ -32,12 +29,12 @@ LINK, DISTANCE = 3, 8  # of a contact, as the engine tells it
 LOW_RAG = 3  # a seed whose first stroke comes down low, so that no lentil slips under the rag
 
 
-def desk(scene: MakeScene) -> Scene:
+def desk() -> Scene:
     return scene(Group(12, AREA.centre, 0.025), edge="south", robot="reem", size=(0.50, 0.40))
 
 
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
-def test_the_dustpan_waits_on_the_left_and_the_rag_comes_from_the_right(scene: MakeScene, edge: str) -> None:
+def test_the_dustpan_waits_on_the_left_and_the_rag_comes_from_the_right(edge: str) -> None:
     path = tool_path("pickUp", (Ellipse((0, 0), (0.05, 0.05), 0),), scene(edge=edge, robot="reem"))
     left = {"south": (-1, 0), "north": (1, 0), "east": (0, -1), "west": (0, 1)}[edge]
     assert path.dustpan is not None
@@ -50,8 +47,8 @@ def test_the_dustpan_waits_on_the_left_and_the_rag_comes_from_the_right(scene: M
     assert path.waypoints[-1].z > 0
 
 
-def test_picking_up_takes_most_lentils_over_the_dustpan_into_the_container(scene: MakeScene) -> None:
-    setting = desk(scene)
+def test_picking_up_takes_most_lentils_over_the_dustpan_into_the_container() -> None:
+    setting = desk()
     most = 0
     with closing(PybulletTable(setting, LOW_RAG)) as table:
         table.start(tool_path("pickUp", (AREA,), setting))
@@ -69,8 +66,8 @@ def test_picking_up_takes_most_lentils_over_the_dustpan_into_the_container(scene
     assert truth.in_dustpan == 0
 
 
-def test_the_lip_is_raised_while_the_rag_leaves(scene: MakeScene) -> None:
-    setting = desk(scene)
+def test_the_lip_is_raised_while_the_rag_leaves() -> None:
+    setting = desk()
     with closing(PybulletTable(setting, LOW_RAG)) as table:
         table.start(tool_path("pickUp", (AREA,), setting))
         drive, way = table._drive, table._ahead
@@ -85,10 +82,10 @@ def test_the_lip_is_raised_while_the_rag_leaves(scene: MakeScene) -> None:
     np.testing.assert_allclose(np.arcsin(-pan[[begin, end], 2, 0]), (0, PAN_HELD), atol=2e-3)
 
 
-def test_no_corner_of_the_dustpan_goes_below_the_surface(scene: MakeScene) -> None:
+def test_no_corner_of_the_dustpan_goes_below_the_surface() -> None:
     ends = [np.array(place) + half * np.array(sign) for half, place in walls() for sign in SIGNS]
     corners = np.concatenate((plate(), ends))
-    setting = desk(scene)
+    setting = desk()
     half = np.array((setting.surface.width, setting.surface.depth)) / 2
     gaps: dict[str, list[float]] = {"standing": [], "lip raised": []}
     with closing(PybulletTable(setting, LOW_RAG)) as table:
@@ -110,7 +107,7 @@ def test_no_corner_of_the_dustpan_goes_below_the_surface(scene: MakeScene) -> No
         assert min(gaps[pose]) > PAN_GAP / 2, f"so the engine finds it: {pose}"
 
 
-def test_a_dustpan_put_down_on_particles_presses_none_far_into_the_table(scene: MakeScene) -> None:
+def test_a_dustpan_put_down_on_particles_presses_none_far_into_the_table() -> None:
     below = tuple(Group(12, (-0.13, 0.03), 0.06, of) for of in ("lentils", "rice", "peas"))
     setting = scene(*below, edge="south", robot="reem", size=(0.50, 0.40))
     deepest = 0.0
@@ -124,8 +121,8 @@ def test_a_dustpan_put_down_on_particles_presses_none_far_into_the_table(scene: 
     assert -pea / 2 < deepest < -pea / 4, "some were below its lip"
 
 
-def test_the_right_arm_pushes_as_one_arm_does(scene: MakeScene, finish: Finish) -> None:
-    setting = desk(scene)
+def test_the_right_arm_pushes_as_one_arm_does() -> None:
+    setting = desk()
     with closing(PybulletTable(setting, LOW_RAG)) as table:
         table.start(tool_path("moveToContainerStraight", (AREA,), setting))
         assert finish(table) is Status.DONE
@@ -134,8 +131,8 @@ def test_the_right_arm_pushes_as_one_arm_does(scene: MakeScene, finish: Finish) 
         assert finish(table) is Status.DONE
 
 
-def test_arms_that_would_touch_do_not_move(scene: MakeScene) -> None:
-    setting = desk(scene)
+def test_arms_that_would_touch_do_not_move() -> None:
+    setting = desk()
     with closing(PybulletTable(setting, 1)) as table:
         drive = table._drive
         assert isinstance(drive, Reem)
@@ -147,8 +144,8 @@ def test_arms_that_would_touch_do_not_move(scene: MakeScene) -> None:
             drive._checked(crossed[None])
 
 
-def test_a_hand_that_would_touch_the_dustpan_does_not_move(scene: MakeScene) -> None:
-    setting = desk(scene)
+def test_a_hand_that_would_touch_the_dustpan_does_not_move() -> None:
+    setting = desk()
     with closing(PybulletTable(setting, LOW_RAG)) as table:
         table.start(tool_path("pickUp", (AREA,), setting))
         drive, way = table._drive, table._ahead.copy()
@@ -164,9 +161,9 @@ def test_a_hand_that_would_touch_the_dustpan_does_not_move(scene: MakeScene) -> 
         drive._checked(np.concatenate((way[leaving, :7], way[lifted, 7:]))[None])
 
 
-def test_what_the_rag_can_not_reach_fails_with_a_reason(scene: MakeScene) -> None:
+def test_what_the_rag_can_not_reach_fails_with_a_reason() -> None:
     corners = [(-0.6, 0.5, 0.05), (-0.6, 0.5, 0.0), (-0.5, 0.5, 0.0), (-0.5, 0.5, 0.05)]
-    with closing(PybulletTable(desk(scene), 1)) as table:
+    with closing(PybulletTable(desk(), 1)) as table:
         table.start(
             ToolPath(tuple(Waypoint(*corner, 0.0, 0.1) for corner in corners), Interpolation.STRAIGHT)
         )
@@ -200,9 +197,7 @@ print(table.truth().positions.tobytes().hex(), table.observe().depth.tobytes().h
 
 
 @pytest.mark.needs_pybullet
-def test_the_same_seed_is_the_same_run_bit_for_bit_in_another_process(
-    in_two_processes: Callable[[str], tuple[str, str]],
-) -> None:
+def test_the_same_seed_is_the_same_run_bit_for_bit_in_another_process() -> None:
     first, second = in_two_processes(_TWICE)
     assert float(first.split()[-1]) > 10, "it was carried out"
     assert first == second

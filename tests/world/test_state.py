@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 import multiprocessing
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
@@ -19,8 +18,7 @@ from cleancli.scene.model import Group, Ink, Scene
 from cleancli.world.robot import Status
 from cleancli.world.state import TableState, bodies, from_arrays
 from cleancli.world.table import PybulletTable
-
-MakeScene = Callable[..., Scene]
+from support.tables import scene
 
 PUSH = "moveToContainerStraight"
 
@@ -81,25 +79,21 @@ DIRT = Group(8, FIRST.centre, 0.025), Group(8, SECOND.centre, 0.025, "peas")
 LINE = Ink(((-0.12, 0.05), (-0.08, 0.05)), 0.008)
 
 
-@pytest.fixture
-def trial(scene: MakeScene) -> Callable[[str], Trial]:
-    def make(name: str) -> Trial:
-        match name:
-            case "reem":
-                middle = Ellipse((0.05, -0.02), (0.03, 0.03), 0.0)
-                dirt = Group(8, middle.centre, 0.025)
-                setting = scene(dirt, edge="south", robot="reem", size=(0.50, 0.40))
-                return Trial(setting, (("pickUp", middle),), ((PUSH, middle),))
-            case "in the middle of a stroke":
-                return Trial(scene(LINE, *DIRT), ((PUSH, FIRST),), (), periods=250)
-            case robot:
-                return Trial(scene(*DIRT, robot=robot), ((PUSH, FIRST),), ((PUSH, SECOND),))
-
-    return make
+def trial(name: str) -> Trial:
+    match name:
+        case "reem":
+            middle = Ellipse((0.05, -0.02), (0.03, 0.03), 0.0)
+            dirt = Group(8, middle.centre, 0.025)
+            setting = scene(dirt, edge="south", robot="reem", size=(0.50, 0.40))
+            return Trial(setting, (("pickUp", middle),), ((PUSH, middle),))
+        case "in the middle of a stroke":
+            return Trial(scene(LINE, *DIRT), ((PUSH, FIRST),), (), periods=250)
+        case robot:
+            return Trial(scene(*DIRT, robot=robot), ((PUSH, FIRST),), ((PUSH, SECOND),))
 
 
 @pytest.mark.parametrize("name", ["gantry", "wam", "reem", "in the middle of a stroke"])
-def test_it_goes_on_the_same_in_another_process(trial: Callable[[str], Trial], name: str) -> None:
+def test_it_goes_on_the_same_in_another_process(name: str) -> None:
     made = trial(name)
     with closing(PybulletTable(made.scene, 5)) as table:
         for action, ellipse in made.before:
@@ -121,7 +115,7 @@ def test_it_goes_on_the_same_in_another_process(trial: Callable[[str], Trial], n
     assert here == there
 
 
-def test_saving_hardly_moves_what_rests(scene: MakeScene) -> None:
+def test_saving_hardly_moves_what_rests() -> None:
     with closing(PybulletTable(scene(*DIRT), 5)) as table:
         before = table.truth().positions
         table.save()
@@ -133,7 +127,7 @@ def test_saving_hardly_moves_what_rests(scene: MakeScene) -> None:
     assert np.median(moved) < 1e-5
 
 
-def test_a_state_of_another_table_is_refused(scene: MakeScene) -> None:
+def test_a_state_of_another_table_is_refused() -> None:
     with closing(PybulletTable(scene(*DIRT), 5)) as table:
         state = table.save()
     with pytest.raises(ValueError, match="of another table"):
@@ -142,7 +136,7 @@ def test_a_state_of_another_table_is_refused(scene: MakeScene) -> None:
         PybulletTable(scene(*DIRT, robot="wam"), 5, state=state)
 
 
-def test_saving_often_keeps_no_engine(scene: MakeScene) -> None:
+def test_saving_often_keeps_no_engine() -> None:
     with closing(PybulletTable(scene(DIRT[0]), 5)) as table:
         client = table._engine._client
         for _ in range(5):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
@@ -17,18 +16,16 @@ from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import constants as par
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.robots import constants
 from cleancli.world.robots.gantry import resting_pose
 from cleancli.world.table import PybulletTable, Truth
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, in_two_processes, scene
 
 LOW_TOOL = 4  # a seed whose first stroke comes down low, so that no lentil slips under the rag
 
 
-def test_every_lentil_is_accounted_for_after_random_strokes(scene: MakeScene, finish: Finish) -> None:
+def test_every_lentil_is_accounted_for_after_random_strokes() -> None:
     rng = np.random.default_rng(5)
     with closing(PybulletTable(scene(Scattered(20, (-0.2, -0.2), (0.2, 0.2))), 2)) as table:
         for _ in range(3):
@@ -46,31 +43,29 @@ def test_every_lentil_is_accounted_for_after_random_strokes(scene: MakeScene, fi
     assert (truth.positions[:, 2] < 0.05).all(), "nothing flies"
 
 
-def _push(setting: Scene, middle: tuple[float, float], seed: int, finish: Finish) -> Truth:
+def _push(setting: Scene, middle: tuple[float, float], seed: int) -> Truth:
     with closing(PybulletTable(setting, seed)) as table:
         table.start(tool_path("moveToContainerStraight", (Ellipse(middle, (0.02, 0.02), 0.0),), setting))
         assert finish(table) is Status.DONE
         return table.truth()
 
 
-def test_most_straight_pushes_take_a_compact_group_into_the_container(
-    scene: MakeScene, finish: Finish
-) -> None:
+def test_most_straight_pushes_take_a_compact_group_into_the_container() -> None:
     setting = scene(Group(12, (0.25, 0.0), 0.02))
-    truths = [_push(setting, (0.25, 0.0), seed, finish) for seed in range(8)]
+    truths = [_push(setting, (0.25, 0.0), seed) for seed in range(8)]
     assert all(truth.on_floor == 0 for truth in truths)
     complete = sum(truth.in_container == 12 for truth in truths)
     assert 3 <= complete < 8, "a push usually works, and sometimes fails (docs/world.md)"
 
 
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
-def test_the_container_catches_at_every_edge(scene: MakeScene, finish: Finish, edge: str) -> None:
+def test_the_container_catches_at_every_edge(edge: str) -> None:
     middle = {"north": (0.0, 0.2), "east": (0.3, 0.0), "south": (0.0, -0.2), "west": (-0.3, 0.0)}[edge]
-    truth = _push(scene(Group(12, middle, 0.02), edge=edge), middle, LOW_TOOL, finish)
+    truth = _push(scene(Group(12, middle, 0.02), edge=edge), middle, LOW_TOOL)
     assert truth.in_container == 12
 
 
-def test_nothing_moves_while_the_tool_travels_above(scene: MakeScene, finish: Finish) -> None:
+def test_nothing_moves_while_the_tool_travels_above() -> None:
     with closing(PybulletTable(scene(Scattered(30, (-0.3, -0.2), (0.3, 0.2))), 3)) as table:
         before = table.truth().positions
         start = Waypoint(-0.3, -0.2, 0.05, 0.7, 0.25)
@@ -82,7 +77,7 @@ def test_nothing_moves_while_the_tool_travels_above(scene: MakeScene, finish: Fi
     assert moved < 1e-4
 
 
-def test_the_clock_advances_as_the_path_takes(scene: MakeScene, finish: Finish) -> None:
+def test_the_clock_advances_as_the_path_takes() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         assert table.clock == 0
         rest = resting_pose(scene())
@@ -97,7 +92,7 @@ def test_the_clock_advances_as_the_path_takes(scene: MakeScene, finish: Finish) 
         assert table.clock == clock
 
 
-def test_one_poll_lets_one_control_period_pass(scene: MakeScene) -> None:
+def test_one_poll_lets_one_control_period_pass() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         table.start(tool_path("groupScattered", (Ellipse((0, 0), (0.1, 0.05), 0),), scene()))
         assert table.poll() is Status.RUNNING
@@ -108,7 +103,7 @@ def test_one_poll_lets_one_control_period_pass(scene: MakeScene) -> None:
         assert table.poll() is Status.DONE
 
 
-def test_a_stopped_tool_is_raised_and_can_go_on(scene: MakeScene, finish: Finish) -> None:
+def test_a_stopped_tool_is_raised_and_can_go_on() -> None:
     setting = scene()
     with closing(PybulletTable(setting, 1)) as table:
         table.start(tool_path("groupScattered", (Ellipse((0, 0), (0.1, 0.05), 0),), setting))
@@ -121,7 +116,7 @@ def test_a_stopped_tool_is_raised_and_can_go_on(scene: MakeScene, finish: Finish
         np.testing.assert_allclose(table._drive.tool()[:3], resting_pose(setting)[:3], atol=1e-3)
 
 
-def test_a_path_out_of_reach_fails_without_moving(scene: MakeScene) -> None:
+def test_a_path_out_of_reach_fails_without_moving() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
         table.start(ToolPath((Waypoint(5.0, 0.0, 0.05, 0.0, 0.2),), Interpolation.STRAIGHT))
         assert table.poll() is Status.FAILED
@@ -130,7 +125,7 @@ def test_a_path_out_of_reach_fails_without_moving(scene: MakeScene) -> None:
         assert table.poll() is not Status.FAILED
 
 
-def test_the_rag_stands_perpendicular_to_its_push(scene: MakeScene) -> None:
+def test_the_rag_stands_perpendicular_to_its_push() -> None:
     area, setting = Ellipse((-0.1, 0.1), (0.05, 0.05), 0.0), scene()
     path = tool_path("moveToContainerStraight", (area,), setting)
     with closing(PybulletTable(setting, 4)) as table:
@@ -146,7 +141,7 @@ def test_the_rag_stands_perpendicular_to_its_push(scene: MakeScene) -> None:
     assert np.linalg.norm(row[:2]) == pytest.approx(0.10, abs=0.01)
 
 
-def test_the_resting_tool_is_out_of_the_picture(scene: MakeScene) -> None:
+def test_the_resting_tool_is_out_of_the_picture() -> None:
     for edge in ("north", "east"):
         setting = scene(edge=edge)
         with closing(PybulletTable(setting, 1)) as table:
@@ -154,7 +149,7 @@ def test_the_resting_tool_is_out_of_the_picture(scene: MakeScene) -> None:
         assert depth[depth > 0].min() > setting.camera.height - 0.02
 
 
-def test_an_unknown_robot_is_refused(scene: MakeScene) -> None:
+def test_an_unknown_robot_is_refused() -> None:
     with pytest.raises(ValueError, match="no robot is called `arm`"):
         PybulletTable(replace(scene(), robot="arm"), 1)
 
@@ -181,15 +176,13 @@ print(table.truth().positions.tobytes().hex(), frame.depth.tobytes().hex(), fram
 
 
 @pytest.mark.needs_pybullet
-def test_the_same_seed_is_the_same_world_bit_for_bit_in_another_process(
-    in_two_processes: Callable[[str], tuple[str, str]],
-) -> None:
+def test_the_same_seed_is_the_same_world_bit_for_bit_in_another_process() -> None:
     first, second = in_two_processes(_TWICE)
     assert len(first) > 1000
     assert first == second
 
 
-def test_another_seed_is_another_world(scene: MakeScene) -> None:
+def test_another_seed_is_another_world() -> None:
     setting = scene(Group(5, (0.0, 0.0), 0.03))
     with closing(PybulletTable(setting, 1)) as one, closing(PybulletTable(setting, 2)) as other:
         assert not np.array_equal(one.truth().positions, other.truth().positions)

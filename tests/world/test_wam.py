@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 
 import numpy as np
@@ -15,18 +14,16 @@ from cleancli.motion.clearance import hull_ends, segment_gaps
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scene
 from cleancli.world import camera
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Status
 from cleancli.world.robots.arm_drive import TOOL, ArmDrive
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
-
-MakeScene = Callable[..., Scene]
-Finish = Callable[[Robot], Status]
+from support.tables import finish, in_two_processes, scene
 
 AREA = Ellipse((0.1, 0.0), (0.02, 0.02), 0.0)
 
 
-def small(scene: MakeScene, edge: str = "east", robot: str = "wam") -> Scene:
+def small(edge: str = "east", robot: str = "wam") -> Scene:
     return scene(Group(12, (0.1, 0.0), 0.02), edge=edge, robot=robot, size=(0.60, 0.55))
 
 
@@ -36,8 +33,8 @@ def drive_of(table: PybulletTable) -> ArmDrive:
     return drive
 
 
-def test_the_links_are_where_the_kinematics_say(scene: MakeScene) -> None:
-    with closing(PybulletTable(small(scene), 1)) as table:
+def test_the_links_are_where_the_kinematics_say() -> None:
+    with closing(PybulletTable(small(), 1)) as table:
         drive, engine = drive_of(table), table._engine
         arm = drive._arm
         for joints in np.random.default_rng(1).uniform(arm.low, arm.high, (10, 7)):
@@ -52,8 +49,8 @@ def test_the_links_are_where_the_kinematics_say(scene: MakeScene) -> None:
             np.testing.assert_allclose(elbow, frames(arm, joints[None])[0, 3, :3, 3], atol=1e-6)
 
 
-def test_distances_between_hulls_are_the_engines(scene: MakeScene) -> None:
-    with closing(PybulletTable(small(scene), 1)) as table:
+def test_distances_between_hulls_are_the_engines() -> None:
+    with closing(PybulletTable(small(), 1)) as table:
         arm, engine = drive_of(table)._arm, table._engine
         joints = np.random.default_rng(2).uniform(arm.low, arm.high, (6, 7))
         for ends in hull_ends(arm, joints):
@@ -75,8 +72,8 @@ def test_distances_between_hulls_are_the_engines(scene: MakeScene) -> None:
 
 
 @pytest.mark.parametrize("action", ["moveToContainerFast", "moveToContainerStraight"])
-def test_most_lentils_of_a_push_end_in_the_container(scene: MakeScene, finish: Finish, action: str) -> None:
-    setting = small(scene)
+def test_most_lentils_of_a_push_end_in_the_container(action: str) -> None:
+    setting = small()
     with closing(PybulletTable(setting, 4)) as table:
         table.start(tool_path(action, (AREA,), setting))
         assert finish(table) is Status.DONE
@@ -89,14 +86,14 @@ def test_most_lentils_of_a_push_end_in_the_container(scene: MakeScene, finish: F
 
 
 @pytest.mark.parametrize("edge", ["north", "south", "west"])
-def test_the_arm_stands_beside_any_edge(scene: MakeScene, edge: str) -> None:
+def test_the_arm_stands_beside_any_edge(edge: str) -> None:
     setting = scene(edge=edge, robot="wam", size=(0.55, 0.55))
     inside = np.array([(x, y, 0.0, 1.0) for x in (-0.2, 0.0, 0.2) for y in (-0.2, 0.0, 0.2)])
     assert ROBOTS["wam"].reaches(inside, setting).all()
 
 
-def test_the_resting_arm_hides_nothing_of_the_surface(scene: MakeScene) -> None:
-    setting = small(scene)
+def test_the_resting_arm_hides_nothing_of_the_surface() -> None:
+    setting = small()
     with closing(PybulletTable(setting, 1)) as table:
         eye = camera.overhead(setting.camera)
         _, depth = camera.render(table._engine, eye, setting.light)
@@ -107,8 +104,8 @@ def test_the_resting_arm_hides_nothing_of_the_surface(scene: MakeScene) -> None:
     assert seen.max() < setting.camera.height + 0.02
 
 
-def test_a_moving_arm_hides_dirt_from_the_camera(scene: MakeScene) -> None:
-    setting = small(scene)
+def test_a_moving_arm_hides_dirt_from_the_camera() -> None:
+    setting = small()
     with closing(PybulletTable(setting, 1)) as table:
         table.start(tool_path("moveToContainerStraight", (AREA,), setting))
         while drive_of(table).tool()[2] > 0.01:
@@ -117,10 +114,8 @@ def test_a_moving_arm_hides_dirt_from_the_camera(scene: MakeScene) -> None:
     assert (depth < setting.camera.height - 0.2).sum() > 3000
 
 
-def test_what_is_out_of_reach_fails_with_its_reason_and_nothing_moves(
-    scene: MakeScene, finish: Finish
-) -> None:
-    with closing(PybulletTable(small(scene), 1)) as table:
+def test_what_is_out_of_reach_fails_with_its_reason_and_nothing_moves() -> None:
+    with closing(PybulletTable(small(), 1)) as table:
         corners = [(-0.9, -0.5, 0.05), (-0.9, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, -0.5, 0.05)]
         for how in Interpolation:
             table.start(ToolPath(tuple(Waypoint(*corner, 0.0, 0.1) for corner in corners), how))
@@ -133,8 +128,8 @@ def test_what_is_out_of_reach_fails_with_its_reason_and_nothing_moves(
         assert table.failure == ""
 
 
-def test_a_stopped_arm_raises_its_tool_and_can_go_on(scene: MakeScene, finish: Finish) -> None:
-    setting = small(scene)
+def test_a_stopped_arm_raises_its_tool_and_can_go_on() -> None:
+    setting = small()
     with closing(PybulletTable(setting, 1)) as table:
         drive = drive_of(table)
         table.start(tool_path("moveToContainerStraight", (AREA,), setting))
@@ -164,9 +159,7 @@ print(table.truth().positions.tobytes().hex(), table.observe().depth.tobytes().h
 
 
 @pytest.mark.needs_pybullet
-def test_the_same_seed_is_the_same_run_bit_for_bit_in_another_process(
-    in_two_processes: Callable[[str], tuple[str, str]],
-) -> None:
+def test_the_same_seed_is_the_same_run_bit_for_bit_in_another_process() -> None:
     first, second = in_two_processes(_TWICE)
     assert len(first) > 1000
     assert first == second
