@@ -108,11 +108,11 @@ def main() -> None:
         names = [str(action) for action in task.actions]
         print(example.name)
         print("  plan                       libPRADA  belief  exact")
-        for plan in example.plans:
-            actions = [names.index(action) for action in plan]
+        for sequence in example.plans:
+            actions = [names.index(action) for action in sequence]
             library, ours = (plan_value(task, actions, compat=compat) for compat in (True, False))
             exact = exact_value(task, actions)
-            print(f"  {', '.join(plan):25}  {library:8.3f}  {ours:6.3f}  {exact:5.3f}")
+            print(f"  {', '.join(sequence):25}  {library:8.3f}  {ours:6.3f}  {exact:5.3f}")
         # Sequences are compared here, so nothing is solved beyond them.
         for label, planner, compat in (
             ("libPRADA's way", PLANNERS["prada"], True),

@@ -179,15 +179,11 @@ def results(robot: str, seed: int, actions: int, kept: Kept) -> Iterator[Result]
     """Those of all tables; a line is printed for each."""
     known = {(row["robot"], row["seed"], row["table"], row["actions"]): row for row in kept.rows()}
     for number in range(-(-actions // ROUND)):
-        what = {
-            "robot": robot,
-            "seed": seed,
-            "table": number,
-            "actions": min(ROUND, actions - number * ROUND),
-        }
-        row = known.get(tuple(what.values()))
+        tried = min(ROUND, actions - number * ROUND)
+        row = known.get((robot, seed, number, tried))
         if row is None:
-            row = what | asdict(try_table(robot, seed, number, what["actions"]))
+            what = {"robot": robot, "seed": seed, "table": number, "actions": tried}
+            row = {**what, **asdict(try_table(robot, seed, number, tried))}
             kept.add(row)
         one = Result(**{field.name: row[field.name] for field in fields(Result)})
         where = (

@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 
 from cleancli.recording import checkpoint
-from cleancli.recording.folder import EXPERIENCE
-from cleancli.recording.journal import JOURNAL, Ended, read_journal
+from cleancli.recording.folder import EXPERIENCE, JOURNAL, checkpoints
+from cleancli.recording.journal import Ended, read_journal
 
 POLL = 2e-3  # seconds between looks at the journal
 PROBLEMS = {"symbolic": "three_areas", "tables": "two_groups"}
@@ -40,7 +40,7 @@ def unreadable(folder: Path) -> str:
         experience = folder / EXPERIENCE
         for line in experience.read_text(encoding="utf-8").split("\n")[:-1] if experience.exists() else ():
             json.loads(line)
-        for path in checkpoint.checkpoints(folder)[-1:]:
+        for path in checkpoints(folder)[-1:]:
             checkpoint.read(folder, path)
     except Exception as error:
         return repr(error)

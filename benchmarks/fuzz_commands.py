@@ -139,9 +139,9 @@ def looks(rng: random.Random, place: Path, bases: Path) -> Commands:
         return [("perceive", str(scene), "--json")]
     shutil.copytree(bases / "frames", place / "run")
     inputs.folder(place / "run", place / "elsewhere", rng)
-    scene = str(place / "run" / "scene.nid")
-    words = ("perceive", str(place / "run" / "frames"), "--scene", scene)
-    return [rng.choice((words, (*words, "--json"), (*words, "--out", str(place / "out.png"))))]
+    words = ("perceive", str(place / "run" / "frames"), "--scene", str(place / "run" / "scene.nid"))
+    options: tuple[tuple[str, ...], ...] = ((), ("--json",), ("--out", str(place / "out.png")))
+    return [(*words, *rng.choice(options))]
 
 
 KINDS: dict[str, Callable[[random.Random, Path, Path], Commands | None]] = {
@@ -191,7 +191,7 @@ def _cut(words: list[str], actions: int) -> None:
         if state.actions == actions:  # type: ignore[attr-defined]
             raise _Cut
 
-    run_folder.Recorder._checkpoint = dies  # type: ignore[assignment, method-assign]
+    run_folder.Recorder._checkpoint = dies  # type: ignore[method-assign]
     try:
         _said(tuple(words))
     finally:

@@ -29,10 +29,13 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from cleancli.cli.commands import convert as convert_command
 from cleancli.cli.main import main as cleancli
-from cleancli.recording.journal import JOURNAL, Acted, Ended, read_journal
+from cleancli.conversion.convert import Converted, convert
+from cleancli.recording.folder import JOURNAL
+from cleancli.recording.journal import Acted, Ended, read_journal
 
 ROOT = Path(__file__).resolve().parents[1]
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -98,13 +101,12 @@ def started(words: list[str], folder: Path, begun: Callable[[], None] | None = N
         for number in range(3):
             os.dup2(nowhere, number)
         if begun is not None:
-            real = convert_command.convert
 
-            def told(*arguments: object) -> object:
+            def told(*arguments: Any) -> Converted:
                 begun()
-                return real(*arguments)  # type: ignore[arg-type]
+                return convert(*arguments)
 
-            convert_command.convert = told  # type: ignore[assignment]
+            convert_command.convert = told  # type: ignore[attr-defined, assignment]
         cleancli(words)
     except SystemExit as ended:
         os._exit(int(ended.code or 0))

@@ -219,8 +219,8 @@ def changed(site: Site, text: str) -> Change | None:
             return None
     except SyntaxError:
         return None
-    short = [" ".join(part.split()) for part in (before, after)]
-    return Change(site.module, node.lineno, site.block, site.compiled, site.kind, *short, result)
+    old, new = (" ".join(part.split()) for part in (before, after))
+    return Change(site.module, node.lineno, site.block, site.compiled, site.kind, old, new, result)
 
 
 _Found = tuple[ast.stmt, str, ast.expr | ast.stmt, ast.AST | None]
@@ -245,8 +245,8 @@ def _for_types(statement: ast.stmt) -> bool:
     if isinstance(statement, ast.AnnAssign):
         return statement.value is None
     value = getattr(statement, "value", None)
-    calls = isinstance(value, ast.Call) and isinstance(value.func, ast.Name)
-    return calls and value.func.id in {"TypeVar", "ParamSpec", "NewType"}
+    called = value.func if isinstance(value, ast.Call) else None
+    return isinstance(called, ast.Name) and called.id in {"TypeVar", "ParamSpec", "NewType"}
 
 
 def _expressions(statement: ast.stmt) -> Iterator[ast.expr]:
@@ -334,7 +334,7 @@ def _compared(node: ast.Compare) -> Iterator[ast.Compare]:
             )
 
 
-def _constants(value: object) -> tuple[object, ...]:
+def _constants(value: object) -> tuple[int | float, ...]:
     match value:
         case bool():
             return (not value,)

@@ -36,7 +36,7 @@ class Collect:
         self._take()
         result = yield
         self._modules.setdefault(collector.nodeid, set()).update(self._take())
-        return result  # type: ignore[return-value]
+        return result
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
@@ -44,7 +44,7 @@ class Collect:
         result = yield
         self._fixtures[id(fixturedef)] = self._take()
         self._hits.update(before | self._fixtures[id(fixturedef)])
-        return result  # type: ignore[return-value]
+        return result
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
@@ -64,7 +64,7 @@ class Collect:
         }
         with self._out.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
-        return result  # type: ignore[return-value]
+        return result
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.when == "call":

@@ -22,9 +22,10 @@ import sys
 import time
 import traceback
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from mutants import Change
 
@@ -124,8 +125,7 @@ _KEPT_BY: dict[str, bytes] = {}
 def keep_kernels_by_their_own_text() -> None:
     """A change outside of compiled functions leaves their machine code as it is: let numba take it."""
     with contextlib.suppress(ImportError):
-        from numba.core import caching
-
+        caching: Any = importlib.import_module("numba.core.caching")
         by_text = caching._hash_source_file
 
         def kept(path: str, *rest: object) -> bytes:
@@ -135,7 +135,7 @@ def keep_kernels_by_their_own_text() -> None:
 
 
 def run(
-    copy: Path, files: list[str], job: dict[str, object], kernels: Path, limit: float, work: Path
+    copy: Path, files: list[str], job: Mapping[str, object], kernels: Path, limit: float, work: Path
 ) -> Ended:
     """Run pytest on some test files of a copy, in a process of its own group; `limit` is of the processor's
     seconds, `work` a folder for what this run writes."""

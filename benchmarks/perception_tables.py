@@ -30,6 +30,8 @@ from cleancli.scene.model import (
 from cleancli.world import camera as world_camera
 from cleancli.world import constants as par
 from cleancli.world.robot import finish
+from cleancli.world.robots.arm_drive import ArmDrive
+from cleancli.world.robots.gantry import Gantry
 from cleancli.world.robots.wam import arm_for
 from cleancli.world.table import PybulletTable
 
@@ -157,7 +159,9 @@ def in_view(table: PybulletTable, scene: Scene, rng: np.random.Generator) -> Non
             joints = point if scene.robot == "gantry" else nearest_pose(arm_for(scene), point)
         except Unreachable:
             continue
-        table._drive.stand(joints)
+        drive = table._drive
+        assert isinstance(drive, Gantry | ArmDrive)
+        drive.stand(joints)
         return
 
 

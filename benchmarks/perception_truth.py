@@ -22,7 +22,7 @@ from cleancli.perception.areas import enclosing_ellipses
 from cleancli.perception.perceive import RIM, Observation
 from cleancli.perception.symbols import are_near, is_scattered, lies_between, size_of
 from cleancli.scene.calibration import Thresholds
-from cleancli.scene.model import Scene
+from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera as world_camera
 from cleancli.world import constants as par
 from cleancli.world.table import PybulletTable
@@ -83,13 +83,14 @@ def footprints(table: PybulletTable) -> list[Points]:
     turns = np.linspace(0, 2 * pi, 16, endpoint=False)
     circle = np.column_stack([np.cos(turns), np.sin(turns)])
     found = []
-    kinds = [dirt for dirt in table._scene.dirt for _ in range(getattr(dirt, "count", 0))]
-    for body, dirt in zip(table._particles, kinds, strict=True):
+    loose = (dirt for dirt in table._scene.dirt if not isinstance(dirt, Ink))
+    kinds = [dirt.of for dirt in loose for _ in range(dirt.count)]
+    for body, kind in zip(table._particles, kinds, strict=True):
         place, turn = table._engine.getBasePositionAndOrientation(body)
         if place[2] < -par.TABLE_THICKNESS / 2:
             continue
         axes = np.array(table._engine.getMatrixFromQuaternion(turn)).reshape(3, 3)[:2]
-        half = axes * np.array(par.PARTICLES[dirt.of].size) / 2
+        half = axes * np.array(par.PARTICLES[kind].size) / 2
         found.append(np.array(place[:2]) + circle @ np.linalg.cholesky(half @ half.T).T)
     square = par.INK_CELL / 2 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     return found + [cell[:2] + square for cell in table.truth().ink]
@@ -120,7 +121,7 @@ def true_areas(pieces: Sequence[Points], link: float) -> list[Area]:
     graph = np.zeros((len(pieces), len(pieces)), np.bool_)
     graph[owner[first], owner[second]] = True
     count, labels = connected_components(graph, directed=False)
-    groups = [[pieces[i] for i in np.nonzero(labels == label)[0]] for label in range(count)]
+    groups = [[pieces[i] for i in np.flatnonzero(labels == label).tolist()] for label in range(count)]
     ellipses = enclosing_ellipses([np.vstack(group) for group in groups])
     return [Area(ellipse, covered(group)) for ellipse, group in zip(ellipses, groups, strict=True)]
 

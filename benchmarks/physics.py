@@ -22,7 +22,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from kept import Kept
+from kept import Kept, Row
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
 from cleancli.cli.commands.act import COUNTED, in_order
@@ -78,9 +78,6 @@ DESK = replace(
     container=Container("south", 0.0, 0.32, 0.16),
 )
 BENCH = replace(BASE, robot="wam", surface=replace(BASE.surface, width=0.60, depth=0.55))
-
-Row = Mapping[str, str | int | float | list[float]]
-"""What a try is worth keeping: numbers and words, by name."""
 
 
 PathOf = Callable[[str, tuple[Ellipse, ...], Scene], ToolPath]

@@ -20,7 +20,7 @@ import re
 import statistics
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -203,7 +203,7 @@ def _step(t: Tables, belief: kernel.Belief, action: int) -> int:
     )
 
 
-def _entries(start: np.ndarray, items: list[int]) -> int:
+def _entries(start: np.ndarray, items: Iterable[int]) -> int:
     return sum(int(start[item + 1] - start[item]) for item in items)
 
 

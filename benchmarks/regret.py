@@ -150,7 +150,8 @@ def move(game: Game, step: int, state: int, action: int | None) -> Move:
     if action is None:
         return Move(best - game.nothing[step, state], (), 0.0)
     choice = game.choices[state].get(action)
-    reward, after = graph.standing[state] - process.cost[action], ((state, 1.0),)
+    after: tuple[tuple[int, float], ...] = ((state, 1.0),)
+    reward = graph.standing[state] - process.cost[action]
     if choice is not None:
         edges = slice(graph.edge_start[choice], graph.edge_start[choice + 1])
         successors, chances = graph.edge_successor[edges].tolist(), graph.edge_probability[edges].tolist()

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TypeVar
 
 import click
 import numpy as np
@@ -32,6 +33,8 @@ from cleancli.scene.robots import ARMS
 
 COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
+
+_Tried = TypeVar("_Tried")
 
 
 @command_of("act")
@@ -100,8 +103,8 @@ def command(
     )
 
 
-def in_order(try_one: Callable[[int], Trial], seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
-    """The trials of these seeds in their order, so many at a time."""
+def in_order(try_one: Callable[[int], _Tried], seeds: Sequence[int], jobs: int) -> Iterator[_Tried]:
+    """What came of these seeds in their order, so many at a time."""
     if jobs == 1:
         yield from map(try_one, seeds)
         return
