@@ -28,7 +28,7 @@ def lint(session: nox.Session) -> None:
 
 @nox.session
 def types(session: nox.Session) -> None:
-    """Types of the sources."""
+    """Types of the sources, the tests and the benchmarks."""
     _installed(session)
     session.run("mypy")
 

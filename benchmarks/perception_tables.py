@@ -66,7 +66,7 @@ class Condition:
 def drawn(seed: int) -> tuple[Scene, Condition, float]:
     """A scene that the checker accepts, its condition, and the extra noise of colour."""
     rng = np.random.default_rng([seed, 0])
-    name = rng.choice(list(SURFACES))
+    name = str(rng.choice(list(SURFACES)))
     kind = str(rng.choice(("lentils", "rice", "peas", "ink"), p=(0.4, 0.2, 0.2, 0.2)))
     texture, gradient = float(rng.choice((0.0, 0.0, 0.015, 0.03))), float(rng.choice((0.0, 0.0, 0.15, 0.3)))
     degrees, extra = (0.0, float(rng.uniform(5, 30)))[int(rng.random() < 0.6)], float(rng.choice((0.0, 3.0)))

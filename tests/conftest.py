@@ -26,9 +26,9 @@ if importlib.util.find_spec("pybullet") is None:
     _REASON = "needs pybullet, which is not installed"
     _tell = MissingPhysics.__init__
 
-    def _note(missing: MissingPhysics) -> None:
-        _tell(missing)
-        _said.append(missing)
+    def _note(self: MissingPhysics) -> None:
+        _tell(self)
+        _said.append(self)
 
     MissingPhysics.__init__ = _note  # type: ignore[method-assign]
 
@@ -40,7 +40,7 @@ if importlib.util.find_spec("pybullet") is None:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
-        report: pytest.TestReport = yield  # type: ignore[assignment, misc]
+        report: pytest.TestReport = yield  # type: ignore[assignment]
         error = call.excinfo.value if report.failed and call.excinfo else None
         if error is not None and (_said or any(error is known for known in _excused)):
             _excused.append(error)

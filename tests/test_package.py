@@ -29,7 +29,7 @@ def test_wheel_plans_from_another_folder(tmp_path: Path) -> None:
     clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
 
     def cleancli(*words: str) -> subprocess.CompletedProcess[str]:
-        command = [environment / "bin" / "cleancli", *words]
+        command = [str(environment / "bin" / "cleancli"), *words]
         return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=clean)
 
     planned = cleancli("plan", "cleaning", "three_areas", "--samples", "500", "--json")

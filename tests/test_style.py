@@ -1,4 +1,4 @@
-"""The sources are typed and formatted as pyproject.toml says."""
+"""Sources, tests and benchmarks are typed and formatted as pyproject.toml says."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def test_includes_from_outside_are_asked_for(tmp_path: Path) -> None:
 def test_mistakes_of_texts_are_located(wrong: str, code: str, place: str) -> None:
     for function in (cleancli.plan, cleancli.simulate, cleancli.execute):
         with pytest.raises(cleancli.Refused) as refused:
-            function("cleaning", wrong)  # type: ignore[operator]
+            function("cleaning", wrong)
         assert any(mistake.code.startswith(code) for mistake in refused.value.diagnostics)
         assert place in str(refused.value)
 
@@ -95,7 +95,7 @@ def test_a_refusal_reads_as_check_prints_it(tmp_path: Path, capsys: pytest.Captu
 def test_actions_that_do_not_exist_are_refused() -> None:
     for function in (cleancli.evaluate, cleancli.explain):
         with pytest.raises(cleancli.Refused, match="E206"):
-            function("cleaning", "three_areas", "wipe(a1)")  # type: ignore[operator]
+            function("cleaning", "three_areas", "wipe(a1)")
 
 
 def test_experience_that_is_none_is_refused(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import pytest
@@ -199,7 +199,7 @@ def test_a_run_is_recorded_and_goes_on_without_what_another_machine_has(
     """No library but those that a symbolic run needs is asked for its version."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "pybullet", None)
-    monkeypatch.setattr(run_session, "version", _without("pybullet", run_session.version))
+    monkeypatch.setattr(run_session, "version", _without("pybullet", version))
     words = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
     assert run([*words, "--max-actions", "1"]) in (0, 3)
     path = tmp_path / "runs" / "three_areas-seed5-001" / "run.json"

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from cleancli.cli.main import run
+from support.pictures import picture
 
 SMALL = """scene small {
   camera { image = 320 x 240  focal = 262 }
@@ -49,8 +50,8 @@ def test_a_scene_is_seen_told_and_drawn(
     assert said[0] == "small: 2 areas"
     assert said[2].startswith("  a2: at (")
     assert "  left out of plans: a1" in said
-    assert cv2.imread(str(drawn)).shape == (240, 320, 3)
-    assert cv2.imread(str(sheet)).shape == (2 * 270, 3 * 320, 3)
+    assert picture(drawn).shape == (240, 320, 3)
+    assert picture(sheet).shape == (2 * 270, 3 * 320, 3)
 
 
 def test_recorded_frames_need_no_simulator(
@@ -75,11 +76,11 @@ def test_names_go_from_look_to_look(
     shutil.copytree(frames, series / "look-10")
     for number in range(3):
         for kind in ("colour", "depth"):
-            path = str(series / "look-10" / f"{kind}-{number:03}.png")
-            picture = cv2.imread(path, cv2.IMREAD_UNCHANGED)
-            picture[165:190, 90:115] = np.median(picture[165:190, 130:155], axis=(0, 1))
-            picture[80:160, 220:280] = 700 if kind == "depth" else 30
-            cv2.imwrite(path, picture)
+            path = series / "look-10" / f"{kind}-{number:03}.png"
+            pixels = picture(path)
+            pixels[165:190, 90:115] = np.median(pixels[165:190, 130:155], axis=(0, 1))
+            pixels[80:160, 220:280] = 700 if kind == "depth" else 30
+            cv2.imwrite(str(path), pixels)
     assert run(["perceive", str(series), "--scene", scene, "--json"]) == 0
     first, second = json.loads(capsys.readouterr().out)["looks"]
     assert [area["area"] for area in first["areas"]] == ["a1", "a2"]
@@ -118,7 +119,9 @@ def test_a_rerun_recording_holds_steps_ellipses_and_names(
     assert all({"look", "robot"} <= set(c.timeline_names) for name, c in chunks.items() if name != "camera")
     assert (chunks["camera/colour"].num_rows, chunks["camera/depth"].num_rows) == (3, 3)
     (blob,), *_ = column(chunks["camera/colour"], "EncodedImage:blob")
-    assert cv2.imdecode(np.array(blob, np.uint8), cv2.IMREAD_COLOR).shape == (240, 320, 3)
+    decoded = cv2.imdecode(np.array(blob, np.uint8), cv2.IMREAD_COLOR)
+    assert decoded is not None
+    assert decoded.shape == (240, 320, 3)
     ((believed,),) = column(chunks["camera/believed"], "SegmentationImage:buffer")
     assert 20 < np.count_nonzero(believed) < 400
     (labels,), (strips,) = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 
 import pytest
@@ -11,6 +12,7 @@ from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Action, Object, Rule, Symbol, Type
 from cleancli.planning.evaluation.coverage import coverage
 
 DOMAIN = load_domain(read_source(find("cleaning", "domains")))
@@ -27,7 +29,14 @@ def _said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 
 def test_show_names_everything_declared(capsys: pytest.CaptureFixture[str]) -> None:
     text = _said(capsys, "show", "cleaning")
-    for declared in (*DOMAIN.types, *DOMAIN.symbols, *DOMAIN.actions, *DOMAIN.rules, *DOMAIN.constants):
+    kinds: tuple[tuple[Type | Symbol | Action | Rule | Object, ...], ...] = (
+        DOMAIN.types,
+        DOMAIN.symbols,
+        DOMAIN.actions,
+        DOMAIN.rules,
+        DOMAIN.constants,
+    )
+    for declared in itertools.chain(*kinds):
         assert declared.name in text
     assert "└── place\n    ├── area\n    └── container\n" in text
     assert "near(?a - area, ?b - area) [symmetric]" in text

@@ -6,10 +6,12 @@ import itertools
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 from numba import njit
+from numpy.typing import NDArray
 from scipy import stats
 
 from cleancli.compiler.ground import ground
@@ -96,7 +98,7 @@ def declared_afters(
     return tuple(shares), list(shares.values())
 
 
-def fits(counts: Ints, shares: list[Fraction]) -> float:
+def fits(counts: NDArray[np.integer[Any]], shares: list[Fraction]) -> float:
     """The p-value of counts for declared shares; 0 where something was drawn that has none."""
     possible = np.array([share > 0 for share in shares])
     if counts[~possible].any():

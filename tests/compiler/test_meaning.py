@@ -144,7 +144,7 @@ def test_outcomes_of_a_deictic_rule_are_drawn_as_often_as_declared() -> None:
     join = [str(action) for action in task.actions].index("join2(a, b)")
     rng = np.random.default_rng(2)
     drawn = [sample(task, task.initial, join, rng)[0] for _ in range(5000)]
-    assert stats.chisquare(np.bincount(drawn, minlength=4), [2750, 1250, 500, 500]).pvalue > 0.01
+    assert stats.chisquare(np.bincount(np.array(drawn), minlength=4), [2750, 1250, 500, 500]).pvalue > 0.01
 
 
 def test_a_deictic_reference_becomes_a_rule_for_each_thing_it_may_mean() -> None:

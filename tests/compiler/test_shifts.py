@@ -206,7 +206,7 @@ def values_in(problem: Problem) -> dict[Key, int | bool]:
     pairs = itertools.combinations_with_replacement(THINGS, 2)
     keys = [*(("lit", (thing,)) for thing in THINGS), *(("link", pair) for pair in pairs)]
     stated = {(fact.symbol, fact.objects): fact.value for fact in problem.state if fact.symbol != "on"}
-    return {**dict.fromkeys(keys, False), **stated}  # type: ignore[arg-type]
+    return {**dict.fromkeys(keys, False), **stated}  # type: ignore[dict-item]
 
 
 def moved(problem: Problem, expected: Mapping[Key, int | bool]) -> State:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -28,8 +29,8 @@ def texts() -> dict[str, str]:
 
 
 def converted(files: dict[str, str], wishes: Wishes | None = None) -> Converted:
-    sources = [Source(name, files[name]) for name in FILES]
-    return convert(*sources, wishes or Wishes(), ("domain.nid", "problem.nid"))
+    rules, state, symbols = (Source(name, files[name]) for name in FILES)
+    return convert(rules, state, symbols, wishes or Wishes(), ("domain.nid", "problem.nid"))
 
 
 def models(made: Converted) -> tuple[Domain, Problem]:
@@ -81,7 +82,10 @@ def test_files_are_replaced_only_when_told(tmp_path: Path, capsys: pytest.Captur
     assert "horizon  = 7\n" in problem
     assert "discount = 0.5\n" in problem
     domain = load_domain(read_source(tmp_path / "domain.nid"))
-    assert [(term.weight, term.count) for term in domain.reward] == [(2, "dirty"), (-1, "wetThings")]
+    assert [(term.weight, term.count) for term in domain.reward] == [
+        (Fraction(2), "dirty"),
+        (Fraction(-1), "wetThings"),
+    ]
 
 
 @pytest.mark.parametrize("reward", ["decrease(dirtyy)", "1 +", "} rule x", "no_count"])
@@ -187,7 +191,7 @@ def test_without_dirt_more_of_the_first_count_pays() -> None:
     made = converted(small(SIZES, CHOICE, "bigPot(1) smallPot(2)"))
     assert "horizon  = 3" in made.problem
     domain, problem = models(made)
-    assert [(term.weight, term.count) for term in domain.reward] == [(-1, "n")]
+    assert [(term.weight, term.count) for term in domain.reward] == [(Fraction(-1), "n")]
     task = ground(domain, problem)
     assert [r.decrease for r in task.rewards] == [-1]
     with pytest.raises(Refused, match="no reward"):

@@ -27,9 +27,10 @@ class Client(LanguageClient):
         self.told: asyncio.Queue[lsp.PublishDiagnosticsParams] = asyncio.Queue()
         self.left: int | None = None
 
-        @self.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
         def told(params: lsp.PublishDiagnosticsParams) -> None:
             self.told.put_nowait(params)
+
+        self.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)(told)
 
     async def server_exit(self, server: asyncio.subprocess.Process) -> None:
         """Remember the exit code."""
@@ -86,7 +87,7 @@ def talk(
         await say(client)
         await client.shutdown_async(None)
         client.exit(None)
-        await client.stop()
+        await client.stop()  # type: ignore[no-untyped-call]
         assert client.left == 0
 
     asyncio.run(asyncio.wait_for(session(), 60))

@@ -14,8 +14,8 @@ from hypothesis import strategies as some
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.recording import journal
+from cleancli.recording.folder import JOURNAL
 from cleancli.recording.journal import (
-    JOURNAL,
     Acted,
     AreaEntry,
     Chance,
@@ -158,7 +158,7 @@ def test_what_is_no_record_is_refused_with_its_place(line: str, reason: str) -> 
         (Acted(1, "push", (), 0.0, {}, None, -1, ()), "$.outcome"),
         (Started(1, "push", (), Expected(None, (Chance(1.5, "change", ()),))), "$.expected.outcomes[0].prob"),
         (
-            Started(1, "push", (), Expected(None, (Chance(1.0, "miracle", ()),))),
+            Started(1, "push", (), Expected(None, (Chance(1.0, "miracle", ()),))),  # type: ignore[arg-type]
             "$.expected.outcomes[0].kind",
         ),
         (Looked(0, 0, (AreaEntry("a1", (1e9, 0), (1, 1), 0, 0),), {}, ()), "$.areas[0].centre[0]"),

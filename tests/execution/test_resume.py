@@ -28,6 +28,7 @@ from cleancli.language.model import Fact, Object
 from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.perception.area import Area
 from cleancli.recording import checkpoint, run_folder
+from cleancli.recording.folder import APPENDED, checkpoints
 from cleancli.recording.journal import Acted, Ended, Resumed, read_journal
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
@@ -282,11 +283,11 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
         spent=Account(planning=0.25, actions=3.5),
         loading=1.0,
     )
-    for name in checkpoint.APPENDED:
+    for name in APPENDED:
         (tmp_path / name).write_text("one\n")
     checkpoint.save(tmp_path, state, {"places": np.eye(3), "clock": np.array(1.5)})
-    (path,) = checkpoint.checkpoints(tmp_path)
-    saved = checkpoint.read(tmp_path, path)
+    (written,) = checkpoints(tmp_path)
+    saved = checkpoint.read(tmp_path, written)
     assert saved.episode == state
     assert saved.sizes == {"journal.jsonl": 4, "experience.jsonl": 4}
     np.testing.assert_array_equal(saved.world["places"], np.eye(3))
@@ -300,11 +301,11 @@ def test_an_episode_begins_with_nothing_seen_named_done_or_spent() -> None:
 
 
 def test_what_has_no_form_in_a_checkpoint_is_refused(tmp_path: Path) -> None:
-    for name in checkpoint.APPENDED:
+    for name in APPENDED:
         (tmp_path / name).write_text("")
     with pytest.raises(NotImplementedError, match="object has no form"):
         checkpoint.save(tmp_path, EpisodeState(examples=object()), {})  # type: ignore[arg-type]
-    assert not checkpoint.checkpoints(tmp_path)
+    assert not checkpoints(tmp_path)
     (tmp_path / "state").mkdir(exist_ok=True)
     damaged = tmp_path / "state" / "001.npz"
     damaged.write_bytes(b"")

@@ -59,7 +59,7 @@ def _effects() -> st.SearchStrategy[tuple[Assign | ForAll, ...]]:
         (inner,), (Literal("beside", (A, inner), frozenset({True})),), (Assign("heat", (inner,), "hot"),)
     )
     every = ForAll((inner,), (), (Assign("clean", (inner,), True), Assign("heat", (inner,), "warm")))
-    single = st.sampled_from(
+    single: st.SearchStrategy[Assign | ForAll] = st.sampled_from(
         [Assign("clean", (A,), False), Assign("heat", (A,), "hot"), Assign("open", (), True), hidden, every]
     )
     return st.lists(single, min_size=1, max_size=4, unique=True).map(tuple)

@@ -36,11 +36,11 @@ def _dump(node: object, text: str, depth: int = 0) -> str:
         return "".join(_dump(item, text, depth) for item in node)
     if not dataclasses.is_dataclass(node):
         return f"{margin}{node!r}\n"
-    span = node.span  # type: ignore[attr-defined]
+    parts = {field.name: getattr(node, field.name) for field in dataclasses.fields(node)}
+    span = parts.pop("span")
     covered = " ".join(text[span.start : span.end].split())
     shown = covered if len(covered) < 60 else f"{covered[:28]} ... {covered[-27:]}"
-    fields = [f.name for f in dataclasses.fields(node) if f.name != "span"]
-    children = [_dump(getattr(node, name), text, depth + 1) for name in fields]
+    children = [_dump(part, text, depth + 1) for part in parts.values()]
     return f"{margin}{type(node).__name__}: {shown}\n{''.join(children)}"
 
 

@@ -104,7 +104,12 @@ def in_place() -> Iterator[tuple[Callable[[Path], None], Callable[[], bool]]]:
         assert process.stdout is not None
         saved = threading.Semaphore(0)
         lines = process.stdout
-        threading.Thread(target=lambda: [saved.release() for _ in lines], daemon=True).start()
+
+        def count() -> None:
+            for _ in lines:
+                saved.release()
+
+        threading.Thread(target=count, daemon=True).start()
 
         def save(path: Path) -> None:
             process.stdin.write(f"{path}\n")  # type: ignore[union-attr]

@@ -30,7 +30,8 @@ GOOD = {
     "before": [["dirty", ["b1"], True], ["load", ["b1"], 1]],
     "after": [["load", ["b1"], 1]],
 }
-ODD = (None, True, 3, 1.5, "b1", [], {}, [3], [None], [["b1"]], [{"b1": 1}], {"b1": 3}, {"3": ["box"]})
+SIMPLE: tuple[object, ...] = (None, True, 3, 1.5, "b1")
+ODD = (*SIMPLE, [], {}, [3], [None], [["b1"]], [{"b1": 1}], {"b1": 3}, {"3": ["box"]})
 
 
 def read(text: str) -> tuple[Transition, ...]:
@@ -61,13 +62,13 @@ def test_a_part_of_another_kind_is_a_mistake(key: str, value: object) -> None:
 @pytest.mark.parametrize("name", [3, None, True, ["b1"], {"b1": 1}], ids=json.dumps)
 @pytest.mark.parametrize("place", ["arguments", "fact", "symbol", "action"])
 def test_names_are_strings(name: object, place: str) -> None:
-    changed: dict[str, object] = {
+    changes: dict[str, dict[str, object]] = {
         "arguments": {"arguments": [name]},
         "fact": {"before": [["dirty", [name], True]]},
         "symbol": {"before": [[name, ["b1"], True]]},
         "action": {"action": name},
-    }[place]
-    assert refusals({**GOOD, **changed}) == ["E701"]
+    }
+    assert refusals({**GOOD, **changes[place]}) == ["E701"]
 
 
 @pytest.mark.parametrize("value", [4, -1, 1.0, "1", True, None, [1]], ids=json.dumps)

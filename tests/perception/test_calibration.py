@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ def test_a_surface_that_nothing_makes_clean_is_refused() -> None:
     ],
 )
 def test_it_is_said_when_surface_or_light_fit_no_longer(
-    found: Calibration, changes: dict[str, object], said: str | None
+    found: Calibration, changes: dict[str, Any], said: str | None
 ) -> None:
     doubts = see(synthetic.frame(LENTILS, 3, **changes), found).doubts
     assert doubts == () if said is None else any(said in doubt for doubt in doubts), doubts

@@ -33,7 +33,7 @@ class Stream:
 
 @pytest.fixture
 def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setitem(sys.modules, "rerun", SimpleNamespace(RecordingStream=Stream))  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "rerun", SimpleNamespace(RecordingStream=Stream))
     return tmp_path / "seen.rrd"
 
 

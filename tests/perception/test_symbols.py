@@ -31,7 +31,7 @@ SYMBOLS = (
 
 def domain(*symbols: Symbol) -> Domain:
     types = (Type("place"), Type("area", "place"), Type("container", "place"))
-    return Domain("test", types, (Object("bin", "container"),), symbols or SYMBOLS, (), (), (), (), "")
+    return Domain("test", types, (Object("bin", "container"),), symbols or SYMBOLS, (), (), (), (), ())
 
 
 def area(name: str, x: float, y: float, long: float = 0.02, short: float = 0.02, share: float = 1.0) -> Area:

@@ -154,12 +154,9 @@ def second(make: Callable[[], Task]) -> ForecastStep:
 def test_rules_and_results_come_likeliest_first_and_of_equals_the_first() -> None:
     step = second(two_ways)
     assert step.rules == ((4, 0.5), (3, 0.25), (7, 0.25))
-    told = [(result.effects, result.probability) for result in step.results]
-    assert told == [
-        (((1, 1),), pytest.approx(0.25 + 0.125 + 0.2)),
-        (((1, 2),), pytest.approx(0.25 + 0.125)),
-        (((1, 0),), pytest.approx(0.05)),
-    ]
+    assert [result.effects for result in step.results] == [((1, 1),), ((1, 2),), ((1, 0),)]
+    chances = [result.probability for result in step.results]
+    assert chances == pytest.approx([0.25 + 0.125 + 0.2, 0.25 + 0.125, 0.05])
     assert step.covered == pytest.approx(1)
 
 

@@ -239,10 +239,10 @@ GROUND = {2: (44, 15), 4: (70, 23), 6: (120, 39), 8: (212, 79), 10: (318, 123), 
 
 @cache
 def converted(areas: int) -> Converted:
-    files = (
+    rules, state, symbols = (
         read_source(Path(FOLDER) / f"d{areas}" / f"{name}.dat") for name in ("rules", "state", "symbols")
     )
-    return convert(*files, Wishes(), ("domain.nid", "problem.nid"))
+    return convert(rules, state, symbols, Wishes(), ("domain.nid", "problem.nid"))
 
 
 def task_of(areas: int, compat: bool) -> Task:

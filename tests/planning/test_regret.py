@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from scipy import stats
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import payment, reward, standing, successors
-from cleancli.compiler.task import GroundState
+from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
@@ -53,9 +53,9 @@ def game_of(regret: ModuleType, seed: int) -> Any:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_policys_return_is_what_recursion_says(regret: ModuleType, seed: int) -> None:
     game = game_of(regret, seed)
-    task = game.prepared.task
+    task: Task = game.prepared.task
 
-    def step(state: GroundState, action: int, left: int, then: Any) -> float:
+    def step(state: GroundState, action: int, left: int, then: Callable[[GroundState, int], float]) -> float:
         return sum(
             p
             * (

@@ -39,7 +39,7 @@ domain doors {
 }
 """
 WAIT = "rule wait: wait() { then 0.5: nothing 0.5: noise }"
-PLANS = {
+PLANS: dict[str, tuple[str, dict[str, Any]]] = {
     "exact": ("exact", {}),
     "exact, fractions": ("exact", {"arithmetic": "rational"}),
     "prada+": ("prada+", {}),
@@ -59,8 +59,7 @@ def doors(reward: str, inside: str, rules: str = "") -> Task:
 
 def chosen_by(name: str, task: Task) -> tuple[list[str], Plan]:
     planner, options = PLANS.get(name, (name, {}))
-    chosen: dict[str, Any] = options
-    plan = planned(planner, task, **{"samples": 4000, **chosen})
+    plan = planned(planner, task, **{"samples": 4000, **options})
     return [str(action) for action in plan.actions], plan
 
 

@@ -7,6 +7,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,7 +91,7 @@ def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, tmp_path:
     assert (brightness(ground) > brightness(ink)) == (scheme == "light")
 
 
-LONG = {
+LONG: dict[str, Any] = {
     "episode": {"reason": "r" * 300, "clean": False, "actions": 3, "seconds": {"k" * 60: 3.0, "total": 3.0}},
     "options": {"strategy": "s" * 90, "planner": "p" * 90, "o" * 80: "v" * 120},
     "versions": {"l" * 70: "9" * 90},

@@ -12,8 +12,8 @@ from scipy import stats
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.semantics import exact_value
-from cleancli.compiler.task import NoDurationError, by_time
-from cleancli.language.model import Fact
+from cleancli.compiler.task import NoDurationError, Task, by_time
+from cleancli.language.model import Domain, Fact, Problem
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Planner
@@ -212,8 +212,13 @@ def test_the_horizon_is_that_of_the_present_state() -> None:
 
 
 def test_rules_are_grounded_again_only_for_what_they_cannot_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    grounded = []
-    monkeypatch.setattr(agents, "ground", lambda *given: grounded.append(given) or ground(*given))
+    grounded: list[Domain] = []
+
+    def counted(domain: Domain, problem: Problem) -> Task:
+        grounded.append(domain)
+        return ground(domain, problem)
+
+    monkeypatch.setattr(agents, "ground", counted)
     who = Agent(doors.saying(), DOORS, PROBLEM)
     jammed = PROBLEM.state | {Fact("jammed", ("a",))}
     stronger = frozenset(fact for fact in jammed if fact.objects != ("a",)) | {

@@ -33,20 +33,21 @@ def disagreements(
     rng = random.Random(seed)
     library = read(*[Source(name, (read_from or files)[name]) for name in FILES])
     check(library)
-    made = convert(*[Source(name, files[name]) for name in FILES], Wishes(), ("domain.nid", "problem.nid"))
+    rules, start, symbols = (Source(name, files[name]) for name in FILES)
+    made = convert(rules, start, symbols, Wishes(), ("domain.nid", "problem.nid"))
     domain = load_domain(made.sources[0])
     task = ground(domain, load_problem(made.sources[1], domain), compat=True)
     members = dict(made.functions)
     state, found = task.initial, []
     for _ in range(steps):
         index = rng.randrange(len(task.actions))
-        rules = [r for r in task.rules if r.action == index and holds(r.condition, state)]
-        ours = sorted(_ours(rule, state, task, library, members) for rule in rules)
+        applying = [r for r in task.rules if r.action == index and holds(r.condition, state)]
+        ours = sorted(_ours(rule, state, task, library, members) for rule in applying)
         theirs = sorted(_theirs(task, index, _facts(task, state, library, members), library))
         if [_rounded(o) for o in ours] != [_rounded(o) for o in theirs]:
             found.append(f"{task.actions[index]}: {len(ours)} rules against {len(theirs)}")
-        if rules:
-            outcome = rng.choice(rng.choice(rules).outcomes)
+        if applying:
+            outcome = rng.choice(rng.choice(applying).outcomes)
             state = _changed(state, outcome.effects)
     return found
 

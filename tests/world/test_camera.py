@@ -11,6 +11,7 @@ import pytest
 from cleancli.scene.model import Scattered
 from cleancli.world import camera
 from cleancli.world import constants as par
+from cleancli.world.robots.gantry import Gantry
 from cleancli.world.table import PybulletTable
 from support.tables import scene
 
@@ -81,7 +82,9 @@ def test_edges_are_jittered_and_partly_unknown() -> None:
 
 def test_the_tool_hides_what_it_stands_above() -> None:
     with closing(PybulletTable(scene(), 1)) as table:
-        table._drive.stand(np.array((0.1, 0.05, 0.0, 0.3)))
+        drive = table._drive
+        assert isinstance(drive, Gantry)
+        drive.stand(np.array((0.1, 0.05, 0.0, 0.3)))
         colour, depth = camera.render(table._engine, camera.overhead(scene().camera), scene().light)
     hidden = depth < 0.88
     assert hidden.sum() > 1000

@@ -94,7 +94,8 @@ def test_a_tilted_table_is_cleaned_as_well(robot: str) -> None:
 
 @pytest.mark.parametrize("robot", ["gantry", "wam"])
 def test_five_hundred_lentils_lie_and_are_seen(robot: str) -> None:
-    corner = tuple(0.45 * side for side in SIZES[robot])
+    width, depth = SIZES[robot]
+    corner = 0.45 * width, 0.45 * depth
     setting = scene(Scattered(500, (-corner[0], -corner[1]), corner), robot=robot, size=SIZES[robot])
     with closing(PybulletTable(setting, 3)) as table:
         truth = table.truth()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import re
+from types import ModuleType
 
 import pytest
 
@@ -14,10 +16,8 @@ SOURCES = re.compile("chosen|measured|manual|published|common figures")
 
 
 @pytest.mark.parametrize("module", [constants, robots, pace, pick_up])
-def test_every_number_names_its_source_or_the_word_chosen(module: object) -> None:
-    with open(module.__file__, encoding="utf-8") as file:
-        text = file.read()
-    for paragraph in re.split(r"\n\s*\n", text):
+def test_every_number_names_its_source_or_the_word_chosen(module: ModuleType) -> None:
+    for paragraph in re.split(r"\n\s*\n", inspect.getsource(module)):
         if re.search(r"^[A-Z][A-Z_, ]*[:=]", paragraph, re.M):
             said = " ".join(re.findall("#(.*)", paragraph)).lower()
             assert SOURCES.search(said), paragraph

@@ -8,6 +8,7 @@ import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,8 +70,8 @@ def go_on_elsewhere(trial: Trial, written: bytes) -> str:
 
 
 def written(state: TableState) -> bytes:
-    file = io.BytesIO()
-    np.savez(file, **state.arrays())
+    file, arrays = io.BytesIO(), dict[str, Any](state.arrays())
+    np.savez(file, **arrays)
     return file.getvalue()
 
 

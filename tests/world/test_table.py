@@ -33,7 +33,7 @@ def test_every_lentil_is_accounted_for_after_random_strokes() -> None:
             yaw = float(np.arctan2(*(ends[1] - ends[0])[::-1]))
             corners = [(*ends[0], 0.05), (*ends[0], 0.0), (*ends[1], 0.0), (*ends[1], 0.05)]
             table.start(
-                ToolPath(tuple(Waypoint(*corner, yaw, 0.2) for corner in corners), Interpolation.STRAIGHT)
+                ToolPath(tuple(Waypoint(x, y, z, yaw, 0.2) for x, y, z in corners), Interpolation.STRAIGHT)
             )
             assert finish(table) is Status.DONE
         truth = table.truth()

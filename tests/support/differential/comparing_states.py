@@ -55,8 +55,8 @@ def compare_explanations(
 ) -> None:
     """`explain` in the initial state and in some others: the rule, its outcomes and what they change."""
     meaning = worth.meaning
-    states = [states[0], *random.sample(states, min(2, len(states)))]
-    for state in dict.fromkeys(states):
+    chosen = [states[0], *random.sample(states, min(2, len(states)))]
+    for state in dict.fromkeys(chosen):
         for asked in random.sample(worth.calls, min(6, len(worth.calls))):
             said = loaded.explanation(state, asked)
             covering = meaning.covering(asked, state)

@@ -26,7 +26,10 @@ class Comparison:
 
     def same(self, what: str, expected: object, actual: object, place: str = "") -> bool:
         self.compared[what] += 1
-        equal = near(expected, actual) if isinstance(expected, float | Fraction) else expected == actual
+        if isinstance(expected, float | Fraction) and isinstance(actual, int | float | Fraction):
+            equal = near(expected, actual)
+        else:
+            equal = expected == actual
         if not equal:
             self.differ(what, f"{place}: expected {expected}, got {actual}")
         return equal

@@ -399,19 +399,20 @@ class Drawer:
 
 def rename(part: Part, names: dict[str, str]) -> Part:
     """The part with other names for some variables."""
-
-    def of(terms: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(names.get(term, term) for term in terms)
-
-    if isinstance(part, Truth | Comparison):
-        return replace(part, terms=of(part.terms))
-    if isinstance(part, Equality):
-        return replace(part, left=of((part.left,))[0], right=of((part.right,))[0])
     if isinstance(part, Exists):
-        return replace(part, body=tuple(rename(each, names) for each in part.body))
-    return replace(
-        part, guard=tuple(rename(each, names) for each in part.guard), then=rename(part.then, names)
-    )
+        return replace(part, body=tuple(rename_literal(each, names) for each in part.body))
+    if isinstance(part, Every):
+        guard = tuple(rename_literal(each, names) for each in part.guard)
+        return replace(part, guard=guard, then=rename_literal(part.then, names))
+    return rename_literal(part, names)
+
+
+def rename_literal(literal: Literal, names: dict[str, str]) -> Literal:
+    """The same of a literal."""
+    if isinstance(literal, Equality):
+        left, right = (names.get(term, term) for term in (literal.left, literal.right))
+        return replace(literal, left=left, right=right)
+    return replace(literal, terms=tuple(names.get(term, term) for term in literal.terms))
 
 
 def draw(seed: int) -> tuple[Domain, Problem]:

@@ -106,16 +106,15 @@ class Worth:
         counts, held = self.what_is_paid_for(before)
         counts_after, holds = self.what_is_paid_for(after)
         written = self.meaning.actions[call[0]].cost
-        paid: dict[str, object] = {}
         total = Fraction(0)
         for payment in self.meaning.domain.reward:
-            paid = {
+            paid: dict[str, Fraction | int] = {
                 "decrease": counts.get(payment.count, 0) - counts_after.get(payment.count, 0),
                 "count": counts_after.get(payment.count, 0),
                 "goal": int(holds) - int(held),
                 "cost": Fraction(written) if written is not None and cost else 0,
             }
-            total += payment.weight * Fraction(paid[payment.kind])  # type: ignore[arg-type]
+            total += payment.weight * paid[payment.kind]
         return total
 
     def standing(self, state: State) -> Fraction:
