@@ -29,13 +29,11 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.find import find
-from cleancli.language.load import read_source
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
-from cleancli.scene.check import load_scene
+from support.shipped import shipped_scene
 
-SCENE = load_scene(read_source(find("two_groups", "problems")))
+SCENE = shipped_scene("two_groups")
 
 
 def area(name: str, x: float, y: float, half: float = 0.03) -> Area:

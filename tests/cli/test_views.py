@@ -10,13 +10,12 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Action, Object, Rule, Symbol, Type
 from cleancli.planning.evaluation.coverage import coverage
+from support.shipped import shipped_domain, shipped_problem
 
-DOMAIN = load_domain(read_source(find("cleaning", "domains")))
-TASK = ground(DOMAIN, load_problem(read_source(find("three_areas", "problems")), DOMAIN))
+DOMAIN = shipped_domain("cleaning")
+TASK = ground(DOMAIN, shipped_problem("three_areas", DOMAIN))
 
 
 def _said(capsys: pytest.CaptureFixture[str], *words: str) -> str:

@@ -19,12 +19,11 @@ from cleancli.compiler.lowering.state_tables import Process, lower_process
 from cleancli.compiler.ragged import Ints
 from cleancli.compiler.semantics import covering_rule, sample
 from cleancli.compiler.task import GroundRule, GroundState, Task
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
 from cleancli.planning.kernels import transitions
 from cleancli.planning.kernels.rng import split, uniform
 from cleancli.resources import shipped_names
+from support.shipped import shipped_domain
 
 DRAWS, SLOW_DRAWS, SEED = 100_000, 2_000, 5
 LEVEL = 1e-4
@@ -32,7 +31,7 @@ LEVEL = 1e-4
 OBJECTS = 3
 """Per type, beside the constants."""
 
-DOMAINS = {name: load_domain(read_source(find(name, "domains"))) for name in shipped_names("domains")}
+DOMAINS = {name: shipped_domain(name) for name in shipped_names("domains")}
 RULES = [(name, index) for name, domain in DOMAINS.items() for index in range(len(domain.rules))]
 
 

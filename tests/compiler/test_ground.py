@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,10 +16,9 @@ from cleancli.compiler.semantics import covering_rule, exact_value, reward, samp
 from cleancli.compiler.task import RewardCondition, StateVariable, Task, held, literal_text, without
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import OutcomeKind
-
-ROOT = Path(__file__).parent.parent.parent
+from support.shipped import shipped_domain
 
 DECLARED = """
 domain d {
@@ -180,7 +178,7 @@ def test_outcomes_are_drawn_as_often_as_declared() -> None:
 
 
 def test_a_join_over_static_facts_does_not_try_all_tuples() -> None:
-    domain = load_domain(read_source(ROOT / "domains" / "cleaning.nid"))
+    domain = shipped_domain("cleaning")
     names = [f"a{i:03d}" for i in range(120)]
     facts = ", ".join(f"dirt({n}), size({n}) = small" for n in names) + ", near(a000, a001)"
     text = f"problem p {{ domain = cleaning objects {{ {' '.join(names)} - area }} init {{ {facts} }} }}"

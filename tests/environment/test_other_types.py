@@ -8,14 +8,13 @@ from cleancli.environment.observation import observation_space, observed
 from cleancli.environment.slots import choices
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
+from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import symbolize
-from cleancli.scene.check import load_scene
+from support.shipped import shipped_scene
 
-SCENE = load_scene(read_source(find("two_groups", "problems")))
+SCENE = shipped_scene("two_groups")
 AREAS = [
     Area(Ellipse((-0.1, 0.05), (0.02, 0.01), 0.3), 1e-3, "a1"),
     Area(Ellipse((0.0, 0.05), (0.02, 0.01), 0.3), 1e-3, "a2"),

@@ -9,14 +9,12 @@ from cleancli.environment.observation import observation_space, observed
 from cleancli.environment.pushes import ends, rectangle
 from cleancli.environment.slots import choices, filled
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import symbolize
-from cleancli.scene.check import load_scene
+from support.shipped import shipped_domain, shipped_scene
 
-SCENE = load_scene(read_source(find("two_groups", "problems")))
-DOMAIN = load_domain(read_source(find("cleaning", "domains")))
+SCENE = shipped_scene("two_groups")
+DOMAIN = shipped_domain("cleaning")
 
 
 def area(name: str, x: float, covered: float, half: float = 0.02) -> Area:

@@ -8,17 +8,15 @@ from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, symbolic_session
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job
 from cleancli.execution.table_cell import TableCell
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.recording import journal
 from cleancli.recording.journal_writer import Entries, expected, likely_course
-from cleancli.scene.check import load_scene
 from cleancli.world.robot import Status
 from support.scripted_robot import Scripted
+from support.shipped import shipped_domain, shipped_problem, shipped_scene
 
-DOMAIN = load_domain(read_source(find("cleaning", "domains")))
-PROBLEM = load_problem(read_source(find("three_areas", "problems")), DOMAIN)
-SCENE = load_scene(read_source(find("two_groups", "problems")))
+DOMAIN = shipped_domain("cleaning")
+PROBLEM = shipped_problem("three_areas", DOMAIN)
+SCENE = shipped_scene("two_groups")
 
 
 def lines(session: Session) -> list[journal.Record]:

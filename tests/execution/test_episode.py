@@ -17,26 +17,24 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.session import table_session
 from cleancli.execution.setup import EpisodeOptions, Job, within_reach
 from cleancli.execution.table_cell import look_once
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.learning.experience import read_experience
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder
-from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.table import PybulletTable
 from support.pictures import picture
+from support.shipped import shipped_domain, shipped_scene
 
 
 @pytest.fixture(scope="module")
 def domain() -> Domain:
-    return load_domain(read_source(find("cleaning", "domains")))
+    return shipped_domain("cleaning")
 
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    return load_scene(read_source(find("two_groups", "problems")))
+    return shipped_scene("two_groups")
 
 
 @pytest.fixture(scope="module")

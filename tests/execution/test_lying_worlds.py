@@ -13,25 +13,23 @@ from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
-from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status
 from support.scripted_robot import STROKE, WITHDRAWAL, Points, Scripted
+from support.shipped import shipped_domain, shipped_scene
 
 SPOTS = ((-0.2, 0.1), (0.1, -0.15))
 
 
 @pytest.fixture(scope="module")
 def domain() -> Domain:
-    return load_domain(read_source(find("cleaning", "domains")))
+    return shipped_domain("cleaning")
 
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    return load_scene(read_source(find("two_groups", "problems")))
+    return shipped_scene("two_groups")
 
 
 @pytest.fixture

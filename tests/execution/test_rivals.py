@@ -14,19 +14,17 @@ from cleancli.execution.episode_state import Situation
 from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Problem
 from cleancli.perception.area import Area
-from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
+from support.shipped import shipped_domain, shipped_scene
 
 OPTIONS = EpisodeOptions()
 
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    return load_scene(read_source(find("two_groups", "problems")))
+    return shipped_scene("two_groups")
 
 
 def now(
@@ -37,7 +35,7 @@ def now(
         Area(Ellipse(place, (0.02, 0.01), 0.0), 1e-4, f"a{index}") for index, place in enumerate(places, 1)
     )
     situation = Situation(areas, (), frozenset())
-    domain = load_domain(read_source(find("cleaning", "domains")))
+    domain = shipped_domain("cleaning")
     problem = Problem("here", "cleaning", (), frozenset())
     tool = (0.45, 0.0)
     return DecisionContext(domain, problem, scene, job, situation, tool, frozenset(), (), number, 1)

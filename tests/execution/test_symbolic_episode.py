@@ -12,13 +12,12 @@ from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, symbolic_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.execution.symbolic_cell import SymbolicCell
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, load_problem, read_source
+from support.shipped import shipped_domain, shipped_problem
 
 
 def session(seed: int = 1, **options: object) -> Session:
-    domain = load_domain(read_source(find("cleaning", "domains")))
-    problem = load_problem(read_source(find("three_areas", "problems")), domain)
+    domain = shipped_domain("cleaning")
+    problem = shipped_problem("three_areas", domain)
     chosen = EpisodeOptions(samples=200, seed=seed, by_time=True, **options)  # type: ignore[arg-type]
     return symbolic_session(domain, problem, chosen)
 

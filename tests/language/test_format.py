@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.find import find
 from cleancli.language.load import kind_of, load_domain, load_problem, read_source
 from cleancli.language.model import (
     Action,
@@ -38,6 +37,7 @@ from cleancli.language.printing.printer import print_domain, print_float, print_
 from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
+from support.shipped import shipped_domain
 
 HERE = Path(__file__).parent
 TYPES = (Type("thing"), Type("dish", "thing"), Type("cup", "dish"))
@@ -152,7 +152,7 @@ def test_shipped_problems_and_scenes(path: Path) -> None:
         scene = load_scene(source)
         assert load_scene(Source("printed", print_scene(scene))) == scene
     else:
-        domain = load_domain(read_source(find("cleaning", "domains")))
+        domain = shipped_domain("cleaning")
         problem = load_problem(source, domain)
         assert load_problem(Source("printed", print_problem(problem)), domain) == problem
 

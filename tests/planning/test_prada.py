@@ -26,7 +26,7 @@ from cleancli.compiler.task import (
     StateVariable,
     Task,
 )
-from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.belief_value import plan_value
@@ -37,6 +37,7 @@ from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
 from support import reference_prada, small_tasks
 from support.planned import planned
+from support.shipped import shipped_domain, shipped_problem
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -297,8 +298,8 @@ def test_a_seeded_plan_stays_as_it_is() -> None:
 
 
 def test_a_plan_for_the_shipped_problem() -> None:
-    domain = load_domain(read_source(ROOT / "domains" / "cleaning.nid"))
-    task = ground(domain, load_problem(read_source(ROOT / "problems" / "three_areas.nid"), domain))
+    domain = shipped_domain("cleaning")
+    task = ground(domain, shipped_problem("three_areas", domain))
     plan = prada(task, Options(2000, 1))
     assert 1 <= len(plan.actions) <= plan.horizon == 4
     assert set(plan.seconds) == {"lower", "compile", "search"}
