@@ -9,7 +9,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import SupportTooLargeError, exact_value, forward
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.refused import Refused
-from support import domain_texts
+from support import from_text
 
 MOP = """domain d {
   types { area }
@@ -27,7 +27,7 @@ DIRTY = "objects { a b c - area } init { dirt(a), dirt(b), wet(c) }"
 
 
 def task(reward: str, problem: str, *, compat: bool = False) -> Task:
-    return ground(*domain_texts.checked(MOP % reward, problem), compat=compat)
+    return ground(*from_text.checked(MOP % reward, problem), compat=compat)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_libprada_keeps_effects_that_set_what_is_asked() -> None:
     )
 
     def wiped(*, compat: bool) -> list[int]:
-        found = ground(*domain_texts.checked(text, DIRTY), compat=compat)
+        found = ground(*from_text.checked(text, DIRTY), compat=compat)
         rule = next(r for r in found.rules if str(found.actions[r.action]) == "wipe(a)")
         return [len(outcome.effects) for outcome in rule.outcomes]
 
@@ -101,7 +101,7 @@ def test_an_effect_that_depends_on_the_state_and_a_plain_one_on_another_object()
         "then 0.5: not dirt(?a), wet(?a)",
         "then 0.5: not dirt(?a), forall ?b - area: dirt(?b), ?a != ?b => wet(?b)",
     )
-    found = ground(*domain_texts.checked(text, DIRTY))
+    found = ground(*from_text.checked(text, DIRTY))
     names = [(variable.symbol, *variable.objects) for variable in found.variables]
     wipe = [str(action) for action in found.actions].index("wipe(a)")
     after = forward(found, {found.initial: 1.0}, wipe)
@@ -142,7 +142,7 @@ def test_what_is_paid_for_stands_in_one_order() -> None:
     counts = "  ".join(f"c{n} := count ?a - area: {what}" for n, what in enumerate(asked))
     reward = " + ".join(f"decrease(c{n})" for n in range(len(asked)))
     inside = "objects { a b - area } init { load(a) = 0, load(b) = 0 } horizon = 3"
-    found = ground(*domain_texts.checked(text % (counts, reward), inside))
+    found = ground(*from_text.checked(text % (counts, reward), inside))
     conditions = [[(variable, sorted(values)) for variable, values in r.condition] for r in found.rewards]
     assert len(conditions) == 12
     assert conditions == sorted(conditions)

@@ -18,6 +18,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import OutcomeKind
+from support import from_text
 from support.shipped import shipped_domain
 
 DECLARED = """
@@ -46,8 +47,7 @@ THREE = """objects { a b c - area }
 
 
 def task(rules: str, problem: str) -> Task:
-    domain = load_domain(Source("domain.nid", DECLARED % rules))
-    return ground(domain, load_problem(Source("p.nid", f"problem p {{ domain = d {problem} }}"), domain))
+    return from_text.task(DECLARED % rules, problem)
 
 
 def test_excluded_actions_are_left_out_with_their_rules() -> None:

@@ -8,7 +8,7 @@ from cleancli.compiler import ground as ground_module
 from cleancli.compiler import grounding_size, partial_evaluation
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics.refused import Refused
-from support import domain_texts
+from support import from_text
 
 TEXT = """domain d {
   types { area }
@@ -43,7 +43,7 @@ FORALL = ", forall ?m - area: near(?a, ?m) => wet(?m)"
 def test_parts_are_counted(
     when: str, first: str, second: str, each: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    checked = domain_texts.checked(TEXT % (when, first, second), AREAS)
+    checked = from_text.checked(TEXT % (when, first, second), AREAS)
     monkeypatch.setattr(grounding_size, "PART_LIMIT", 4 * each)
     ground(*checked)
     monkeypatch.setattr(grounding_size, "PART_LIMIT", 4 * each - 1)
@@ -56,13 +56,13 @@ def test_parts_are_counted(
 
 def test_a_rule_without_such_parts_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(grounding_size, "PART_LIMIT", 0)
-    ground(*domain_texts.checked(TEXT % ("", "", ""), AREAS))
+    ground(*from_text.checked(TEXT % ("", "", ""), AREAS))
 
 
 @pytest.mark.parametrize(("most", "refused"), [(20, False), (19, True)])
 def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four of `wiped` and sixteen of `linked`."""
-    checked = domain_texts.checked(TEXT % ("", "", ""), AREAS)
+    checked = from_text.checked(TEXT % ("", "", ""), AREAS)
     monkeypatch.setattr(grounding_size, "RULE_LIMIT", most)
     if not refused:
         ground(*checked)
@@ -76,7 +76,7 @@ def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: p
 
 
 def test_groundings_are_counted_exactly_where_that_is_quick() -> None:
-    domain, problem = domain_texts.checked(TEXT % ("", "", ""), AREAS)
+    domain, problem = from_text.checked(TEXT % ("", "", ""), AREAS)
     assert [
         (each.name, each.count, each.exact) for each in grounding_size.count_groundings(domain, problem)
     ] == [
@@ -113,7 +113,7 @@ SOME = """objects { a b c d - area  mop - tool }
 def test_what_leaves_most_groundings_is_blamed(when: str, number: int, blame: str) -> None:
     text = BLAMED.replace("rag - tool", "rag mop - tool b - area") % when
     inside = SOME.replace("a b c d - area  mop - tool", "a c d - area")
-    first, second = grounding_size.count_groundings(*domain_texts.checked(text, inside))
+    first, second = grounding_size.count_groundings(*from_text.checked(text, inside))
     assert (first.count, first.exact, first.blame) == (number, True, blame)
     assert (second.name, second.count) == ("used", 2)
 
@@ -121,7 +121,7 @@ def test_what_leaves_most_groundings_is_blamed(when: str, number: int, blame: st
 def test_all_cases_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten areas have a case each of `exists`: fewer than an instance may have, and more than all may."""
     text = TEXT % (", exists ?m - area: (dirt(?m), ?m != ?a)", "", "")
-    checked = domain_texts.checked(text, AREAS)
+    checked = from_text.checked(text, AREAS)
     monkeypatch.setattr(ground_module, "RULE_LIMIT", 10)
     monkeypatch.setattr(grounding_size, "RULE_LIMIT", 100)
     with pytest.raises(Refused) as refused:
@@ -139,7 +139,7 @@ def test_a_closure_of_too_many_paths_says_where(place: str, monkeypatch: pytest.
     if place == "count":
         text = text.replace("  dirty :=", "  far := count ?a ?b - area: linked(?a, ?b)  dirty :=")
     with pytest.raises(Refused) as refused:
-        ground(*domain_texts.checked(text, AREAS + goal))
+        ground(*from_text.checked(text, AREAS + goal))
     (said,) = refused.value.diagnostics
     assert said.code == "E606"
     assert place in f"{said.message} {said.label} {said.help}"
@@ -158,7 +158,7 @@ def test_a_count_has_no_more_bindings_than_fit(
 ) -> None:
     text = BLAMED.replace("derived {", f"derived {{ many := count ?a ?b ?c - area: {condition}")
     text = text % "dirt(?a), near(?a, ?b), near(?b, ?c)"
-    checked = domain_texts.checked(text, SOME)
+    checked = from_text.checked(text, SOME)
     ground(*checked)
     monkeypatch.setattr(grounding_size, "RULE_LIMIT", max(number - 1, 4))
     if number <= 4:

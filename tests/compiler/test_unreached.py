@@ -11,9 +11,8 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import reaches_goal, successors
 from cleancli.compiler.task import held
 from cleancli.compiler.unreached import Unreached, unreached
-from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import load_domain, load_problem
+from support import from_text
 from support.random_domains import Generator
 
 ROOMS = """domain rooms {
@@ -36,10 +35,9 @@ FACTS = """dirt(a1) dirt(a2) wet(a1) open(hall) door(hall, kitchen)
 
 
 def found(goal: str, facts: str = FACTS) -> tuple[Unreached, ...]:
-    domain = load_domain(Source("rooms.nid", ROOMS))
-    text = f"""problem p {{ domain = rooms objects {{ a1 a2 - area  hall kitchen cellar - room }}
-      init {{ {facts} }} {f"goal {{ {goal} }}" if goal else ""} horizon = 9 }}"""
-    return unreached(domain, load_problem(Source("p.nid", text), domain))
+    inside = f"""objects {{ a1 a2 - area  hall kitchen cellar - room }}
+      init {{ {facts} }} {f"goal {{ {goal} }}" if goal else ""} horizon = 9"""
+    return unreached(*from_text.checked(ROOMS, inside))
 
 
 @pytest.mark.parametrize(
@@ -119,8 +117,6 @@ def test_check_says_it_and_finds_no_mistake(tmp_path: object, monkeypatch: pytes
 
 
 def test_counted_is_what_the_task_counts() -> None:
-    domain = load_domain(Source("rooms.nid", ROOMS))
-    text = f"""problem p {{ domain = rooms objects {{ a1 a2 - area  hall kitchen cellar - room }}
-      init {{ {FACTS} }} }}"""
-    task = ground(domain, load_problem(Source("p.nid", text), domain))
+    inside = f"objects {{ a1 a2 - area  hall kitchen cellar - room }} init {{ {FACTS} }}"
+    task = from_text.task(ROOMS, inside)
     assert held(task.counted or (), task.initial) == 2

@@ -10,7 +10,7 @@ from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
-from support import reference_prada, small_tasks
+from support import from_text, reference_prada, small_tasks
 
 CLEAN_OR_SPLASH = """
 domain d {
@@ -49,7 +49,7 @@ def test_no_action_is_left_that_the_plan_is_better_off_without(compat: bool) -> 
 
 
 def test_useless_actions_of_a_few_samples_go() -> None:
-    task = small_tasks.task(
+    task = from_text.task(
         CLEAN_OR_SPLASH, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 6 discount = 1.0"
     )
     before, after = plans(task, Options(2, 0))
@@ -63,7 +63,7 @@ def test_a_plan_that_only_pays_without_an_action_is_found() -> None:
     """The margin is asked of what is left."""
     text = CLEAN_OR_SPLASH.replace("cost = 0.01", "cost = 0.0").replace("cost = 0.3", "cost = 0.05")
     text = text.replace("decrease(dirty)", "0.07 * decrease(dirty)")
-    task = small_tasks.task(text, "objects { a - area } init { dirt(a) } horizon = 3")
+    task = from_text.task(text, "objects { a - area } init { dirt(a) } horizon = 3")
     found = {tuple(len(plan.actions) for plan in plans(task, Options(1, seed))) for seed in range(20)}
     assert (0, 1) in found
     assert {before for before, _ in found} == {0, 1}

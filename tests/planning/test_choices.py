@@ -14,7 +14,7 @@ from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.forecast import ForecastStep, forecast
 from cleancli.planning.plan import Plan
-from support import small_tasks
+from support import from_text, small_tasks
 from support.planned import planned
 
 EIGHT = "objects { a b c d e f g h - area } init { %s } horizon = 8" % ", ".join(  # noqa: UP031
@@ -35,7 +35,7 @@ def test_four_chains_try_a_quarter_each(asked: int, tried: int) -> None:
 
 
 def test_annealing_finds_what_as_many_draws_do_not() -> None:
-    task = replace(small_tasks.task(small_tasks.SECTION_4, EIGHT), discount=0.95)
+    task = replace(from_text.task(small_tasks.SECTION_4, EIGHT), discount=0.95)
     drawn = planned("prada", task, samples=400, seed=1)
     annealed = planned("prada+", task, samples=400, seed=1, solve=0)
     assert annealed.value > drawn.value + 0.05
@@ -44,7 +44,7 @@ def test_annealing_finds_what_as_many_draws_do_not() -> None:
 
 def test_the_best_of_the_chains_is_chosen() -> None:
     """Of four chains of one try two begin at the last plan, the others at the best of a single draw."""
-    task = small_tasks.task(small_tasks.SECTION_4, EIGHT)
+    task = from_text.task(small_tasks.SECTION_4, EIGHT)
     good = planned("prada+", task, samples=4000, seed=1, solve=0)
     for seed in range(4):
         poor = planned("prada+", task, samples=4, seed=seed, solve=0)
@@ -54,7 +54,7 @@ def test_the_best_of_the_chains_is_chosen() -> None:
 
 
 def test_actions_that_are_gone_are_left_out_of_the_last_plan() -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
+    task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     gone = (GroundAction("clean", ("z",), None), GroundAction("polish", (), None))
     last = (gone[0], *task.actions[:1], gone[1])
     assert planned("prada+", task, samples=40, solve=0, previous=last).actions
@@ -78,7 +78,7 @@ def test_what_is_few_states_within_the_horizon_is_solved() -> None:
 
 def one_wipe(probability: str) -> Task:
     text = small_tasks.SECTION_4.replace("0.8: not dirt(?a)", f"{probability}: not dirt(?a)")
-    return small_tasks.task(text, "objects { a - area } init { dirt(a) } horizon = 1")
+    return from_text.task(text, "objects { a - area } init { dirt(a) } horizon = 1")
 
 
 @pytest.mark.parametrize("planner", ["prada", "aprada"])
@@ -94,7 +94,7 @@ def test_a_plan_is_worth_more_than_the_margin(
 
 
 def test_a_time_limit_ends_the_draws() -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, EIGHT)
+    task = from_text.task(small_tasks.SECTION_4, EIGHT)
     planned("prada", task, samples=10)
     plan = planned("prada", task, samples=10**8, time_limit=0.1)
     assert 0 < plan.samples < 10**8
@@ -107,7 +107,7 @@ def test_a_time_limit_ends_the_draws() -> None:
 
 @pytest.mark.parametrize("planner", ["prada", "prada+", "exact", "uct"])
 def test_with_discount_0_the_next_step_alone_counts(planner: str) -> None:
-    task = small_tasks.task(
+    task = from_text.task(
         small_tasks.SECTION_4, "objects { a b - area } init { dirt(a), dirt(b) } discount = 0"
     )
     plan = planned(planner, task, samples=200)

@@ -16,7 +16,7 @@ from cleancli.planning.kernels import state_graph
 from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
-from support import small_tasks
+from support import from_text, small_tasks
 from support.planned import planned
 
 SWEEP = """
@@ -38,7 +38,7 @@ def plan(name: str, task: Task, **options: int) -> Plan:
 
 
 def sweeping(outcomes: str) -> Task:
-    return small_tasks.task(SWEEP % outcomes, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 1")
+    return from_text.task(SWEEP % outcomes, "objects { a b - area } init { dirt(a), dirt(b) } horizon = 1")
 
 
 def worth(task: Task, steps: int, width: int) -> float:

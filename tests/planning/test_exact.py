@@ -18,7 +18,7 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Plan, TooManyStatesError
 from cleancli.planning.planners import rational
-from support import optimal, small_tasks
+from support import from_text, optimal, small_tasks
 from support.planned import planned
 
 
@@ -113,7 +113,7 @@ def test_no_sequence_is_worth_more(seed: int) -> None:
 
 def test_fractions_have_no_rounding() -> None:
     task = replace(
-        small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED), discount=0.1, discounts=(0.1,) * 4
+        from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED), discount=0.1, discounts=(0.1,) * 4
     )
     value, _ = rational.optimum(replace(task, horizon=2), 100)
     clean = Fraction(1, 2) + Fraction(1, 10) * Fraction(1, 2)
@@ -126,7 +126,7 @@ def test_fractions_have_no_rounding() -> None:
 
 
 def test_the_example_of_section_4_seen_through() -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
+    task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     plan = exact(task)
     assert plan.measure == "policy"
     assert [str(a) for a in plan.actions] == ["join(a, b)", "join(a, b)", "clean(a)"]
@@ -172,7 +172,7 @@ def test_what_is_forgotten_changes_no_value(seed: int) -> None:
 
 
 def test_a_clean_area_is_the_same_scattered_or_not() -> None:
-    task = small_tasks.task(
+    task = from_text.task(
         small_tasks.SECTION_4, "objects { a b c - area } init { dirt(a), dirt(b), scattered(c) }"
     )
     assert len(graph(task, 3).states) > len(graph(prepare(task).forgetful.task, 3).states) == 6

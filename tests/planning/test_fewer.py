@@ -5,12 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cleancli.compiler.task import held
-from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import load_problem
 from cleancli.language.model import Domain, Fact, Problem, without_objects
 from cleancli.planning.reductions.subproblem import fewer
-from support import small_tasks
+from support import from_text
 
 SPOTS = """
 domain spots {
@@ -32,9 +30,7 @@ DIRTY = "dirt(a), dirt(b), dirt(c), dirt(d), dirt(sink), near(b, d), near(d, c),
 
 
 def spots(goal: str = "", text: str = SPOTS) -> tuple[Domain, Problem]:
-    domain = small_tasks.domain(text)
-    said = f"objects {{ a b c d e - spot }} init {{ {DIRTY} }} {goal} horizon = 5"
-    return domain, load_problem(Source("p.nid", f"problem p {{ domain = spots {said} }}"), domain)
+    return from_text.checked(text, f"objects {{ a b c d e - spot }} init {{ {DIRTY} }} {goal} horizon = 5")
 
 
 def names(problem: Problem) -> list[str]:
@@ -97,16 +93,15 @@ def test_what_is_to_grow_is_not_what_is_counted(turned: bool) -> None:
       reward { %s }
     }"""
     inside = "objects { a1 a2 a3 - area } init { dirt(a1), wet(a1) }"
-    task = small_tasks.task(text % reward, inside)
+    task = from_text.task(text % reward, inside)
     assert task.horizon == 3
     assert task.counted is not None
     assert held(task.counted, task.initial) == 2
-    domain = small_tasks.domain(text % reward)
-    problem = load_problem(Source("p.nid", f"problem p {{ domain = d {inside} }}"), domain)
-    assert fewer(domain, problem, 1).ignored == ("a3",)
+    domain = from_text.domain(text % reward)
+    assert fewer(domain, from_text.problem(domain, inside), 1).ignored == ("a3",)
 
 
 def test_where_nothing_is_wanted_decreased_the_horizon_must_be_given() -> None:
-    domain = small_tasks.domain(SPOTS.replace("{ decrease(dirty) }", "{ - decrease(dirty) }"))
+    domain = from_text.domain(SPOTS.replace("{ decrease(dirty) }", "{ - decrease(dirty) }"))
     with pytest.raises(Refused, match="needs a horizon"):
-        load_problem(Source("p.nid", "problem p { domain = spots objects { a - spot } }"), domain)
+        from_text.problem(domain, "objects { a - spot }")

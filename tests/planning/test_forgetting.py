@@ -10,7 +10,7 @@ import pytest
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import GroundCondition, Task
 from cleancli.planning.compiled_task import prepare
-from support import small_tasks
+from support import from_text, small_tasks
 
 GUARD, GUARDED, LENGTH = 0, 4, 4
 
@@ -50,7 +50,7 @@ def test_every_sequence_pays_the_same_though_guards_are_undone(seed: int) -> Non
 
 def test_whether_a_clean_area_is_scattered_is_forgotten() -> None:
     """The test above would pass if nothing were ever forgotten."""
-    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
+    task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     names = [(variable.symbol, *variable.objects) for variable in task.variables]
 
     def kept(*true: tuple[str, str]) -> tuple[int, ...]:
@@ -78,7 +78,7 @@ STAGES = """domain stages {
 def test_what_matters_again_after_several_steps_is_kept() -> None:
     """A glaze pays on a fired pot alone, which a raw one becomes in two steps, and a broken one never."""
     text = "objects { p - pot } init { stage(p) = raw } horizon = 4"
-    task = small_tasks.task(STAGES, text)
+    task = from_text.task(STAGES, text)
     number = {variable.symbol: index for index, variable in enumerate(task.variables)}
     glazed, stage = number["glazed"], number["stage"]
     stages = list(task.variables[stage].values)

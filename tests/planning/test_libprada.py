@@ -23,7 +23,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain, load_problem, read_source
 from cleancli.language.printing.formatter import layout
 from cleancli.planning.evaluation.belief_value import plan_value
-from support import reference_prada, small_tasks
+from support import from_text, reference_prada, small_tasks
 
 REFERENCE = """
 domain d {
@@ -44,7 +44,7 @@ PROBLEM = "objects { a b m n - area } init { dirt(a), dirt(m), dirt(n), between(
 
 
 def task(problem: str, compat: bool) -> Task:
-    domain = small_tasks.domain(REFERENCE)
+    domain = from_text.domain(REFERENCE)
     source = Source("p.nid", f"problem p {{ domain = d {problem} }}")
     return ground(domain, load_problem(source, domain), compat=compat)
 
@@ -67,7 +67,7 @@ def test_one_binding_is_the_same_either_way() -> None:
 
 
 def test_rules_may_overlap() -> None:
-    domain = small_tasks.domain(REFERENCE)
+    domain = from_text.domain(REFERENCE)
     again = replace(domain.rules[0], name="again", condition=(), references=(), outcomes=domain.default)
     several = replace(domain, rules=(*domain.rules, again))
     source = Source("p.nid", f"problem p {{ domain = d {PROBLEM.replace('dirt(n), ', '')} }}")

@@ -35,7 +35,7 @@ from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
-from support import reference_prada, small_tasks
+from support import from_text, reference_prada, small_tasks
 from support.planned import planned
 from support.shipped import shipped_domain, shipped_problem
 
@@ -204,7 +204,7 @@ def test_one_step_from_a_known_state_is_exact(seed: int) -> None:
 
 
 def section_4(discount: float = 1.0) -> Task:
-    return small_tasks.task(
+    return from_text.task(
         small_tasks.SECTION_4, small_tasks.TWO_SCATTERED + f" horizon = 2 discount = {discount}"
     )
 
@@ -316,7 +316,7 @@ def test_a_plan_for_the_shipped_problem() -> None:
     ],
 )
 def test_nothing_to_do_gives_an_empty_plan(problem: str, planner: str) -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, problem)
+    task = from_text.task(small_tasks.SECTION_4, problem)
     plan = PLANNERS[planner](prepare(task), Options(100, 0))
     assert (plan.actions, plan.value) == ((), 0.0)
 
@@ -346,7 +346,7 @@ def test_sure_and_impossible_outcomes(planner: str, sure: int, value: float) -> 
 def test_sixty_areas_within_the_time_limit() -> None:
     names = [f"a{index:02d}" for index in range(60)]
     facts = ", ".join(f"dirt({name})" for name in names)
-    task = small_tasks.task(SIXTY, f"objects {{ {' '.join(names)} - area }} init {{ {facts} }}")
+    task = from_text.task(SIXTY, f"objects {{ {' '.join(names)} - area }} init {{ {facts} }}")
     prepared = prepare(task)
     prada(task, Options(1))
     for planner in ("prada", "aprada"):
@@ -370,21 +370,21 @@ def test_no_time_gives_an_empty_plan() -> None:
 
 def test_one_area_is_cleaned_twice_since_it_may_fail() -> None:
     problem = "objects { a - area } init { dirt(a) }"
-    plan = prada(small_tasks.task(small_tasks.SECTION_4, problem), Options(100, 0))
+    plan = prada(from_text.task(small_tasks.SECTION_4, problem), Options(100, 0))
     assert names(plan) == ["clean(a)", "clean(a)"]
     assert plan.value == pytest.approx(0.8 + 0.95 * 0.16)
-    assert exact_value(small_tasks.task(small_tasks.SECTION_4, problem), [0, 0]) == pytest.approx(
+    assert exact_value(from_text.task(small_tasks.SECTION_4, problem), [0, 0]) == pytest.approx(
         0.8 + 0.95 * 0.16
     )
 
 
 def test_useless_last_steps_and_worthless_plans_are_dropped() -> None:
     sure = small_tasks.SECTION_4.replace("0.8: not dirt(?a) rest: nothing", "1: not dirt(?a)")
-    plan = prada(small_tasks.task(sure, "objects { a - area } init { dirt(a) } horizon = 5"), Options(100, 0))
+    plan = prada(from_text.task(sure, "objects { a - area } init { dirt(a) } horizon = 5"), Options(100, 0))
     assert (names(plan), plan.value) == (["clean(a)"], 1.0)
     poor = small_tasks.SECTION_4.replace("0.8:", "0.04:")
     problem = "objects { a - area } init { dirt(a) } horizon = 1"
-    assert prada(small_tasks.task(poor, problem), Options(100, 0)).actions == ()
+    assert prada(from_text.task(poor, problem), Options(100, 0)).actions == ()
 
 
 def test_coverage_is_equation_3() -> None:
@@ -498,5 +498,5 @@ def test_a_plan_is_worth_more_than_stopping_by_more_than_the_margin(margin: floa
         reward { 0.05 * decrease(n) }
       }"""
     problem = "objects { a1 - area } init { dirt(a1) } horizon = 1 discount = 1"
-    found = planned("prada", small_tasks.task(domain, problem), samples=100, margin=margin)
+    found = planned("prada", from_text.task(domain, problem), samples=100, margin=margin)
     assert len(found.actions) == length

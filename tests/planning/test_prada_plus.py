@@ -19,7 +19,7 @@ from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.planners.prada_plus import PradaPlusOptions, prada_plus
-from support import small_tasks
+from support import from_text, small_tasks
 from support.optimal import optimum
 
 WORDS = 300
@@ -89,7 +89,7 @@ def test_outcomes_come_as_often_as_declared(shares: str) -> None:
 
 
 def test_uses_of_an_action_have_luck_of_their_own() -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, "objects { a - area } init { dirt(a) } horizon = 3")
+    task = from_text.task(small_tasks.SECTION_4, "objects { a - area } init { dirt(a) } horizon = 3")
     again = annealing.value(prepare(task), [0, 0, 0], WORDS, 1)
     assert again == pytest.approx(exact_value(task, [0, 0, 0]), abs=0.01)
 
@@ -122,7 +122,7 @@ def test_nearly_the_best_of_all_sequences_is_found(seed: int) -> None:
 
 def test_it_joins_where_the_factored_belief_of_libprada_does_not() -> None:
     text = small_tasks.TWO_SCATTERED + " horizon = 2 discount = 1"
-    plan = search(small_tasks.task(small_tasks.SECTION_4, text), Options(500, 1))
+    plan = search(from_text.task(small_tasks.SECTION_4, text), Options(500, 1))
     assert plan.actions[0].name == "join"
     assert plan.value == pytest.approx(1.06, abs=0.04)
 
@@ -150,7 +150,7 @@ def test_a_gain_is_reached_by_way_of_equals(seed: int) -> None:
     """From a detour to shelter and crossing it is one change that gains nothing, and one more."""
     wet = "objects { } init { wet(north), wet(east), wet(south) }"
     plan = search(
-        small_tasks.task(COURIER, f"{wet} goal {{ delivered() }} horizon = 2 discount = 1"),
+        from_text.task(COURIER, f"{wet} goal {{ delivered() }} horizon = 2 discount = 1"),
         Options(1000, seed),
     )
     assert [str(action) for action in plan.actions] == ["shelter()", "cross()"]
@@ -203,7 +203,7 @@ def test_seeds_may_be_large() -> None:
 
 @pytest.mark.parametrize("problem", ["objects { a - area } init { }", "objects { } init { }"])
 def test_nothing_to_do_gives_an_empty_plan(problem: str) -> None:
-    plan = search(small_tasks.task(small_tasks.SECTION_4, problem), Options(100))
+    plan = search(from_text.task(small_tasks.SECTION_4, problem), Options(100))
     assert (plan.actions, plan.value) == ((), 0.0)
 
 

@@ -12,7 +12,7 @@ from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
-from support import small_tasks
+from support import from_text, small_tasks
 
 NAMES = tuple(name for name in PLANNERS if "prada" not in name)
 
@@ -26,7 +26,7 @@ def plan(name: str, task: Task) -> Plan:
 
 def standing_still() -> dict[str, Task]:
     """Tasks in which nothing is worth doing."""
-    one = small_tasks.task(small_tasks.SECTION_4, ONE % "dirt(a)")
+    one = from_text.task(small_tasks.SECTION_4, ONE % "dirt(a)")
     goal = "goal { not dirt(a) } horizon = 4"
     hopeless = tuple(
         replace(
@@ -38,8 +38,8 @@ def standing_still() -> dict[str, Task]:
         for rule in one.rules
     )
     return {
-        "no applicable action": small_tasks.task(small_tasks.SECTION_4, ONE % ""),
-        "goal reached": small_tasks.task(PAID, f"{ONE % ''} {goal}"),
+        "no applicable action": from_text.task(small_tasks.SECTION_4, ONE % ""),
+        "goal reached": from_text.task(PAID, f"{ONE % ''} {goal}"),
         "horizon 0": replace(one, horizon=0),
         "probability 0": replace(one, rules=hopeless),
         "too dear": replace(
@@ -62,7 +62,7 @@ def test_nothing_is_done_where_nothing_is_worth_it(name: str, case: str) -> None
 @pytest.mark.parametrize("name", NAMES)
 def test_one_area_is_cleaned_with_certainty(name: str) -> None:
     text = small_tasks.SECTION_4.replace("0.8: not dirt(?a) rest: nothing", "1: not dirt(?a)")
-    task = small_tasks.task(text, ONE % "dirt(a)")
+    task = from_text.task(text, ONE % "dirt(a)")
     found = plan(name, task)
     assert [str(action) for action in found.actions] == ["clean(a)"]
     assert found.value == pytest.approx(1.0)
@@ -71,7 +71,7 @@ def test_one_area_is_cleaned_with_certainty(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_goal_pays_and_dirt_costs(name: str) -> None:
-    task = small_tasks.task(PAID, f"{ONE % 'dirt(a)'} goal {{ not dirt(a) }} horizon = 4")
+    task = from_text.task(PAID, f"{ONE % 'dirt(a)'} goal {{ not dirt(a) }} horizon = 4")
     found = plan(name, task)
     assert {str(action) for action in found.actions} == {"clean(a)"}
     assert found.value > exact_value(task, ()) + 1.0

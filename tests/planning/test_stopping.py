@@ -21,7 +21,7 @@ from cleancli.planning.kernels import annealing
 from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
 from cleancli.planning.reductions.determinization import all_outcomes
-from support import optimal, small_tasks
+from support import from_text, optimal, small_tasks
 from support.planned import planned
 
 DOORS = """
@@ -54,7 +54,7 @@ PLANS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def doors(reward: str, inside: str, rules: str = "") -> Task:
-    return small_tasks.task(DOORS % (rules, reward), f"objects {{ a1 - door }} {inside}")
+    return from_text.task(DOORS % (rules, reward), f"objects {{ a1 - door }} {inside}")
 
 
 def chosen_by(name: str, task: Task) -> tuple[list[str], Plan]:
@@ -223,7 +223,7 @@ def test_actions_beyond_the_horizon_do_not_count() -> None:
 )
 def test_what_changes_nothing_is_kept_where_waiting_can_pay(reward: str, kept: bool) -> None:
     text = (DOORS % (WAIT, reward)).replace("wait() }", "wait() [cost = 1] }", 1)
-    task = small_tasks.task(text, "objects { a1 - door } goal { open(a1) } horizon = 2")
+    task = from_text.task(text, "objects { a1 - door } goal { open(a1) } horizon = 2")
     assert task.waiting is kept
     assert ("wait()" in [str(action) for action in task.actions]) is kept
 

@@ -9,7 +9,7 @@ import pytest
 
 from cleancli.compiler.task import Task
 from cleancli.planning.plan import Plan
-from support import small_tasks
+from support import from_text, small_tasks
 from support.planned import planned
 
 
@@ -31,7 +31,7 @@ def test_episodes_tend_to_the_optimum(seed: int) -> None:
 
 
 def test_the_example_of_section_4_is_seen_through() -> None:
-    task = small_tasks.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
+    task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     found = plan("uct", task, samples=100_000)
     assert found.value == pytest.approx(plan("exact", task).value, abs=0.03)
     assert found.actions[0].name == "join"

@@ -23,9 +23,9 @@ from cleancli.simulation import episode as episodes
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode
 from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
-from support import doors
+from support import doors, from_text
 
-DOORS, JAMMING, PAID = (doors.domain(text) for text in (doors.DOORS, doors.JAMMING, doors.PAID))
+DOORS, JAMMING, PAID = (from_text.domain(text) for text in (doors.DOORS, doors.JAMMING, doors.PAID))
 PROBLEM = doors.problem(DOORS)
 STEPS = "horizon = 5"
 COUNTED = Options().counted
@@ -35,7 +35,7 @@ UNLUCKY = 1
 
 def run(text: str, *said: str, inside: str = doors.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
     """One episode of a planner that always says the same."""
-    known = doors.domain(text)
+    known = from_text.domain(text)
     given = doors.problem(known, inside)
     who = Agent(doors.saying(*said), known, given)
     return episode(world_of(known, given), who, number, Options(), EpisodeLimits(**limits))
@@ -55,7 +55,7 @@ def run(text: str, *said: str, inside: str = doors.TWO_DOORS, number: int = 0, *
     ],
 )
 def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], timed: bool) -> None:
-    known = doors.domain(text)
+    known = from_text.domain(text)
     given = doors.problem(known, f"{doors.TWO_DOORS} {STEPS}")
     task = ground(known, given)
     numbers = [[str(a) for a in task.actions].index(name) for name in said]
@@ -84,11 +84,11 @@ def test_after_an_early_end_standing_still_is_paid() -> None:
 def test_actions_that_can_change_nothing_cost_and_last() -> None:
     """The planner thinks that oil helps; in the world it does nothing, so the task has no such action."""
     text = doors.DOORS.replace("reward { decrease(shut) }", "reward { decrease(shut) - cost }")
-    known = doors.domain(text)
+    known = from_text.domain(text)
     without = text.replace("then 0.5: open(?d)\n         rest: noise", "then 1: noise").replace(
         "oil(?d - door) [duration = 10 s]", "oil(?d - door) [duration = 8 s, cost = 0.25]"
     )
-    actual = doors.domain(without)
+    actual = from_text.domain(without)
     given = doors.problem(known)
     who = Agent(doors.saying("oil(a)"), known, given)
     found = episode(world_of(actual, given), who, 0, Options(), EpisodeLimits(max_actions=3))
@@ -107,7 +107,7 @@ def test_the_pace_is_that_of_what_has_an_effect_somewhere() -> None:
     text = doors.DOORS.replace("actions    {", "actions    { knock() [duration = 99 s] ").replace(
         "  reward", "  rule k: knock() { then 1: nothing }\n  reward"
     )
-    known = doors.domain(text)
+    known = from_text.domain(text)
     given = doors.problem(known, "init { jammed(a), jammed(b), force(a) = 1, force(b) = 1 }")
     world = world_of(known, given, timed=True)
     rng = np.random.default_rng(0)
@@ -124,7 +124,7 @@ def test_robot_time_needs_every_duration() -> None:
     assert run(text, "oil(a)", max_actions=2).seconds is not None
     assert run(text, "push(a)", max_actions=2).seconds is None
     with pytest.raises(NoDurationError, match="push"):
-        world_of(doors.domain(text), PROBLEM, timed=True)
+        world_of(from_text.domain(text), PROBLEM, timed=True)
 
 
 # ---- why episodes end
@@ -193,7 +193,7 @@ def test_horizons_and_rests_of_plans() -> None:
         asked.append((prepared.task.horizon, options.seed, tuple(map(str, options.previous))))
         return doors.plan(prepared, prepared.task.actions[:2])
 
-    known = doors.domain(doors.PAID)
+    known = from_text.domain(doors.PAID)
     given = doors.problem(known, f"{doors.TWO_DOORS} {STEPS}")
     who = Agent(planner, known, given)
     episode(world_of(known, given), who, 0, Options(), EpisodeLimits(max_actions=3, horizon=3))

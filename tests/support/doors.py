@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cleancli.compiler.task import GroundAction
-from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Plans
+from support import from_text
 
 DOORS = """
 domain doors {
@@ -53,15 +52,9 @@ STORMY = DOORS.replace("oil(?d - door) [", "storm() [duration = 2 s, cost = 3]  
 TWO_DOORS = "init { force(a) = 1, force(b) = 1 }"
 
 
-def domain(text: str) -> Domain:
-    """The checked domain of a text."""
-    return load_domain(Source("domain.nid", text))
-
-
 def problem(known: Domain, inside: str = TWO_DOORS) -> Problem:
     """A problem with two doors."""
-    text = f"problem p {{ domain = {known.name} objects {{ a b - door }} {inside} }}"
-    return load_problem(Source("problem.nid", text), known)
+    return from_text.problem(known, f"objects {{ a b - door }} {inside}")
 
 
 def saying(*actions: str) -> Plans:

@@ -1,4 +1,4 @@
-"""Small domains as text, and random tasks, for the tests of compiler and planners."""
+"""The domain of §4 as text, and random tasks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from fractions import Fraction
 
 import numpy as np
 
-from cleancli.compiler.ground import ground
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -17,9 +16,7 @@ from cleancli.compiler.task import (
     Task,
     by_time,
 )
-from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.load import load_domain, load_problem
-from cleancli.language.model import Domain, OutcomeKind
+from cleancli.language.model import OutcomeKind
 
 SECTION_4 = """
 domain d {
@@ -41,18 +38,6 @@ domain d {
 """
 
 TWO_SCATTERED = "objects { a b - area } init { dirt(a), dirt(b), scattered(a), scattered(b) }"
-
-
-def domain(text: str) -> Domain:
-    """The checked domain of a text."""
-    return load_domain(Source("domain.nid", text))
-
-
-def task(text: str, problem: str) -> Task:
-    """The task of a domain's text (named d) and the inside of a problem's."""
-    checked = domain(text)
-    source = Source("problem.nid", f"problem p {{ domain = {checked.name} {problem} }}")
-    return ground(checked, load_problem(source, checked))
 
 
 def action(task: Task, text: str) -> int:
