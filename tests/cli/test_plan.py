@@ -11,6 +11,7 @@ import pytest
 
 from cleancli.cli.main import run
 from cleancli.planning.registry import PLANNERS
+from support import commands
 
 DOORS = """
 domain doors {
@@ -44,14 +45,11 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def said(capsys: pytest.CaptureFixture[str], *words: str, problem: str = "two.nid", code: int = 0) -> str:
-    assert run(["plan", "doors.nid", problem, *words]) == code
-    captured = capsys.readouterr()
-    return captured.out if code == 0 else captured.err
+    return commands.said(capsys, "plan", "doors.nid", problem, *words, code=code)
 
 
 def data(capsys: pytest.CaptureFixture[str], *words: str, problem: str = "two.nid") -> dict[str, Any]:
-    found = json.loads(said(capsys, *words, "--json", problem=problem))
-    assert isinstance(found, dict)
+    found: dict[str, Any] = commands.data(capsys, "plan", "doors.nid", problem, *words)
     return found
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from cleancli.cli.main import run
 from cleancli.planning.registry import PLANNERS
+from support import commands
 
 NULLARY = """
 domain nullary {
@@ -107,8 +108,7 @@ def said(capsys: pytest.CaptureFixture[str], command: str, text: str, *words: st
     domain, problem = text.split("problem ")
     Path("domain.nid").write_text(domain, encoding="utf-8")
     Path("problem.nid").write_text("problem " + problem, encoding="utf-8")
-    assert run([command, "domain.nid", "problem.nid", *words]) == 0
-    return capsys.readouterr().out
+    return commands.said(capsys, command, "domain.nid", "problem.nid", *words)
 
 
 def data(capsys: pytest.CaptureFixture[str], command: str, text: str, *words: str) -> dict[str, Any]:

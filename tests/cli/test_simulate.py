@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.cli.main import run
+from support.commands import said
 
 ROOT = Path(__file__).parent.parent.parent
 CLEANING = (ROOT / "domains" / "cleaning.nid").read_text(encoding="utf-8")
@@ -23,12 +23,6 @@ def changed(tmp_path: Path) -> Path:
     path = tmp_path / "harder.nid"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def said(capsys: pytest.CaptureFixture[str], *words: str, code: int = 0) -> str:
-    assert run(words) == code
-    captured = capsys.readouterr()
-    return captured.out if code == 0 else captured.err
 
 
 def without_clock(data: dict[str, list[dict[str, object]]]) -> object:

@@ -12,22 +12,18 @@ from cleancli.compiler.dump import dump
 from cleancli.compiler.ground import ground
 from cleancli.language.model import Action, Object, Rule, Symbol, Type
 from cleancli.planning.evaluation.coverage import coverage
+from support.commands import said
 from support.shipped import shipped_domain, shipped_problem
 
 DOMAIN = shipped_domain("cleaning")
 TASK = ground(DOMAIN, shipped_problem("three_areas", DOMAIN))
 
 
-def _said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    assert run(words) == 0
-    return capsys.readouterr().out
-
-
 # ---- show
 
 
 def test_show_names_everything_declared(capsys: pytest.CaptureFixture[str]) -> None:
-    text = _said(capsys, "show", "cleaning")
+    text = said(capsys, "show", "cleaning")
     kinds: tuple[tuple[Type | Symbol | Action | Rule | Object, ...], ...] = (
         DOMAIN.types,
         DOMAIN.symbols,
@@ -45,7 +41,7 @@ def test_show_names_everything_declared(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_show_counts_what_a_problem_gives(capsys: pytest.CaptureFixture[str]) -> None:
-    data = json.loads(_said(capsys, "show", "cleaning", "three_areas", "--json", "--samples", "500"))
+    data = json.loads(said(capsys, "show", "cleaning", "three_areas", "--json", "--samples", "500"))
     assert data["problem"]["actions"] == len(TASK.actions)
     assert data["problem"]["rules"] == len(TASK.rules)
     assert data["problem"]["coverage"] == coverage(TASK, 500)
@@ -53,18 +49,18 @@ def test_show_counts_what_a_problem_gives(capsys: pytest.CaptureFixture[str]) ->
     assert join["groundings"] == sum(action.name == "join2" for action in TASK.actions)
     groundings = {rule["name"]: rule["groundings"] for rule in join["rules"]}
     assert sum(groundings.values()) == sum(TASK.actions[r.action].name == "join2" for r in TASK.rules)
-    assert "12 rules" not in _said(capsys, "show", "cleaning", "three_areas")
+    assert "12 rules" not in said(capsys, "show", "cleaning", "three_areas")
 
 
 # ---- compile
 
 
 def test_compile_prints_the_task(capsys: pytest.CaptureFixture[str]) -> None:
-    assert _said(capsys, "compile", "cleaning", "three_areas") == dump(TASK)
+    assert said(capsys, "compile", "cleaning", "three_areas") == dump(TASK)
 
 
 def test_compile_as_data(capsys: pytest.CaptureFixture[str]) -> None:
-    data = json.loads(_said(capsys, "compile", "cleaning", "three_areas", "--format", "json"))
+    data = json.loads(said(capsys, "compile", "cleaning", "three_areas", "--format", "json"))
     assert [action["name"] for action in data["actions"]] == [action.name for action in TASK.actions]
     assert len(data["rules"]) == len(TASK.rules)
     for rule in data["rules"]:
@@ -75,7 +71,7 @@ def test_compile_as_data(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_explain_a_covered_action(capsys: pytest.CaptureFixture[str]) -> None:
-    text = _said(capsys, "explain", "cleaning", "three_areas", "join2(a1, a3)")
+    text = said(capsys, "explain", "cleaning", "three_areas", "join2(a1, a3)")
     assert text.startswith("join2(a1, a3): covered by rule join_to_small (?a = a1, ?b = a3)\n")
     assert "  0.45: not dirt(a1), size(a3) := medium\n" in text
     assert "  0.05: nothing\n" in text
@@ -86,12 +82,12 @@ def test_explain_a_covered_action(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_explain_what_a_forall_changes(capsys: pytest.CaptureFixture[str]) -> None:
-    text = _said(capsys, "explain", "cleaning", "three_areas", "moveToContainerFast(a1)")
+    text = said(capsys, "explain", "cleaning", "three_areas", "moveToContainerFast(a1)")
     assert "0.8: not dirt(a1), not dirt(a3)\n" in text, "a3 lies on the way"
 
 
 def test_explain_why_no_rule_applies(capsys: pytest.CaptureFixture[str]) -> None:
-    text = _said(capsys, "explain", "cleaning", "three_areas", "join3(a1 a2 a1)")
+    text = said(capsys, "explain", "cleaning", "three_areas", "join3(a1 a2 a1)")
     assert text.startswith(
         "join3(a1, a2, a1): no rule covers it in the initial state of three_areas\ndefault\n"
     )
@@ -101,7 +97,7 @@ def test_explain_why_no_rule_applies(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_explain_as_data(capsys: pytest.CaptureFixture[str]) -> None:
-    data = json.loads(_said(capsys, "explain", "cleaning", "three_areas", "pickUp(a2)", "--json"))
+    data = json.loads(said(capsys, "explain", "cleaning", "three_areas", "pickUp(a2)", "--json"))
     assert data["rule"] == "pick_scattered"
     assert [outcome["effects"] for outcome in data["outcomes"]] == [
         ["not dirt(a2)"],
@@ -142,7 +138,7 @@ def test_explain_refuses_with_a_place(
 
 
 def test_a_scene_is_looked_at_once(capsys: pytest.CaptureFixture[str]) -> None:
-    text = _said(capsys, "explain", "cleaning", "two_groups", "groupScattered(a1)")
+    text = said(capsys, "explain", "cleaning", "two_groups", "groupScattered(a1)")
     assert text.startswith("groupScattered(a1): no rule covers it in the initial state of two_groups")
     assert "fails: scattered(a1) is false" in text
-    assert "variable dirt(a1)" in _said(capsys, "compile", "cleaning", "two_groups")
+    assert "variable dirt(a1)" in said(capsys, "compile", "cleaning", "two_groups")

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.main import run
+from support.commands import said
 
 BASE = """\
 domain base {
@@ -67,13 +68,6 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "tower.nid").write_text(DOMAIN, encoding="utf-8")
     (tmp_path / "two.nid").write_text(PROBLEM, encoding="utf-8")
     return tmp_path
-
-
-def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    code = run(words)
-    output = capsys.readouterr()
-    assert code == 0, output.err
-    return output.out
 
 
 def test_check_finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
