@@ -221,13 +221,26 @@ def _wait(process: int) -> int:
 
 
 def imported(path: Path) -> set[str]:
-    """The modules of cleancli that a file imports, as paths below it."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "cleancli":
-            names = [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
-            found |= {"/".join(name.split(".")[1:]) + ".py" for name in names}
+    """The modules of cleancli that a file imports, itself or by the tests' support, as paths below it."""
+    found: set[str] = set()
+    pending, seen = [path], {path}
+    while pending:
+        for name in _imported_names(pending.pop()):
+            package, *parts = name.split(".")
+            if package == "cleancli":
+                found.add("/".join(parts) + ".py")
+            shared = ROOT / "tests" / "support" / ("/".join(parts) + ".py")
+            if package == "support" and shared.is_file() and shared not in seen:
+                seen.add(shared)
+                pending.append(shared)
     return found
+
+
+def _imported_names(path: Path) -> Iterator[str]:
+    """Dotted names that a file imports something of, and of what it may be a module itself."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            yield from (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
 
 
 def importers() -> dict[str, set[str]]:

@@ -171,6 +171,13 @@ def test_heavy_libraries_stay_out(code: str, absent: set[str]) -> None:
     assert result.stdout.split() == []
 
 
+def test_what_tests_share_is_in_their_support() -> None:
+    """What lies beside them has no name that others could import it by (docs/tests.md)."""
+    tests = ROOT / "tests"
+    modules = {path.relative_to(tests) for path in tests.rglob("*.py") if not path.name.startswith("test_")}
+    assert {path for path in modules if path.parts[0] != "support"} == {Path("conftest.py")}
+
+
 def test_only_reports_ask_where_the_lentils_truly_are() -> None:
     askers = {
         str(path.relative_to(PACKAGE))
