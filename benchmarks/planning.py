@@ -35,12 +35,13 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.kernels import belief_search
 from cleancli.planning.plan import Options
-from cleancli.planning.planners.prada import prada
+from cleancli.planning.registry import PLANNERS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from support import reference_prada
 
 DOMAIN = load_domain(read_source(Path(__file__).with_suffix(".nid")))
+PRADA = PLANNERS["prada"]
 SURFACE = np.array([0.60, 0.50])
 CONTAINER = np.array([0.30, 0.55])
 NEAR, STRIP = 0.18, 0.04
@@ -130,11 +131,11 @@ def measured(problem: Problem, samples: int) -> Figures:
     busy, plans = [], []
     for seed in SEEDS:
         before = time.process_time()
-        plans.append(prada(prepared, Options(samples, seed, threads=1)))
+        plans.append(PRADA(prepared, Options(samples, seed, threads=1)))
         busy.append(time.process_time() - before)
     slow = _reference(task, tables, plans[0].value)
     os.sched_setaffinity(0, cores)
-    both = [prada(prepared, Options(samples, seed, threads=2)) for seed in SEEDS]
+    both = [PRADA(prepared, Options(samples, seed, threads=2)) for seed in SEEDS]
     value = statistics.median(plan.value for plan in plans)
     return Figures(
         task,
@@ -232,7 +233,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="where the areas lie")
     parser.add_argument("--areas", nargs="+", type=int, default=AREAS)
     asked = parser.parse_args()
-    prada(prepare(ground(DOMAIN, layout(2, 0))), Options(10))
+    PRADA(prepare(ground(DOMAIN, layout(2, 0))), Options(10))
     print(
         f"{asked.samples} samples, horizon 1 + areas, medians of {len(SEEDS)} seeds,"
         f" load {os.getloadavg()[0]:.2f}"
