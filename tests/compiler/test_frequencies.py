@@ -14,9 +14,9 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import stats
 
+from cleancli.array_types import Ints
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lowering.state_tables import Process, lower_process
-from cleancli.compiler.ragged import Ints
 from cleancli.compiler.semantics import covering_rule, sample
 from cleancli.compiler.task import GroundRule, GroundState, Task
 from cleancli.language.model import Domain, Fact, Horizon, Object, Problem
