@@ -1,4 +1,4 @@
-"""Scenes for the simulated table, and motions on it carried to their end."""
+"""Scenes for the simulated table, and scripts that are run twice."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
-from cleancli.world.robot import Robot, Status
 
 
 def scene(
@@ -43,13 +42,6 @@ def scene(
 
 PAPER = replace(scene(Group(12, (0.0, 0.0), 0.02), robot="wam", size=(0.60, 0.55)), name="paper")
 """The scene of the paper's size, cleaned by the arm of the paper."""
-
-
-def finish(robot: Robot) -> Status:
-    """Poll a robot until its motion is over."""
-    while (status := robot.poll()) is Status.RUNNING:
-        pass
-    return status
 
 
 def in_two_processes(script: str) -> tuple[str, str]:

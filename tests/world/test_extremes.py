@@ -13,10 +13,10 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, can_execute, tool_path
 from cleancli.perception.perceive import perceive
 from cleancli.scene.model import Group, Scattered, Scene
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable, Truth
-from support.tables import finish, scene
+from support.tables import scene
 
 SIZES = {"gantry": (0.9, 0.7), "wam": (0.55, 0.55), "reem": (0.45, 0.45)}
 """Surfaces that the robots reach."""

@@ -13,9 +13,9 @@ from cleancli.scene.model import Ink
 from cleancli.world import camera
 from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer, drawn
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable
-from support.tables import finish, scene
+from support.tables import scene
 
 LINE = Ink(((-0.02, -0.02), (0.04, -0.02), (0.04, 0.03)), 0.008)
 OTHER = Ink(((0.0, 0.25), (0.05, 0.25)), 0.008)

@@ -14,9 +14,9 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
 from cleancli.scene.model import Group, Scattered, Scene, Surface
 from cleancli.world import constants as par
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.table import PybulletTable
-from support.tables import finish, scene
+from support.tables import scene
 
 
 def wait(table: PybulletTable, seconds: float) -> NDArray[np.float64]:

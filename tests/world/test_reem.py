@@ -15,13 +15,13 @@ from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
 from cleancli.scene.model import Group, Scene
 from cleancli.world.constants import PARTICLES
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.robots.arm_drive import TOOL
 from cleancli.world.robots.constants import PAN_GAP, PAN_HELD
 from cleancli.world.robots.dustpan import plate, walls, within
 from cleancli.world.robots.reem import Reem
 from cleancli.world.table import PybulletTable
-from support.tables import finish, in_two_processes, scene
+from support.tables import in_two_processes, scene
 
 AREA = Ellipse((-0.02, 0.03), (0.03, 0.03), 0.0)
 SIGNS = tuple(product((-1, 1), repeat=3))

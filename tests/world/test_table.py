@@ -16,11 +16,11 @@ from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import constants as par
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.robots import constants
 from cleancli.world.robots.gantry import resting_pose
 from cleancli.world.table import PybulletTable, Truth
-from support.tables import finish, in_two_processes, scene
+from support.tables import in_two_processes, scene
 
 LOW_TOOL = 4  # a seed whose first stroke comes down low, so that no lentil slips under the rag
 

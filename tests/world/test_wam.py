@@ -14,11 +14,11 @@ from cleancli.motion.clearance import hull_ends, segment_gaps
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scene
 from cleancli.world import camera
-from cleancli.world.robot import Status
+from cleancli.world.robot import Status, finish
 from cleancli.world.robots.arm_drive import TOOL, ArmDrive
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable
-from support.tables import finish, in_two_processes, scene
+from support.tables import in_two_processes, scene
 
 AREA = Ellipse((0.1, 0.0), (0.02, 0.02), 0.0)
 
