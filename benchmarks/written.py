@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import fields, replace
+import sys
+from pathlib import Path
 from typing import Any
 
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner
-from cleancli.planning.registry import PLANNERS
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from support.planned import having
 
 
 def planner_of(text: str, options: Options) -> tuple[Planner[Any], Options]:
@@ -18,7 +21,4 @@ def planner_of(text: str, options: Options) -> tuple[Planner[Any], Options]:
     """
     name, _, settings = text.partition(":")
     pairs = (setting.partition("=") for setting in settings.split(",") if setting)
-    asked = {key: ast.literal_eval(value) for key, _, value in pairs}
-    common = {field.name for field in fields(Options)} & asked.keys()
-    own = {key: value for key, value in asked.items() if key not in common}
-    return PLANNERS[name].having(**own), replace(options, **{key: asked[key] for key in common})
+    return having(name, options, {key: ast.literal_eval(value) for key, _, value in pairs})
