@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
 
-from cleancli.execution.trials import Trial, TrialResult, attempt, extent, judge, linked, wilson
+from cleancli.execution.trials import Trial, TrialResult, attempt, extent, judge, linked
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.recording.overlay import BORDER, SCALE, overlay
 from cleancli.scene.check import load_scene
@@ -57,13 +56,6 @@ def test_groups_are_what_chains_of_near_points_lead_through() -> None:
 def test_extent_is_the_longest_distance() -> None:
     assert extent(HEAP) == pytest.approx(np.hypot(0.01, 0.012))
     assert extent(HEAP[:1]) == extent(NOTHING) == 0
-
-
-@pytest.mark.parametrize(("successes", "trials"), [(0, 5), (3, 7), (40, 40), (17, 40)])
-def test_intervals_are_wilsons(successes: int, trials: int) -> None:
-    expected = binomtest(successes, trials).proportion_ci(0.95, method="wilson")
-    assert wilson(successes, trials) == pytest.approx((expected.low, expected.high), abs=1e-4)
-    assert wilson(0, 0) == (0.0, 1.0)
 
 
 def test_a_trial_moves_the_area_that_was_asked_for_and_tells_all_particles() -> None:

@@ -8,7 +8,7 @@ from scipy import stats
 
 from cleancli.compiler.task import GroundAction
 from cleancli.simulation.episode import Episode, Reason
-from cleancli.simulation.summary import Estimate, mean_of, share_of, summarized
+from cleancli.simulation.summary import Estimate, mean_of, share_of, summarized, wilson
 
 
 def test_the_interval_of_a_mean_is_students() -> None:
@@ -24,6 +24,8 @@ def test_the_interval_of_a_share_is_wilsons(successes: int, number: int) -> None
     interval = stats.binomtest(successes, number).proportion_ci(0.95, "wilson")
     found = share_of(successes, number)
     assert (found.low, found.high) == pytest.approx((interval.low, interval.high))
+    assert wilson(successes, number) == (found.low, found.high)
+    assert wilson(0, 0) == (0.0, 1.0), "where nothing was tried"
 
 
 def _episode(number: int, discounted: float, success: bool | None, seconds: float | None) -> Episode:

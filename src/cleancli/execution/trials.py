@@ -9,7 +9,6 @@ import enum
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from math import sqrt
 
 import numpy as np
 
@@ -132,17 +131,6 @@ def extent(points: Points) -> float:
     if len(points) < 2:
         return 0.0
     return float(np.linalg.norm(points[:, None] - points[None], axis=2).max())
-
-
-def wilson(successes: int, trials: int, deviations: float = 1.96) -> tuple[float, float]:
-    """The interval of 95 % for a share, after `trials` of which so many were successes (Wilson 1927)."""
-    if not trials:
-        return 0.0, 1.0
-    share, square = successes / trials, deviations**2
-    middle = share + square / (2 * trials)
-    reach = deviations * sqrt(share * (1 - share) / trials + square / (4 * trials**2))
-    low, high = (middle - reach) / (1 + square / trials), (middle + reach) / (1 + square / trials)
-    return max(0.0, low), min(1.0, high)
 
 
 def _chosen(seen: Sequence[Area], names: Sequence[str], arity: int) -> tuple[Area, ...]:

@@ -21,7 +21,7 @@ from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import counting
-from cleancli.execution.trials import Trial, TrialResult, attempt, wilson
+from cleancli.execution.trials import Trial, TrialResult, attempt
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, can_execute
@@ -30,6 +30,7 @@ from cleancli.recording.pictures import write_png
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
 from cleancli.scene.robots import ARMS
+from cleancli.simulation.summary import wilson
 
 COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
