@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -121,15 +122,24 @@ def test_the_arm_reaches_the_area_it_was_measured_on(arm: Arm) -> None:
     assert reached(arm, points).mean() >= 0.99
 
 
-def test_one_pose_takes_less_than_two_milliseconds(arm: Arm) -> None:
-    target = poses(np.array([[0.1, 0.1, 0.0, 0.5]]), np.zeros(1))
-    everywhere(arm, target)
+def fastest(measured: Callable[[], object]) -> float:
+    """Seconds of CPU time that a call takes at least."""
     took = []
-    for _ in range(20):
+    for _ in range(50):
         began = time.process_time()
-        everywhere(arm, target)
+        measured()
         took.append(time.process_time() - began)
-    assert min(took) < 2e-3
+    return min(took)
+
+
+def test_one_pose_costs_less_than_inverting_a_matrix_for_each_joint(arm: Arm) -> None:
+    """Half as much where this was written, some two milliseconds: compared in one run, because a busy machine
+    is slower in both."""
+    target = poses(np.array([[0.1, 0.1, 0.0, 0.5]]), np.zeros(1))
+    matrices = np.random.default_rng(1).normal(size=(len(SWIVELS) * len(BRANCHES) * 7, 4, 4))
+    everywhere(arm, target)
+    ratio = fastest(lambda: everywhere(arm, target)) / fastest(lambda: np.linalg.inv(matrices))
+    assert ratio < 1
     assert everywhere(arm, target).shape == (1, len(SWIVELS), len(BRANCHES), 7)
 
 
