@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -92,6 +93,21 @@ def test_nothing_is_wider_than_the_terminal_or_wraps(size: tuple[int, int], even
     assert len(lines) <= max(rows, 20)
     one_line = size[0] < 24 or size[1] < 14
     assert (len(lines) == 1) == one_line
+
+
+@pytest.mark.parametrize("told", [None, lambda situation: f"{len(situation.areas)} left"])
+def test_it_says_what_is_being_done(told: Callable[[Situation], str] | None) -> None:
+    """On a table the arm leaves the view before it acts, and a look follows; the symbolic world has neither,
+    and words of its own for what is seen."""
+    state, doing, words = Shown(), [], []
+    for event in EVENTS[:6]:
+        state = updated(state, event, told)
+        doing.append(state.doing)
+        words.append(state.told)
+    leaving, after = ("moving the arm out of view", "looking") if told is None else ("acting", "acting")
+    assert doing[:2] == ["thinking", leaving]
+    assert doing[4:] == [after, "thinking"]
+    assert (words[0], words[-1]) == (("", "") if told is None else ("2 left", "1 left"))
 
 
 def test_it_shows_the_table_the_plan_and_what_happened() -> None:
