@@ -17,7 +17,7 @@ from scipy import stats
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lowering.belief_tables import Tables, lower
-from cleancli.compiler.semantics import exact_value, forward
+from cleancli.compiler.semantics import exact_value, forward, idle_worth
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
@@ -29,7 +29,7 @@ from cleancli.compiler.task import (
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Fact, Object, OutcomeKind, Problem
 from cleancli.planning.compiled_task import prepare
-from cleancli.planning.evaluation.belief_value import plan_value
+from cleancli.planning.evaluation.belief_value import plan_value, worth_of
 from cleancli.planning.evaluation.coverage import coverage, enough_samples
 from cleancli.planning.kernels import belief as kernel
 from cleancli.planning.kernels import belief_search
@@ -271,6 +271,25 @@ def test_the_reported_value_is_the_plans() -> None:
         plan = prada(task, Options(500, seed))
         actions = [task.actions.index(action) for action in plan.actions]
         assert plan.value == pytest.approx(plan_value(task, actions), abs=1e-12)
+
+
+@pytest.mark.parametrize("independent", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_search_values_its_best_as_any_sequence_is_valued(seed: int, independent: bool) -> None:
+    """Its value, and its earliness, by which equals are told apart: the search adds them up as it draws."""
+    task = small_tasks.weighted_task(seed) if seed % 2 else small_tasks.random_task(seed)
+    tables, horizon = lower(task, independent=independent), task.horizon
+    value, early, found = belief_search._best_of(
+        tables,
+        np.array(task.initial, dtype=np.int32),
+        0.0,
+        np.uint64(seed),
+        idle_worth(task.discount, horizon),
+        belief_search.ceiling(tables, task.discount, horizon),
+        (0, 400, -np.inf, -np.inf),
+    )
+    (worth,), (earliness,) = worth_of(task, tables, 0.0, [found])
+    assert (value, early) == pytest.approx((worth, earliness), abs=1e-9)
 
 
 def test_same_seed_same_plan_in_another_process() -> None:
