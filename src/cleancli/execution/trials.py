@@ -119,7 +119,7 @@ def linked(points: Points, link: float) -> tuple[tuple[int, ...], ...]:
         left.remove(reached[0])
         for point in reached:
             gaps = np.linalg.norm(points - points[point], axis=1)
-            found = sorted(other for other in left if gaps[other] < link)
+            found = [other for other in left if gaps[other] < link]
             left.difference_update(found)
             reached += found
         groups.append(tuple(sorted(reached)))
