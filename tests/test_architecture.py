@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,7 @@ HEAVY = {
 }
 
 
+@cache
 def table() -> dict[str, tuple[str, set[str], set[str]]]:
     """For each name of a row: the row, the packages that it may import, and the libraries."""
     rows = re.findall(
@@ -48,6 +50,7 @@ def table() -> dict[str, tuple[str, set[str], set[str]]]:
     }
 
 
+@cache
 def imports(path: Path) -> set[str]:
     """Full dotted names of all modules that a file imports, anywhere in it."""
     found = set()
@@ -66,6 +69,7 @@ def name_of(path: Path) -> str:
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
 
 
+@cache
 def row_of(module: str) -> str:
     """The name in the table that a module of `cleancli` belongs to: the longest."""
     inside = module.removeprefix("cleancli.")
