@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import pickle
+import re
 from pathlib import Path
 
 import pytest
 from lark import UnexpectedToken
 
+from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.find import find
-from cleancli.language.parsing.grammar import grammar, read_cached, write_cached
+from cleancli.language.parsing.grammar import grammar, keywords, read_cached, write_cached
 
 TEXT = find("cleaning", "domains").read_text(encoding="utf-8")
 
@@ -85,3 +87,25 @@ def test_the_parser_is_kept_in_the_users_cache_folder(
 def test_the_parser_is_built_without_a_folder(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", folder)
     assert grammar.__wrapped__().parse(TEXT) == grammar().parse(TEXT)
+
+
+def test_words_that_may_stand_where_a_name_may_are_reserved() -> None:
+    """Else a name that is one of them could be declared, and would mean something else where it stands.
+    Words of rewards are no names of counts (E214); those of scenes stand beside names of other things."""
+    states = grammar().parse_interactive("").parser_state.parse_conf.states
+    words = {word for word in keywords().values() if word.isalpha()}
+    beside = {
+        keywords()[terminal]
+        for accepted in states.values()
+        if "NAME" in accepted
+        for terminal in accepted
+        if keywords().get(terminal) in words
+    }
+    assert beside - RESERVED == {"cost", "decrease", "goal", "grasp", "x"}
+    assert words >= RESERVED
+
+
+def test_the_page_lists_the_reserved_words() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"^(`.*`) are reserved\.$", page, re.M)
+    assert set(re.findall(r"`(\w+)`", listed)) == RESERVED
