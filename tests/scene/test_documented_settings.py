@@ -14,6 +14,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 
 ROOT = Path(__file__).parent.parent.parent
 LANGUAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
@@ -110,7 +111,7 @@ def test_what_is_at_a_limit_fits_and_what_is_beyond_is_refused(setting: str, mos
     assert not accepted(setting.format(more))
 
 
-@pytest.mark.parametrize("drive", ["gantry", "wam", "reem"])
+@pytest.mark.parametrize("drive", ARMS)
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
 def test_words_are_taken_as_they_are(drive: str, edge: str) -> None:
     found = scene(
@@ -120,3 +121,11 @@ def test_words_are_taken_as_they_are(drive: str, edge: str) -> None:
     assert found.symbols.leave_out == "farthest"
     assert not accepted("robot { drive = crane }")
     assert not accepted("container { edge = up }")
+
+
+def test_the_pages_tell_of_every_robot() -> None:
+    (row,) = re.findall(r"^\| `robot` \|(.*)\|$", LANGUAGE, re.M)
+    world = (ROOT / "docs" / "world.md").read_text(encoding="utf-8")
+    for robot in ARMS:
+        assert re.search(rf"\b{robot}\b", row)
+        assert f"\n### `{robot}`\n" in world
