@@ -132,3 +132,13 @@ def test_an_effect_that_a_condition_says_already_is_idle_but_for_libprada() -> N
     for compat, expected in ((False, ["W301"]), (True, [])):
         found = checked_domain(Source("chain.nid", idle), compat=compat)
         assert [diagnostic.code for diagnostic in found.diagnostics] == expected
+
+
+def test_the_wrong_kind_is_marked_where_it_stands_and_not_in_a_comment_before() -> None:
+    source = Source("p.nid", "# a problem of mine\nproblem p { domain = d }\n")
+    with pytest.raises(Refused) as error:
+        load_domain(source)
+    (found,) = error.value.diagnostics
+    assert found.code == "E106"
+    assert found.span is not None
+    assert found.span.start == source.text.index("\nproblem") + 1

@@ -55,21 +55,27 @@ def _nothing_to_collect() -> Iterator[None]:
 
 def kind_of(source: Source) -> str:
     """Whether the text is a "domain", a "problem" or a "scene"; raises Refused (E105) for anything else."""
-    match = re.match(rf"(?:{BLANK}|{COMMENT})*(?P<word>\w+|\S)?", source.text)
-    assert match is not None
-    word = match["word"]
+    span = beginning(source)
+    word = source.text[span.start : span.end]
     if word in KINDS:
-        return cast(str, word)
+        return word
     forms = "a file holds one block: `domain NAME { ... }`, `problem NAME { ... }` or `scene NAME { ... }`"
-    if word is None:
+    if not word:
         raise Refused(
             [Diagnostic("E105", "the file is empty", Span(source.path, 0, 0), help=forms)], [source]
         )
     near = difflib.get_close_matches(word, KINDS, n=1)
-    span = Span(source.path, match.start("word"), match.end("word"))
     message = f"a file cannot begin with `{word}`"
     advice = f"did you mean `{near[0]}`?" if near else forms
     raise Refused([Diagnostic("E105", message, span, help=advice)], [source])
+
+
+def beginning(source: Source) -> Span:
+    """Where the text's first word or sign stands, after blanks and comments; at the end where there is
+    none."""
+    match = re.match(rf"(?:{BLANK}|{COMMENT})*(?P<first>\w+|\S|)", source.text)
+    assert match is not None
+    return Span(source.path, *match.span("first"))
 
 
 @_nothing_to_collect()

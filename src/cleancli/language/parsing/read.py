@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cleancli.files.plain import TooLarge, in_units, read_plain
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.parsing.parse import kind_of, parse
+from cleancli.language.parsing.parse import beginning, kind_of, parse
 from cleancli.language.syntax import Root
 
 LARGEST = 8 * 1024 * 1024
@@ -76,8 +76,7 @@ def parse_as(source: Source, kind: str) -> tuple[Root | None, Findings]:
     """The tree of a text that must be of one kind (E106), with what the parser found."""
     found = kind_of(source)
     if found != kind:
-        start = source.text.index(found)
-        span = Span(source.path, start, start + len(found))
-        raise Refused([Diagnostic("E106", f"this is a {found}, where a {kind} is wanted", span)], [source])
+        message = f"this is a {found}, where a {kind} is wanted"
+        raise Refused([Diagnostic("E106", message, beginning(source))], [source])
     parsed = parse(source)
     return parsed.root, Findings(source, parsed.diagnostics, parsed.broken)
