@@ -191,14 +191,6 @@ def initialise(t: Tables, state: Ints, belief: Belief) -> float:
 
 
 @compiled
-def restore(belief: Belief, start: Belief) -> None:
-    """Makes a belief equal to another one of the same task."""
-    _copy(start.number, belief.number)
-    _copy(start.reward, belief.reward)
-    _copy(start.weight, belief.weight)
-
-
-@compiled
 def draw(weight: Floats, uniform: float) -> int:
     """An action in proportion to its weight; -1 where none has any."""
     total = 0.0
