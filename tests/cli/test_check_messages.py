@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -101,6 +102,9 @@ def test_mistakes_go_before_warnings_where_not_all_are_shown(
     _many(folder, 40, warnings=90)
     text = said(capsys, "check", "base.nid", code=1)
     assert (text.count("error["), text.count("warning[")) == (40, 60)
+    places = [tuple(map(int, place)) for place in re.findall(r"^base.nid:(\d+):(\d+): ", text, re.M)]
+    assert len(places) == 100
+    assert places == sorted(places), "what is shown stands in the order of the file"
     assert "30 more warnings: --all shows all" in text
     assert text.endswith("40 mistakes and 90 warnings in 1 file\n")
 
