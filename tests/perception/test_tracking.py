@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.perception.area import Area
-from cleancli.perception.tracking import Stroke, track
+from cleancli.perception.tracking import Merge, Stroke, _merges, track
 
 
 def area(x: float, y: float, name: str = "", radius: float = 0.02, covered: float = 4e-4) -> Area:
@@ -110,6 +111,15 @@ def test_what_is_joined_is_merged_into_the_target() -> None:
     assert changes((area(0.01, 0.0, radius=0.03, covered=8e-4), area(0.2, -0.1)), JOIN) == [
         "a1 merged into a2"
     ]
+
+
+@pytest.mark.parametrize(
+    ("name", "of"), [("a2", ("a1", "a2")), ("a5", ("a5", "a1", "a2")), ("a9", ("a1", "a2"))]
+)
+def test_who_is_merged_counts_the_name_that_stays_if_there_was_one(name: str, of: tuple[str, ...]) -> None:
+    """The area that two flow into has the name of one of them, that of a third, or a new one."""
+    before = area(0, 0, "a1"), area(0.1, 0, "a2"), area(0.3, 0, "a5")
+    assert list(_merges(before, np.array([[1.0], [0.5], [0.0]]), [name])) == [Merge(of, name)]
 
 
 def test_pieces_along_the_way_are_split_off() -> None:

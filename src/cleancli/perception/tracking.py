@@ -120,7 +120,7 @@ class Split:
 
 @dataclass(frozen=True, slots=True)
 class Merge:
-    """The areas `of` are now one, `into`, which has the name of one of them."""
+    """The areas `of` are now one, `into`, which has the name of one of them or a new one."""
 
     of: tuple[str, ...]
     into: str
