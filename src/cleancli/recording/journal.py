@@ -238,7 +238,7 @@ def read_journal(folder: Path) -> Journal:
 
 def facts(state: State) -> tuple[FactEntry, ...]:
     """A state's facts in order."""
-    return tuple(sorted((FactEntry(f.symbol, f.objects, f.value) for f in state), key=lambda f: f[:2]))
+    return tuple(sorted(FactEntry(f.symbol, f.objects, f.value) for f in state))
 
 
 def _lines(source: Source) -> Iterator[tuple[str, Span]]:
