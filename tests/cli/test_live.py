@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from cleancli.cli import progress
 from cleancli.cli.main import run
 from cleancli.cli.views.dashboard import Shown, came_of, dashboard, updated
 from cleancli.cli.views.live import show
@@ -202,3 +203,17 @@ def test_the_time_of_a_domain_is_shown_where_there_is_some() -> None:
     assert not any("time of the domain" in line for line in before)
     assert any("time of the domain 2.0 s" in line for line in after)
     assert any("robot time 0.0 s" in line for line in drawn(Shown(), size))
+
+
+@pytest.mark.parametrize(
+    ("terminal", "quiet", "shown"), [(True, {}, True), (True, {"quiet": True}, False), (False, {}, False)]
+)
+def test_what_takes_its_time_is_told_in_a_terminal_unless_it_is_to_be_quiet(
+    terminal: bool, quiet: dict[str, bool], shown: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = io.StringIO()
+    console = Console(file=out, force_terminal=terminal)
+    monkeypatch.setattr(progress, "Console", lambda stderr: console)
+    with progress.working("thinking hard", **quiet):
+        pass
+    assert ("thinking hard" in out.getvalue()) == shown
