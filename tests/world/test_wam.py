@@ -141,6 +141,16 @@ def test_a_stopped_arm_raises_its_tool_and_can_go_on() -> None:
         assert finish(table) is Status.DONE
 
 
+def test_a_path_of_one_point_brings_the_tool_there_through_the_air() -> None:
+    point = Waypoint(-0.1, 0.05, 0.06, 0.4, 0.2)
+    with closing(PybulletTable(small(), 3)) as table:
+        before = table.truth().positions
+        table.start(ToolPath((point,), Interpolation.STRAIGHT))
+        assert finish(table) is Status.DONE
+        np.testing.assert_allclose(drive_of(table).tool()[:3], (point.x, point.y, point.z), atol=0.015)
+        assert np.abs(table.truth().positions - before).max() < 1e-3
+
+
 _TWICE = """
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Ellipse
