@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from pathlib import Path
 
 import pytest
 
@@ -142,3 +143,35 @@ def test_a_scene_is_looked_at_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert text.startswith("groupScattered(a1): no rule covers it in the initial state of two_groups")
     assert "fails: scattered(a1) is false" in text
     assert "variable dirt(a1)" in said(capsys, "compile", "cleaning", "two_groups")
+
+
+PANS = """domain pans {
+  types { pan }
+  predicates { washed(?p - pan)  dried(?p - pan)  stored(?p - pan) }
+  derived {
+    dry(?p - pan) := dried(?p), washed(?p)
+    ready(?p - pan) := dry(?p), not stored(?p)
+    left := count ?p - pan: not stored(?p)
+  }
+  actions { store(?p - pan)  wash(?p - pan)  wipe(?p - pan) }
+  rule put: store(?p) { when ready(?p) then 1: stored(?p) }
+  rule washing: wash(?p) { when not washed(?p) then 1: washed(?p) }
+  rule wiping: wipe(?p) { when not dried(?p) then 1: dried(?p) }
+  reward { decrease(left) }
+}
+"""
+
+
+def test_what_a_derived_predicate_lacks_is_told_down_to_the_facts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "pans.nid").write_text(PANS)
+    kitchen = "problem kitchen { domain = pans objects { p1 - pan } init { washed(p1) } horizon = 3 }"
+    (tmp_path / "kitchen.nid").write_text(kitchen)
+    told = said(capsys, "explain", tmp_path / "pans.nid", tmp_path / "kitchen.nid", "store(p1)")
+    assert told.splitlines()[-4:] == [
+        "rule put does not apply (?p = p1)",
+        "  ready(?p)  fails: ready(p1) is false",
+        "    since dry(?p) fails: dry(p1) is false",
+        "      since dried(?p) fails: dried(p1) is false",
+    ]

@@ -134,7 +134,7 @@ def _attempt(domain: Domain, attempt: Attempt) -> Iterator[str]:
     width = max(map(len, parts), default=0)
     for part, failure in zip(parts, attempt.failures, strict=True):
         yield f"  {part:<{width}}  fails: {_instead(failure)}"
-        yield from (f"    since {reason}" for reason in _reasons(failure, symbols))
+        yield from (f"    {reason}" for reason in _reasons(failure, symbols))
     if attempt.unclear is not None:
         yield f"  {_unclear(attempt.unclear, symbols)}"
 
@@ -152,10 +152,10 @@ def _instead(failure: Failure) -> str:
 
 
 def _reasons(failure: Failure, symbols: Mapping[str, Symbol]) -> Iterator[str]:
-    """What a derived predicate lacks that should hold, and what that lacks in turn."""
+    """What a derived predicate lacks that should hold, and below it what that lacks in turn."""
     for reason in failure.because:
-        yield f"{print_condition((reason.part,), symbols)} fails: {_instead(reason)}"
-        yield from (f"  since {deeper}" for deeper in _reasons(reason, symbols))
+        yield f"since {print_condition((reason.part,), symbols)} fails: {_instead(reason)}"
+        yield from (f"  {deeper}" for deeper in _reasons(reason, symbols))
 
 
 def _unclear(unclear: UnclearReference, symbols: Mapping[str, Symbol]) -> str:
