@@ -132,7 +132,7 @@ def quantifier(at: Misplaced) -> str:
     if head and at.token == ":" and "MINUS" in at.accepted:
         return f"the type of the variables is missing: `{head[1]} {head[2].strip()} - type: ...`"
     typed = re.search(r"\b(exists|forall|count|with)\s+((?:\?\w+[\s,]*)+-\s*\w+)\s*,?$", at.before)
-    if typed and (at.token in ("(", ".") or (at.kind in ("NAME", "NOT") and "NAME" not in at.accepted)):
+    if typed and (at.token in ("(", ".") or at.kind in ("NAME", "NOT")):
         return f"a colon stands behind the variables: `{typed[1]} {typed[2]}: ...`"
     if at.token == "=>" and re.search(r"\bforall\b[^{}]*:[^{}()]*\([^()]*\)\s*,", at.before):
         return (
