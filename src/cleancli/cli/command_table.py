@@ -43,6 +43,10 @@ class CommandRow:
     arguments: tuple[Argument, ...] = ()
     options_first: bool = False
 
+    def parameters(self) -> list[click.Parameter]:
+        """The arguments for click."""
+        return [argument.parameter() for argument in self.arguments]
+
 
 _DOMAIN, _PROBLEM = Argument("domain", domains), Argument("problem", problems)
 _MAYBE: Mapping[str, Any] = {"required": False}
@@ -122,8 +126,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
 def command_of(name: str) -> Callable[[Callable[..., Any]], click.Command]:
     """Makes a function the command of a row; its options stand at the function."""
     row = COMMANDS[name]
-    parameters: list[click.Parameter] = [argument.parameter() for argument in row.arguments]
-    return click.command(name, short_help=row.summary, params=parameters)
+    return click.command(name, short_help=row.summary, params=row.parameters())
 
 
 def light_command(name: str) -> click.Command | None:
@@ -133,7 +136,7 @@ def light_command(name: str) -> click.Command | None:
         return None
     if any(word.startswith("-") for word in os.environ.get("COMP_WORDS", "").split()):
         return None
-    parameters: list[click.Parameter] = [argument.parameter() for argument in row.arguments]
+    parameters = row.parameters()
     for parameter in parameters:
         parameter.required = False  # the line is not complete yet
     return click.Command(name, params=parameters)

@@ -93,8 +93,8 @@ def named_options(record: Any) -> dict[str, Field[Any]]:
 
 def _refuse(name: str, planners: Sequence[str]) -> NoReturn:
     """Say where an option belongs that no planner takes here."""
-    own = name.replace("-", "_")
-    if own in {"samples", "seed", "time_limit", "threads", "compat"}:
+    written = {field.name for field in fields(Options)} - named_options(Options()).keys() - {"previous"}
+    if name.replace("-", "_") in written:
         _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
     owners = [planner.name for planner in PLANNERS.values() if name in named_options(planner.own)]
     if owners:
