@@ -119,3 +119,10 @@ def test_what_is_no_calibration_is_refused(tmp_path: Path, text: str) -> None:
 
 def test_every_threshold_is_in_the_file(found: Calibration) -> None:
     assert set(asdict(found.thresholds)) == {field.name for field in fields(Thresholds)}
+
+
+@pytest.mark.parametrize("text", [b'{"format": "\xff"}', b"\xff", b'{"made by": "\xff"}'])
+def test_bytes_that_are_no_text_are_no_calibration(tmp_path: Path, text: bytes) -> None:
+    (tmp_path / "wrong.json").write_bytes(text)
+    with pytest.raises(BadCalibration, match="no JSON"):
+        read_calibration(tmp_path / "wrong.json", "wrong.json")

@@ -118,3 +118,10 @@ def test_a_camera_may_stand_nobody_knows_where(
     assert not loaded.camera.located
     (area,) = perceive([loaded], scene(), np.random.default_rng(1)).areas
     assert area.ellipse.centre == pytest.approx((0.1, 0.1), abs=0.02)
+
+
+@pytest.mark.parametrize("text", [b'{"width": 1, "made by": "\xff"}', b"\xff", b'{"format": "\xff"}'])
+def test_bytes_that_are_no_text_are_no_camera(tmp_path: Path, text: bytes) -> None:
+    (tmp_path / "camera.json").write_bytes(text)
+    with pytest.raises(BadRecording, match="no description of a camera"):
+        load_frames(tmp_path)

@@ -83,10 +83,11 @@ class _CameraFile(msgspec.Struct):
 
 def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
     try:
-        read = msgspec.json.decode(read_plain(path, LARGEST_CAMERA), type=_CameraFile)
+        text = read_plain(path, LARGEST_CAMERA).decode("utf-8")
+        read = msgspec.json.decode(text, type=_CameraFile)
     except RecursionError:
         raise BadRecording(f"{path}: no description of a camera (it is nested too deeply)") from None
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise BadRecording(f"{path}: no description of a camera ({error})") from error
     pose = np.eye(4) if read.pose is None else np.array(read.pose)
     if not _is_rigid(pose):

@@ -119,12 +119,12 @@ class _File(msgspec.Struct):
 def decode(content: bytes, path: str) -> Calibration:
     """The calibration that a file's bytes describe. Raises BadCalibration."""
     try:
-        read = msgspec.json.decode(content, type=_File)
+        read = msgspec.json.decode(content.decode("utf-8"), type=_File)
     except RecursionError:
         raise BadCalibration("it is nested too deeply") from None
     except msgspec.ValidationError as error:
         raise BadCalibration(str(error)) from error
-    except msgspec.DecodeError as error:
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise BadCalibration("it is no JSON") from error
     if read.format != FORMAT:
         raise BadCalibration(f'its `format` is not "{FORMAT}"')
