@@ -76,15 +76,15 @@ def test_a_mistake_of_an_open_included_file_stands_at_the_include(tmp_path: Path
     assert found[0].message.startswith("in `base.nid`: ")
 
 
-@pytest.mark.parametrize("include_outside", [False, True])
+@pytest.mark.parametrize("include_outside", [None, False, True])
 def test_a_file_from_outside_is_renamed_only_where_that_is_allowed(
-    include_outside: bool, tmp_path: Path
+    include_outside: bool | None, tmp_path: Path
 ) -> None:
     files = library(tmp_path)
     top = tmp_path / "top" / "tables.nid"
     top.parent.mkdir()
     top.write_text(TABLES.replace("base.nid", "../base.nid"), encoding="utf-8")
-    files = Library(include_outside=include_outside)
+    files = Library() if include_outside is None else Library(include_outside=include_outside)
     asked = held(files, top)
     offset = asked.source.text.index("near(")
     assert [found.code for found in mistakes(asked, files)] == ([] if include_outside else ["E109"])

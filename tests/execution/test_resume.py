@@ -145,6 +145,14 @@ def test_two_processes_do_not_go_on_with_one_run(
     assert run(["execute", "--resume", str(folder), "--quiet"]) == 0
 
 
+def test_a_system_without_locks_keeps_nobody_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    inside = 0
+    with alone_in(tmp_path), alone_in(tmp_path):
+        inside += 1
+    assert inside == 1
+
+
 def test_ctrl_c_is_kept_until_the_loop_looks_and_works_at_once_the_third_time() -> None:
     def press(times: int) -> int:
         with interruptions() as pressed:

@@ -79,6 +79,19 @@ def test_several_runs_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture
     assert not (one / "report.html").exists()
 
 
+def test_what_took_no_time_in_any_run_has_no_column(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = write_run(tmp_path / "one", pictures=0)
+    written = json.loads((one / "run.json").read_text(encoding="utf-8"))
+    written["episode"]["seconds"] = {"actions": 2.5, "perceiving": 0.0, "total": 2.5}
+    (one / "run.json").write_text(json.dumps(written), encoding="utf-8")
+    assert run(["report", str(one)]) == ExitCode.DONE
+    head, row = capsys.readouterr().out.splitlines()[:2]
+    assert head.split()[-2:] == ["seconds", "actions"]
+    assert row.split()[-2:] == ["2.5", "2.5"]
+
+
 def test_json_is_the_figures_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run_folder = write_run(tmp_path / "two_groups-seed1-001")
     assert run(["report", str(run_folder), "--json"]) == ExitCode.DONE
