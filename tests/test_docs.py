@@ -60,6 +60,20 @@ def test_files_that_recipes_name_are_there() -> None:
         assert any(place.exists() for place in places), path
 
 
+def test_functions_and_classes_that_pages_name_are_there() -> None:
+    """Whatever stands alone in code marks and looks like a name of ours: `module.name`, `ClassName`."""
+    elsewhere = {"init.lua", "name.txt", "vim.lsp.config"}  # of other programs, and a file of tests
+    code = [path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py")]
+    code += [path.read_text(encoding="utf-8") for path in (ROOT / "benchmarks").glob("*.py")]
+    defined = set(re.findall(r"[A-Za-z_]\w*", " ".join(code)))
+    missing = []
+    for page in [*PAGES, *ROOT.glob("*.md")]:
+        marked = set(re.findall(r"`([^`\n]+)`", page.read_text(encoding="utf-8"))) - elsewhere
+        names = {m for m in marked if re.fullmatch(r"[A-Z][a-z][A-Za-z]*|[a-z_]+(\.[A-Za-z_]+)+", m)}
+        missing += [f"{page.name}: {name}" for name in sorted(names) if name.split(".")[-1] not in defined]
+    assert not missing
+
+
 def test_readme_states_the_two_commands() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert "<!-- test command -->\n```sh\n" in text, ".ci/run finds the test command by this mark"
