@@ -13,6 +13,7 @@ from hypothesis import strategies as some
 
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.model import Fact
 from cleancli.recording import journal
 from cleancli.recording.folder import JOURNAL
 from cleancli.recording.journal import (
@@ -185,3 +186,12 @@ def test_a_folder_without_a_journal_is_an_error(tmp_path: Path) -> None:
         read_journal(tmp_path)
     (tmp_path / JOURNAL).write_text(encode(Interrupted(4.5)) + "\n", encoding="utf-8")
     assert read_journal(tmp_path).records == (Interrupted(4.5),)
+
+
+def test_the_facts_of_a_state_are_written_in_order() -> None:
+    """Same seed, same bytes: a set of texts has another order in every process."""
+    state = frozenset(Fact("size", (f"a{n}",), size) for n, size in enumerate(("small", "big") * 20))
+    state |= {Fact("dirt", (f"a{n}",)) for n in range(40)}
+    written = [(entry.symbol, entry.objects, entry.value) for entry in journal.facts(state)]
+    assert written == sorted(written, key=lambda entry: entry[:2])
+    assert set(written) == {(fact.symbol, fact.objects, fact.value) for fact in state}

@@ -145,7 +145,7 @@ def _is_idle(each: _Assigned, done: _Done, asked: Asked) -> bool:
     effect may be on the same thing: leaving this one out would end a conflict with that."""
     guard, place, value = each
     known = asked.values.get(place)
-    if known is not None and not _is_bound(place):
+    if known is not None:
         there = known == frozenset({value})
     else:
         there = (*place, _shown(frozenset({value}))) in guard[1]
@@ -159,12 +159,8 @@ def _stays(each: _Shifted, done: _Done, asked: Asked, declared: Declarations) ->
     values = declared.symbols[place[0]].values
     bound = values[-1] if amount > 0 else values[0]
     opposed = any(other[0] == place[0] and (by > 0) != (amount > 0) for _, other, by in done.shifted)
-    at_bound = not _is_bound(place) and asked.values.get(place) == frozenset({bound})
+    at_bound = asked.values.get(place) == frozenset({bound})
     return at_bound and not opposed and not done.sets(place[0])
-
-
-def _is_bound(place: _Place) -> bool:
-    return any(kind == "bound" for kind, _ in place[1])
 
 
 # ---- one effect
@@ -249,9 +245,8 @@ def _allowed(
 
 
 def _is_said(place: _Place, values: frozenset[Value], asked: Asked, declared: Declarations) -> bool:
-    """Whether the rule's condition leaves a place none but these values."""
-    if _is_bound(place):
-        return False
+    """Whether the rule's condition leaves a place none but these values; none but all are left of a bound
+    variable's."""
     return asked.values.get(place, frozenset(declared.symbols[place[0]].values)) <= values
 
 
