@@ -62,7 +62,11 @@ def test_a_given_sequence_is_valued_in_three_ways(capsys: pytest.CaptureFixture[
     assert abs(found["sampled"]["value"] - worth) < 5 * found["sampled"]["error"]
     text = said(capsys, "--evaluate", "push(d1) push(d1) knock(d2)", "--explain").splitlines()
     assert text[0].split("  ")[0] == "step"
-    assert any(line.split()[:2] == ["exact", f"{worth:.4f}"] for line in text)
+    rows = [line.split() for line in text]
+    assert ["exact", f"{worth:.4f}"] in [row[:2] for row in rows]
+    sampled = found["sampled"]
+    shown = ["sampled", f"{sampled['value']:.4f}", "±", f"{sampled['error']:.4f}"]
+    assert shown in [row[:4] for row in rows]
 
 
 @pytest.mark.parametrize(

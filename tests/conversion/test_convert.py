@@ -56,7 +56,9 @@ def test_the_kitchen_is_converted_as_expected(tmp_path: Path, capsys: pytest.Cap
     for name in ("kitchen.nid", "problem.nid"):
         expected = (KITCHEN / "expected" / name).read_text(encoding="utf-8")
         assert (tmp_path / name).read_text(encoding="utf-8") == expected
-    assert "lightSoil, heavySoil are the function `soil` now" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "lightSoil, heavySoil are the function `soil` now" in out
+    assert "  the reward is a guess: " in out
     assert run(["check", str(tmp_path)]) == 0
     assert "0 mistakes in 2 files" in capsys.readouterr().out
     assert run(["fmt", "--check", str(tmp_path)]) == 0

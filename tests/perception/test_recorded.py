@@ -87,6 +87,17 @@ def test_a_camera_that_does_not_fit_is_named(
         load_frames(tmp_path)
 
 
+def test_a_picture_is_refused_wherever_it_is_cut(frames: tuple[Frame, ...], tmp_path: Path) -> None:
+    """Between two parts as within one: the library that reads pictures would print lines of its own."""
+    save_frames(frames[:1], tmp_path)
+    whole = (tmp_path / "depth-000.png").read_bytes()
+    last = whole.rindex(b"IEND") - 4
+    for end in (last, last + 6, len(whole) - 1, len(whole) // 2):
+        (tmp_path / "depth-000.png").write_bytes(whole[:end])
+        with pytest.raises(BadRecording, match=r"depth-000\.png: no PNG"):
+            load_frames(tmp_path)
+
+
 def test_a_picture_that_is_none_and_one_that_is_missing_are_named(
     frames: tuple[Frame, ...], tmp_path: Path
 ) -> None:

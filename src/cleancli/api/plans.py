@@ -100,7 +100,7 @@ class PlanResult:
 @dataclass(frozen=True, slots=True)
 class EvaluationResult:
     """What a sequence is worth: by PRADA's belief, exactly (None where too many states may occur), and
-    sampled (None where the exact value is known)."""
+    sampled. Both others are None where libPRADA's reading is asked for."""
 
     problem: str
     plan: tuple[str, ...]

@@ -56,4 +56,4 @@ def timeline(records: Iterable[Record]) -> tuple[tuple[Stretch, ...], tuple[Coun
 def in_order(seconds: Mapping[str, float]) -> dict[str, float]:
     """Seconds by kind, the known kinds first."""
     known = [kind for kind in KINDS if kind in seconds]
-    return {kind: seconds[kind] for kind in (*known, *(k for k in seconds if k not in KINDS))}
+    return {kind: seconds[kind] for kind in (*known, *seconds)}
