@@ -217,3 +217,16 @@ def test_what_takes_its_time_is_told_in_a_terminal_unless_it_is_to_be_quiet(
     with progress.working("thinking hard", **quiet):
         pass
     assert ("thinking hard" in out.getvalue()) == shown
+
+
+@pytest.mark.parametrize(
+    ("problem", "looks"),
+    [("three_areas", False), pytest.param("two_groups", True, marks=pytest.mark.needs_pybullet)],
+)
+def test_a_terminal_says_that_the_table_is_looked_at_where_there_is_one(
+    problem: str, looks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = io.StringIO()
+    monkeypatch.setattr(progress, "Console", lambda stderr: Console(file=out, force_terminal=True))
+    assert run(["compile", "cleaning", problem]) == 0
+    assert ("looking at the table" in out.getvalue()) == looks

@@ -77,9 +77,13 @@ def test_layout_is_one_small_edit_and_then_none() -> None:
     for text in (
         DOMAIN.replace("# two areas\n", "# two areas  \n"),
         DOMAIN.replace("\n", " \r\n"),
+        # Line ends that differ: the edit may begin or end beside a line end, never within one.
+        layout(DOMAIN).replace("\n", "\r\n").replace("# two areas\r\n", "# two areas\n"),
+        layout(DOMAIN).replace("# two areas\n", "# two areas\r\n"),
         DOMAIN.rstrip(),
     ):
         (edit,) = formatting(document(Source("/t.nid", text)))
+        assert "\r\n" not in (text[edit.span.start - 1 :][:2], text[edit.span.end - 1 :][:2])
         laid = apply_edits(text, [edit])
         assert laid == layout(text)
         assert formatting(document(Source("/t.nid", laid))) == ()

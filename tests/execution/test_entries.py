@@ -81,3 +81,12 @@ def test_a_failure_is_told_with_its_reason_and_rivals_expect_nothing() -> None:
     assert looked.purpose == "first"
     assert [area.name for area in looked.areas] == ["a1"]
     assert looked.areas[0].centre == pytest.approx((0.0, 0.1), abs=0.005)
+
+
+def test_a_move_that_is_no_action_changes_nothing_by_the_rules() -> None:
+    robot = Scripted(SCENE, lambda strokes: [(0.0, 0.1)], lambda strokes: Status.DONE)
+    setup = EpisodeSetup(DOMAIN, DOMAIN, SCENE, Job.CONTAINER, EpisodeOptions(strategy="wipe", max_actions=1))
+    cell = TableCell(DOMAIN, SCENE, robot, 1)
+    records = lines(Session(setup, cell, None, dict, dict, robot.stop, lambda: None))
+    (acted,) = (record for record in records if isinstance(record, journal.Acted))
+    assert (acted.action, acted.rule, acted.outcome, acted.changed) == ("wipe", None, None, ())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 from fractions import Fraction
@@ -12,8 +13,16 @@ import pytest
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
-from cleancli.language.load import checked_domain, domain_named, load_domain, load_problem, read_source
+from cleancli.language.load import (
+    checked_domain,
+    domain_named,
+    load_domain,
+    load_problem,
+    read_source,
+    read_stream,
+)
 from cleancli.language.model import Fact, Horizon, OutcomeKind, RewardKind, RewardTerm
+from cleancli.language.parsing import read
 from cleancli.resources import shipped_names
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
@@ -142,3 +151,9 @@ def test_the_wrong_kind_is_marked_where_it_stands_and_not_in_a_comment_before() 
     assert found.code == "E106"
     assert found.span is not None
     assert found.span.start == source.text.index("\nproblem") + 1
+
+
+def test_a_stream_is_read_whole_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read, "LARGEST", 10)
+    assert read_stream(io.BytesIO(b"x" * 10), "<stdin>").text == "x" * 10
+    assert _code(read_stream, io.BytesIO(b"x" * 11), "<stdin>") == "E005"

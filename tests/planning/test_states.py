@@ -19,7 +19,7 @@ from cleancli.compiler.semantics import (
 )
 from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds
 from cleancli.planning.evaluation.belief_value import plan_value
-from cleancli.planning.kernels import transitions
+from cleancli.planning.kernels import transitions, uct_tree
 from support import reference_prada, small_tasks
 
 SEEDS = range(12)
@@ -117,3 +117,17 @@ def test_time_needs_durations() -> None:
     assert by_time(nothing) == nothing, "a domain without actions has nothing to discount"
     with pytest.raises(NoDurationError, match="act0"):
         by_time(small_tasks.random_task(0))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_rollouts_choose_among_what_is_a_choice_each_as_likely(seed: int) -> None:
+    """docs/planning.md, `uct`; also where one action alone is a choice, whichever rule covers the state."""
+    task = small_tasks.weighted_task(seed)
+    process, draws = lower_process(task), 2000
+    for assignment in some_states(task, seed, 5):
+        state = array(assignment)
+        choices = [a for a in range(len(task.actions)) if transitions.choosable(process, state, a) >= 0]
+        drawn = [uct_tree._some_action(process, state, np.uint64(k * 977 + seed)) for k in range(draws)]
+        assert set(drawn) == set(choices or [-1])
+        if len(choices) > 1:
+            assert stats.chisquare([drawn.count(action) for action in choices]).pvalue > 1e-4

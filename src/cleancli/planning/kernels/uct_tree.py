@@ -96,12 +96,13 @@ def _some_action(p: Process, state: Ints, stream: np.uint64) -> int:
         action = int(uniform(stream + np.uint64(i) * GOLDEN) * actions)
         if choosable(p, state, action) >= 0:
             return action
-    first = int(uniform(stream) * max(actions, 1))
-    for i in range(actions):  # few or none fit
-        action = (first + i) % actions
+    chosen, found = -1, 0
+    for action in range(actions):  # few or none fit: the n-th found replaces the one before in 1 of n cases
         if choosable(p, state, action) >= 0:
-            return action
-    return -1
+            found += 1
+            if uniform(stream + np.uint64(actions + action) * GOLDEN) * found < 1.0:
+                chosen = action
+    return chosen
 
 
 @njit(cache=True, nogil=True)
