@@ -1,4 +1,4 @@
-"""Noise removal at its limits: patches of just the least area, and pixels that some frames show."""
+"""Noise at its limits: patches of just the least area, pixels that some frames show, depth from afar."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cleancli.geometry.rgbd import Frame
 from cleancli.perception.dirt import believed, without_small_patches
+from cleancli.perception.geometry import Plane, view
+from cleancli.perception.surface import object_mask
 from cleancli.scene.calibration import Thresholds
+from support import synthetic
 
 QUARTER = 0.25
 """Of a unit of area: a power of two, so that sums are exact."""
@@ -64,3 +68,16 @@ def test_a_pixel_is_dirty_in_its_share_of_the_frames_that_show_it(
     seen_masks = [np.full((1, 1), number < shown) for number in range(frames)]
     dirt, seen = believed(dirty_masks, seen_masks, replace(Thresholds(), agreement=agreement))
     assert (bool(dirt[0, 0]), bool(seen[0, 0])) == (is_dirt, is_seen)
+
+
+@pytest.mark.parametrize(("distance", "is_object"), [(0.9, True), (2.0, False)])
+def test_what_stands_out_of_the_noise_nearby_is_none_from_afar(distance: float, is_object: bool) -> None:
+    """docs/perception.md: `tolerance` grows with the square of the distance, as the error of depth does."""
+    camera = replace(synthetic.camera(), pose=np.diag([1.0, -1.0, -1.0, 1.0]))
+    camera.pose[2, 3] = distance
+    up, east = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    seen_as = view(camera, Plane.below(camera.pose[:3, 3], up, 0.0, east))
+    depth = np.full((camera.height, camera.width), distance, np.float32)
+    depth[200:240, 300:340] -= 0.025
+    frame = Frame(np.zeros((*depth.shape, 3), np.uint8), depth, camera, 0.0)
+    assert object_mask(frame, seen_as, Thresholds()).any() == is_object
