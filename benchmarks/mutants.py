@@ -267,11 +267,16 @@ def _expressions(statement: ast.stmt) -> Iterator[ast.expr]:
         if isinstance(node, (ast.ExceptHandler, ast.match_case)):
             pending += [node.guard] if isinstance(node, ast.match_case) and node.guard else []
             continue
-        if isinstance(node, ast.pattern):
+        if isinstance(node, ast.pattern) or _asserts(node):
             continue
         if isinstance(node, ast.expr):
             yield node
         pending += reversed(list(ast.iter_child_nodes(node)))
+
+
+def _asserts(node: ast.AST) -> bool:
+    """Whether it only makes sure of something: that what is zipped is equally long."""
+    return isinstance(node, ast.keyword) and node.arg == "strict"
 
 
 def _of_statement(statement: ast.stmt) -> Iterator[tuple[str, ast.expr | ast.stmt, ast.AST | None]]:
@@ -360,7 +365,7 @@ def _of_call(node: ast.Call) -> Iterator[tuple[str, ast.expr, ast.expr]]:
         first, second, *rest = node.args
         yield "swapped arguments", node, ast.Call(node.func, [second, first, *rest], node.keywords)
     for index, keyword in enumerate(node.keywords):
-        if keyword.arg in {"key", "default", "strict", "reverse"}:
+        if keyword.arg in {"key", "default", "reverse"}:
             kept = node.keywords[:index] + node.keywords[index + 1 :]
             yield "dropped argument", node, ast.Call(node.func, node.args, kept)
 

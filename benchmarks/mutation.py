@@ -4,11 +4,11 @@
 constant, a sign, `and` for `or`, a statement or a guard dropped, two arguments swapped) and runs the tests
 that run the changed lines. Which tests those are is found once, by running all of them in a marked copy, and
 kept; this takes about as long as the tests, and a later run does it again for the test files that changed. A
-change that a test fails for, or takes much longer for, is noticed. Modules that changed since they were last
-tried come first, then those that were tried longest ago (`--draw all` draws from all alike). What was tried
-with a seed is kept, and a run that was stopped goes on where it was. Changes that make no difference are
-listed in benchmarks/mutation_equal.txt, each with its reason, and are neither tried nor printed. The command
-reports, and always exits with 0: it is no gate.
+change that a test fails for, or takes much longer for, is noticed; so is one that mypy refuses, which a test
+runs. Modules that changed since they were last tried come first, then those that were tried longest ago
+(`--draw all` draws from all alike). What was tried with a seed is kept, and a run that was stopped goes on
+where it was. Changes that make no difference are listed in benchmarks/mutation_equal.txt, each with its
+reason, and are neither tried nor printed. The command reports, and always exits with 0: it is no gate.
 
 A change costs 5 to 60 seconds of a processor: 100 changes take about half an hour on two idle ones.
 """
@@ -147,12 +147,15 @@ def draw(names: Iterator[str], count: int, seed: int) -> list[Change]:
 class Bench:
     """A copy of the checkout in which changes are tried, one after the other."""
 
-    def __init__(self, folder: Path, worker: int, knowledge: Knowledge, budget: float, seed: int) -> None:
+    def __init__(
+        self, folder: Path, worker: int, knowledge: Knowledge, budget: float, seed: int, types: bool
+    ) -> None:
         self.copy = folder / f"copy-{worker}"
         self._folder, self._knowledge, self._budget, self._seed = folder, knowledge, budget, seed
         self._sound: dict[str, bool] = {}
         self._kills: Counter[tuple[str, str]] = Counter()
         self._kernels = folder / "kernels"
+        self._types_are_sound = None if types else False
         runs.make_copy(self.copy)
 
     def warm(self) -> None:
@@ -169,6 +172,8 @@ class Bench:
             done += len(stage)
             if by:
                 break
+        if not by and self._is_refused_by_type(change):
+            by, done = runs.TYPES, done + 1
         if by:
             self._kills[change.module, by] += 1
             if change.block.endswith(MODULE):
@@ -201,6 +206,15 @@ class Bench:
             left = left[left.index(by) + 1 :]
         return ""
 
+    def _is_refused_by_type(self, change: Change) -> bool:
+        """Whether the type checker refuses the change, and nothing without it."""
+        if self._types_are_sound is None:
+            self._types_are_sound = runs.well_typed(self.copy)
+        if not self._types_are_sound:
+            return False
+        with runs.applied(self.copy, self._kernels, change):
+            return not runs.well_typed(self.copy)
+
     def _failing(self, tests: tuple[str, ...], kernels: Path) -> str:
         """The first of some tests that fails, or takes too long; "" for none."""
         order = {test: self._knowledge.limit(test) for test in tests}
@@ -220,7 +234,7 @@ class Bench:
 def work(worker: int, todo: list[Change], asked: argparse.Namespace, claims: Path) -> None:
     """Try changes until all are tried by this process or another, or the time is over."""
     knowledge = Knowledge(asked.keep, asked.tests)
-    bench = Bench(asked.keep, worker, knowledge, asked.per_change, asked.seed)
+    bench = Bench(asked.keep, worker, knowledge, asked.per_change, asked.seed, not asked.quick)
     if not asked.quick:
         bench.warm()
     for place, change in enumerate(todo, start=1):

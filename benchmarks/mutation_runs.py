@@ -18,6 +18,7 @@ import py_compile
 import resource
 import shutil
 import signal
+import subprocess
 import sys
 import time
 import traceback
@@ -51,6 +52,8 @@ LEFT_OUT = frozenset(
     }
 )
 _WALL_SECONDS = 900.0
+TYPES = "tests/test_style.py::types"
+"""What the type checker is called where it notices a change: a test of the suite runs it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,3 +263,10 @@ def importers() -> dict[str, set[str]]:
                     pending.append(user)
         found[module] = seen
     return found
+
+
+def well_typed(copy: Path) -> bool:
+    """Whether the type checker finds no mistake in the sources of a copy; what it knows of unchanged modules
+    is kept in the copy."""
+    words = [sys.executable, "-m", "mypy", "src", "--cache-dir", str(copy / ".types")]
+    return subprocess.run(words, cwd=copy, capture_output=True, timeout=_WALL_SECONDS).returncode == 0

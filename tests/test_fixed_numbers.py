@@ -1,4 +1,4 @@
-"""The numbers that measured figures rest on are those that were fixed before they were measured.
+"""The numbers that modules and records state are those that were fixed before anything was measured.
 
 Whoever changes one regenerates the list (CLEANCLI_REGENERATE=1), and measures again what the documents state.
 """
@@ -9,8 +9,10 @@ import ast
 import importlib
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, fields, is_dataclass
+from enum import Enum
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -20,7 +22,7 @@ SOURCES = ROOT / "src" / "cleancli"
 LIST = Path(__file__).parent / "golden" / "numbers.txt"
 LONGEST = 1000
 """Longer ones are tables that are computed."""
-PACKAGES = ("geometry", "motion", "perception", "planning", "world")
+OF_THE_SYSTEM = ("_NO_WAIT",)
 
 
 def stated(path: Path) -> Iterator[str]:
@@ -36,6 +38,8 @@ def stated(path: Path) -> Iterator[str]:
 
 def numbers(value: Any) -> Any:
     """A value of numbers as text; None for anything else."""
+    if isinstance(value, Enum):
+        return None
     if isinstance(value, np.ndarray):
         return numbers(value.tolist())
     if isinstance(value, bool | int | float):
@@ -51,15 +55,24 @@ def numbers(value: Any) -> Any:
     return value if isinstance(value, str) and len(value) < 20 else None
 
 
+def defaults(module: ModuleType) -> Iterator[tuple[str, Any]]:
+    """What the records of a module hold unless told otherwise, by `Record.field`."""
+    for name, kind in vars(module).items():
+        if isinstance(kind, type) and is_dataclass(kind) and kind.__module__ == module.__name__:
+            yield from ((f"{name}.{each.name}", each.default) for each in fields(kind))
+
+
 def lines() -> Iterator[str]:
-    for package in PACKAGES:
-        for path in sorted((SOURCES / package).rglob("*.py")):
-            dotted = ".".join(path.relative_to(SOURCES).with_suffix("").parts)
-            module = importlib.import_module(f"cleancli.{dotted}")
-            for name in stated(path):
-                told = numbers(getattr(module, name))
-                if told is not None and any(map(str.isdigit, told)) and len(told) < LONGEST:
-                    yield f"{dotted}.{name} = {told}"
+    for path in sorted(SOURCES.rglob("*.py")):
+        dotted = ".".join(path.relative_to(SOURCES).with_suffix("").parts)
+        if path.name in ("__init__.py", "__main__.py"):
+            continue
+        module = importlib.import_module(f"cleancli.{dotted}")
+        constants = [(name, getattr(module, name)) for name in stated(path)]
+        for name, value in (*constants, *defaults(module)):
+            told = None if isinstance(value, str) or name in OF_THE_SYSTEM else numbers(value)
+            if told is not None and any(map(str.isdigit, told)) and len(told) < LONGEST:
+                yield f"{dotted}.{name} = {told}"
 
 
 def test_numbers_are_as_they_were_fixed() -> None:

@@ -10,6 +10,7 @@ import random
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -182,7 +183,7 @@ def test_a_test_that_fails_without_the_change_says_nothing_of_it(
     mutation = load("mutation")
     monkeypatch.setattr(mutation.runs, "make_copy", lambda copy: None)
     monkeypatch.setattr(mutation.runs, "applied", lambda *given: contextlib.nullcontext("changed"))
-    bench = mutation.Bench(tmp_path, 0, None, 60.0, 1)
+    bench = mutation.Bench(tmp_path, 0, None, 60.0, 1, types=False)
     failing = {"changed": ("b", "d"), tmp_path / "kernels": ("b",)}
     asked: list[tuple[str, ...]] = []
 
@@ -195,6 +196,26 @@ def test_a_test_that_fails_without_the_change_says_nothing_of_it(
     assert asked == [("a", "b", "c", "d", "e"), ("b",), ("c", "d", "e"), ("d",)]
     assert bench._noticing(("b", "e"), None) == ""
     assert asked[-1] == ("e",), "it is not asked again"
+
+
+def test_what_types_refuse_is_noticed_unless_they_refuse_all(
+    load: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mutation = load("mutation")
+    place = {"changed": False, "sound": True}
+
+    @contextlib.contextmanager
+    def applied(*given: object) -> Iterator[None]:
+        place["changed"] = True
+        yield
+        place["changed"] = False
+
+    monkeypatch.setattr(mutation.runs, "make_copy", lambda copy: None)
+    monkeypatch.setattr(mutation.runs, "applied", applied)
+    monkeypatch.setattr(mutation.runs, "well_typed", lambda copy: place["sound"] and not place["changed"])
+    assert mutation.Bench(tmp_path, 0, None, 60.0, 1, types=True)._is_refused_by_type(None)
+    place["sound"] = False
+    assert not mutation.Bench(tmp_path, 0, None, 60.0, 1, types=True)._is_refused_by_type(None)
 
 
 def test_reviewed_changes_have_a_reason(load: Any, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ import pytest
 
 import cleancli
 from cleancli.api.tables import TextTable
+from cleancli.resources import shipped
 
 EVIL = '<script>alert("&")</script>\x1b[31m'
 
@@ -144,3 +145,14 @@ def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
     assert (resumed.actions, resumed.clean, resumed.told) == (whole.actions, whole.clean, whole.told)
     assert resumed.folder == folder
     assert len(seen) > 7
+
+
+def test_who_asked_for_a_planner_that_there_is_not_is_told(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"^`planner`: 'prado' is not one of .*'prada'"):
+        cleancli.plan("cleaning", "three_areas", planner="prado")
+    text = shipped("problems").joinpath("three_areas.nid").read_text(encoding="utf-8")
+    (tmp_path / "p.nid").write_text(
+        text.rstrip().removesuffix("}") + "  planner prado { }\n}\n", encoding="utf-8"
+    )
+    with pytest.raises(ValueError, match=r"^the problem asks for the planner `prado`; there is"):
+        cleancli.plan("cleaning", tmp_path / "p.nid")

@@ -90,3 +90,5 @@ def test_a_move_that_is_no_action_changes_nothing_by_the_rules() -> None:
     records = lines(Session(setup, cell, None, dict, dict, robot.stop, lambda: None))
     (acted,) = (record for record in records if isinstance(record, journal.Acted))
     assert (acted.action, acted.rule, acted.outcome, acted.changed) == ("wipe", None, None, ())
+    (started,) = (record for record in records if isinstance(record, journal.Started))
+    assert (started.expected.rule, started.expected.outcomes) == (None, ())

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import pytest
 
 from cleancli.execution.episode_state import EpisodeState
-from cleancli.execution.events import Acted, Checkpoint, Ended, Event, Started
+from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, Started
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, symbolic_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.execution.symbolic_cell import SymbolicCell
+from cleancli.language.model import Fact, Object, Problem
 from support.shipped import shipped_domain, shipped_problem
 
+DOMAIN = shipped_domain("cleaning")
+PROBLEM = shipped_problem("three_areas", DOMAIN)
 
-def session(seed: int = 1, **options: object) -> Session:
-    domain = shipped_domain("cleaning")
-    problem = shipped_problem("three_areas", domain)
+
+def session(seed: int = 1, problem: Problem = PROBLEM, **options: object) -> Session:
     chosen = EpisodeOptions(samples=200, seed=seed, by_time=True, **options)  # type: ignore[arg-type]
-    return symbolic_session(domain, problem, chosen)
+    return symbolic_session(DOMAIN, problem, chosen)
 
 
 def moves(events: list[Event]) -> list[tuple[int, str]]:
@@ -51,6 +54,19 @@ def test_the_same_seed_does_the_same(strategy: str) -> None:
 
     assert once(3) == once(3)
     assert len({tuple(once(seed)) for seed in range(6)}) > 1
+
+
+@pytest.mark.parametrize(("strategy", "commit"), [("plan-1", 1), ("plan-2", 2), ("plan-3", 3)])
+def test_so_many_actions_are_carried_out_before_planning_again(strategy: str, commit: int) -> None:
+    names = [f"a{number}" for number in range(6)]
+    small = {Fact("size", (name,), "small") for name in names} | {Fact("dirt", (name,)) for name in names}
+    six = replace(PROBLEM, objects=tuple(Object(name, "area") for name in names), state=frozenset(small))
+    here = session(3, six, strategy=strategy)
+    events = list(clean(here.setup, here.cell))
+    decided = [(event.moves, event.plan) for event in events if isinstance(event, Decided)]
+    lengths = [(len(moves), len(plan.actions)) for moves, plan in decided if plan is not None]
+    assert [carried_out for carried_out, _ in lengths] == [min(commit, planned) for _, planned in lengths]
+    assert max(planned for _, planned in lengths) > commit
 
 
 def test_a_run_goes_on_from_every_checkpoint_as_if_never_stopped() -> None:

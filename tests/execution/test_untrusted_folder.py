@@ -21,6 +21,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.learning.experience import Transition, encode
 from cleancli.recording import run_folder
 from cleancli.recording.arrays import BadArrays, packed, unpacked
+from cleancli.recording.folder import read_inside
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds, as_text
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
@@ -457,3 +458,13 @@ def test_experience_of_a_run_is_learned_from_where_it_is_one(
         encode(Transition("fly", (), (), frozenset(), frozenset()), {}) + "\n"
     )
     refused(["learn", "cleaning", str(folder)], folder, capsys, "E701")
+
+
+@pytest.mark.parametrize(
+    "name", ["../elsewhere", "files/../../elsewhere", ".", "", "files/a\0b", "/etc/passwd"]
+)
+def test_no_name_leads_out_of_the_folder(folder: Path, name: str) -> None:
+    with pytest.raises(Refused) as refused:
+        read_inside(folder, name)
+    (told,) = refused.value.diagnostics
+    assert (told.code, "its path leaves the folder" in told.message) == ("E705", True)

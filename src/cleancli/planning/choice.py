@@ -38,15 +38,14 @@ def planner_options(
 
 
 def planner_named(asked: str | None, problem: Problem, compat: bool = False) -> str:
-    """The planner that is asked for, or else the problem's; raises BadOption for an unknown one, and for one
-    that cannot do as libPRADA does where that is asked for."""
+    """The planner that is asked for, one of `PLANNERS`, or else the problem's; raises BadOption where that is
+    an unknown one, and for one that cannot do as libPRADA does where that is asked for."""
     name = asked or problem.planner or ("prada" if compat else DEFAULT)
     if compat and name not in LIKE_LIBPRADA:
         raise BadOption(f"--compat goes with {' or '.join(LIKE_LIBPRADA)}, not with {name}")
     if name not in PLANNERS:
         known = ", ".join(PLANNERS)
-        whose = "the problem asks for the planner" if asked is None else "unknown planner"
-        raise BadOption(f"{whose} `{name}`; there is {known}")
+        raise BadOption(f"the problem asks for the planner `{name}`; there is {known}")
     return name
 
 
