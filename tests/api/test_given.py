@@ -145,6 +145,8 @@ def test_a_shipped_domain_is_not_written_to(loaded: bool, tmp_path: Path) -> Non
         ("simulate", {"max_actions": -1}, "-1 is not in the range x>=0"),
         ("execute", {"strategy": "luck"}, "'luck' is not one of"),
         ("execute", {"strategy": "reactive"}, "goes by places, which only a scene has"),
+        ("execute", {"strategy": "wipe"}, "goes by places, which only a scene has"),
+        ("execute", {"strategy": "tsp"}, "goes by places, which only a scene has"),
         ("execute", {"job": "broom"}, "'broom' is not one of 'container', 'dustpan'"),
         ("execute", {"samples": 10**10}, "10000000000 is not in the range 1<=x<=1000000000"),
         ("execute", {"max_seconds": float("inf")}, "inf is not in the range 0<=x<=1000000000"),

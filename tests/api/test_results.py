@@ -152,7 +152,7 @@ def test_who_asked_for_a_planner_that_there_is_not_is_told(tmp_path: Path) -> No
         cleancli.plan("cleaning", "three_areas", planner="prado")
     text = shipped("problems").joinpath("three_areas.nid").read_text(encoding="utf-8")
     (tmp_path / "p.nid").write_text(
-        text.rstrip().removesuffix("}") + "  planner prado { }\n}\n", encoding="utf-8"
+        text.rstrip().removesuffix("}") + "  planner { name = prado }\n}\n", encoding="utf-8"
     )
     with pytest.raises(ValueError, match=r"^the problem asks for the planner `prado`; there is"):
         cleancli.plan("cleaning", tmp_path / "p.nid")

@@ -31,6 +31,8 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.model import Fact
+from cleancli.learning.experience import Transition
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
 from support.shipped import shipped_scene
@@ -158,6 +160,12 @@ def test_what_came_of_an_action() -> None:
     many = frozenset(f"a{number}" for number in range(20, 30))
     assert "a20, a21, a22 and 7 more gone" in came_of(many | {"a2", "a9", "a10"}, acted)
     assert came_of(frozenset({"a2", "a9", "a10"}), acted).endswith("no area came or went")
+    kept, gone, new = Fact("door", ("d",)), Fact("open", ("d",)), Fact("shut", ("d",))
+    pushed = Transition("push", ("d",), (), frozenset({kept, gone}), frozenset({kept, new}))
+    nowhere = Situation((), (), frozenset({kept, new}))
+    assert came_of(frozenset(), replace(acted, transition=pushed, situation=nowhere)).endswith(
+        "2 facts changed"
+    )
 
 
 def told(terminal: bool) -> str:

@@ -134,6 +134,13 @@ MALFORMED = {
         "rules.dat:7:7: error[E913]",
         "default",
     ),
+    "default that is not all": (
+        "rules.dat",
+        "0.6 <no-change>",
+        "0.5 <no-change>",
+        "rules.dat:7:3: error[E914]",
+        "sum to 0.9",
+    ),
     "too much": ("rules.dat", "0.8 -dirt(X)", "0.9 -dirt(X)", "rules.dat:15:3: error[E914]", "sum to 1.1"),
     "percent": (
         "rules.dat",

@@ -252,6 +252,8 @@ def test_what_is_found_does_the_same() -> None:
         ("p(?x)", "forall ?m - thing: p(?x), q(?m) => not q(?m)", "forall ?m - thing: q(?m) => not q(?m)"),
         ("p(?x)", "forall ?m - thing: not p(?x) => q(?m)", "nothing"),
         ("p(?x)", "forall ?m - thing: q(?m) => q(?m)", "nothing"),
+        ("?x = ?y", "forall ?m - thing: ?x != ?y => q(?m)", "nothing"),
+        ("?x = ?y", "forall ?m - thing: ?x = ?y => q(?m)", "forall ?m - thing => q(?m)"),
         ("?x = ?y", "q(?x)", "q(?y)"),
     ],
 )

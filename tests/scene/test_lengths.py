@@ -66,3 +66,16 @@ def test_a_length_has_limits(section: str, key: str, low: str, below: str, high:
 )
 def test_dirt_lies_within_them(dirt: str) -> None:
     assert out_of_range(f"scene s {{ dirt {{ {dirt} }} }}")
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("surface { width = 6 m }", "this must be from 10 cm to 5 m"),
+        ("symbols { near = 11 m }", "this must be at most 10 m"),
+    ],
+)
+def test_a_message_says_between_what_a_length_must_be(setting: str, told: str) -> None:
+    with pytest.raises(Refused) as refused:
+        load_scene(Source("s.nid", f"scene s {{ {setting} {DIRT} }}"))
+    assert told in {diagnostic.message for diagnostic in refused.value.diagnostics}
