@@ -36,6 +36,25 @@ def test_a_scene_refers_to_its_calibration(
     assert look["doubts"] == []
 
 
+def test_the_frames_have_the_noise_of_the_scene_unless_another_seed_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = tmp_path / "wood.nid"
+    scene.write_text(
+        SCENE.replace("camera {", "seed = 7  camera {").replace('  calibration = "wood.json"', "")
+    )
+
+    def found(*words: str) -> object:
+        out = tmp_path / f"{len(list(tmp_path.iterdir()))}.json"
+        assert run(["calibrate", str(scene), "--out", str(out), "--count", "1", "--json", *words]) == 0
+        return json.loads(out.read_text())
+
+    own = found()
+    capsys.readouterr()
+    assert found("--seed", "7") == own
+    assert found("--seed", "8") != own
+
+
 def test_other_files_are_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene = tmp_path / "wood.nid"
     scene.write_text(SCENE)

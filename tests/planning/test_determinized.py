@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from cleancli.compiler.lowering.state_tables import lower_process
-from cleancli.compiler.semantics import exact_value
+from cleancli.compiler.semantics import exact_value, standing, successors
 from cleancli.compiler.task import Task
 from cleancli.planning.kernels import state_graph
 from cleancli.planning.plan import Plan
@@ -69,6 +70,29 @@ def test_a_narrow_beam_finds_no_more_than_a_wide_one(seed: int) -> None:
     values = [worth(task, 4, width) for width in (1, 5, 10_000)]
     assert max(values) == values[-1]
     assert values[0] >= -1e-12
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_is_left_of_a_layer_is_as_it_was(seed: int) -> None:
+    """States, what they are paid, and where choices lead, against compiler/semantics.py."""
+    task = replace(all_outcomes(small_tasks.costly_task(seed))[0], horizon=4)
+    process = lower_process(task)
+    graph = state_graph.Enumeration(process, task.initial, 10_000)
+    for _ in range(3):
+        layer = graph.frontier
+        assert graph.expand()
+        new = np.asarray(graph.frontier)
+        before, kept = graph.graph().states.copy(), new[1::2]
+        graph.keep(layer, kept)
+        found = graph.graph()
+        assert found.states.tolist() == [*before[: layer.stop].tolist(), *before[kept].tolist()]
+        for number in layer:
+            state = tuple(found.states[number].tolist())
+            for choice in range(found.choice_start[number], found.choice_start[number + 1]):
+                after = tuple(found.states[found.edge_successor[choice]].tolist())
+                assert (1.0, after) in successors(task, state, int(found.choice_action[choice]))
+        for state, paid in zip(found.states, found.standing, strict=True):
+            assert paid == pytest.approx(standing(task, tuple(state.tolist())))
 
 
 def test_a_search_without_room_ends_with_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,7 +86,7 @@ def _check_areas(areas: Iterable[Area]) -> None:
         ellipse = area.ellipse
         sizes = (*ellipse.axes, area.covered)
         places = (*ellipse.centre, ellipse.angle)
-        if any(not 0 <= size <= FARTHEST for size in sizes) or any(abs(p) > FARTHEST for p in places):
+        if any(not 0 <= size <= FARTHEST for size in sizes) or any(not abs(p) <= FARTHEST for p in places):
             raise ValueError(f"{area.name} is nowhere near a table")
 
 
@@ -108,7 +108,7 @@ def _check_path(path: ToolPath) -> None:
     points = path.waypoints
     if path.dustpan is not None:
         points = (*points, path.dustpan.place, path.dustpan.empty)
-    if not path.waypoints or any(abs(number) > FARTHEST for p in points for number in astuple(p)):
+    if not path.waypoints or any(not abs(number) <= FARTHEST for p in points for number in astuple(p)):
         raise ValueError("a path leads nowhere near a table")
     lengths = [dist((a.x, a.y, a.z), (b.x, b.y, b.z)) for a, b in pairwise(points)]
     if (
