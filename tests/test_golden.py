@@ -6,8 +6,6 @@ CLEANCLI_REGENERATE=1 rewrites the expected texts; read the difference before ke
 from __future__ import annotations
 
 import difflib
-import os
-from pathlib import Path
 
 import pytest
 
@@ -25,12 +23,11 @@ from cleancli.learning.learn import edits, learn
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
-
-FOLDER = Path(__file__).parent / "golden"
+from support.golden import GOLDEN, check_golden
 
 
 def source(name: str) -> Source:
-    return Source(name, read_source(FOLDER / name).text)
+    return Source(name, read_source(GOLDEN / name).text)
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +38,6 @@ def domain() -> Domain:
 @pytest.fixture(scope="module")
 def problem(domain: Domain) -> Problem:
     return load_problem(source("problem.nid"), domain)
-
-
-def check_golden(name: str, text: str) -> None:
-    path = FOLDER / name
-    if os.environ.get("CLEANCLI_REGENERATE"):
-        path.write_text(text, encoding="utf-8")
-    assert text == path.read_text(encoding="utf-8")
 
 
 def test_check() -> None:
@@ -72,7 +62,7 @@ def test_plan(domain: Domain, problem: Problem) -> None:
 
 def test_learn(domain: Domain) -> None:
     text = source("domain.nid").text
-    learned = learn(domain, tuple(read_experience(FOLDER / "experience.jsonl", domain)))
+    learned = learn(domain, tuple(read_experience(GOLDEN / "experience.jsonl", domain)))
     new = apply_edits(text, edits(domain, [source("domain.nid")], learned))
     difference = difflib.unified_diff(text.splitlines(), new.splitlines(), "domain", "learned", lineterm="")
     check_golden("domain.learned.txt", "\n".join(difference) + "\n")

@@ -35,6 +35,7 @@ from cleancli.language.model import Fact
 from cleancli.learning.experience import Transition
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
+from support.golden import check_golden
 from support.shipped import shipped_scene
 
 SCENE = shipped_scene("two_groups")
@@ -134,6 +135,18 @@ def test_it_shows_the_table_the_plan_and_what_happened() -> None:
     assert "  actions              7.1 █████░░░" in after, "7.1 of 12 seconds"
     assert "dirty areas 1 ████░░░░ of 2" in after
     assert "failed" in "\n".join(drawn(shown(*EVENTS[:11]), (80, 24)))
+
+
+def test_the_dashboard_is_drawn_as_it_was() -> None:
+    """tests/golden/transcripts/dashboard.txt, which CLEANCLI_REGENERATE=1 writes anew."""
+    shots = [(events, size, False) for events in (0, 2, 4, 9, 11, 12) for size in ((80, 24), (120, 50))]
+    shots += [(9, (60, 24), False), (9, (46, 16), True), (11, (30, 20), False), (12, (20, 5), False)]
+    frames = [
+        f"{events} events, {size[0]} x {size[1]}\n"
+        + "\n".join(line.rstrip() for line in drawn(shown(*EVENTS[:events]), size, ascii_only))
+        for events, size, ascii_only in shots
+    ]
+    check_golden("transcripts/dashboard.txt", "\n\n".join(frames) + "\n")
 
 
 def test_hidden_areas_the_tool_and_places_beside_the_surface() -> None:

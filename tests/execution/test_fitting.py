@@ -41,15 +41,15 @@ def placed(**changes: Any) -> Area:
     return replace(AREA, ellipse=replace(AREA.ellipse, **changes))
 
 
-def around(*areas: Area) -> dict[str, object]:
+def around(*areas: Area) -> dict[str, Any]:
     return {"situation": replace(SITUATION, areas=areas)}
 
 
-def believed(**changes: Any) -> dict[str, object]:
+def believed(**changes: Any) -> dict[str, Any]:
     return {"situation": replace(SITUATION, **changes)}
 
 
-def gone(**changes: Any) -> dict[str, object]:
+def gone(**changes: Any) -> dict[str, Any]:
     """The second waypoint of a path is another one."""
     first, second, *others = PATH.waypoints
     return {

@@ -15,9 +15,11 @@ import pytest
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
-from cleancli.report.page import run_page, ticks
+from cleancli.report.account import row_of
+from cleancli.report.page import comparison_page, run_page, ticks
 from cleancli.report.pictures import data_uri
 from cleancli.report.run import read_run
+from support.golden import check_golden
 from support.run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run
 
 
@@ -108,6 +110,14 @@ def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path, capsys: pytest
     assert run(["report"]) == ExitCode.USAGE
     whole = write_run(tmp_path / "run", pictures=0)
     assert run(["report", str(whole), "--html", str(tmp_path / "no" / "where.html")]) == ExitCode.FILES
+
+
+def test_pages_are_as_they_were(tmp_path: Path) -> None:
+    """tests/golden/page.html and its neighbour, which CLEANCLI_REGENERATE=1 writes anew."""
+    whole = read_run(write_run(tmp_path / "one", pictures=0))
+    cut = read_run(write_run(tmp_path / "two", RECORDS[:8], 0, episode=None, truth=None))
+    check_golden("page.html", run_page(whole))
+    check_golden("comparison.html", comparison_page([row_of(whole), row_of(cut)]))
 
 
 # ---- what the page says (docs/report.md)
