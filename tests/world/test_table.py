@@ -125,6 +125,19 @@ def test_a_path_out_of_reach_fails_without_moving() -> None:
         assert table.poll() is not Status.FAILED
 
 
+def test_the_gantry_goes_without_a_jump_to_where_the_stroke_is_moved() -> None:
+    """The error of a stroke (docs/world.md) moves all of it; the way there leads to where it then begins."""
+    offset = np.array((0.03, -0.02, 0.004, 0.2))
+    path = tool_path("moveToContainerStraight", (Ellipse((-0.1, 0.1), (0.05, 0.05), 0.0),), scene())
+    with closing(PybulletTable(scene(), 4)) as table:
+        poses = np.vstack((table._drive.tool(), table._drive.follow(path, offset)))
+    steps = np.abs(np.diff(poses, axis=0))
+    assert (steps <= np.array(constants.JOINT_SPEED) * par.STEP * 1.05).all()
+    for waypoint in path.waypoints[:2]:
+        place = np.array((waypoint.x, waypoint.y, waypoint.z, waypoint.yaw)) + offset
+        assert np.abs(poses - place).max(axis=1).min() < 2e-3
+
+
 def test_the_rag_stands_perpendicular_to_its_push() -> None:
     area, setting = Ellipse((-0.1, 0.1), (0.05, 0.05), 0.0), scene()
     path = tool_path("moveToContainerStraight", (area,), setting)
