@@ -76,7 +76,8 @@ class TableCell:
         if move.path is not None:
             return move.path
         ellipses = {area.name: area.ellipse for area in situation.areas}
-        return tool_path(move.action, tuple(ellipses[name] for name in move.objects), self._scene)
+        others = [ellipse for name, ellipse in ellipses.items() if name not in move.objects]
+        return tool_path(move.action, tuple(ellipses[name] for name in move.objects), self._scene, others)
 
     def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
         """Follow the path; its failure ends with the tool raised."""

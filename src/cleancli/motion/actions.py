@@ -6,7 +6,7 @@ tool comes down straight, just behind the dirt, stands perpendicular to the moti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, hypot
@@ -14,10 +14,12 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cleancli.array_types import Points
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, farthest_from_stretch, major_ends, nearest
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_up
+from cleancli.motion.way_out import way_out
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 
@@ -27,10 +29,7 @@ CLEARANCE = 0.02
 EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
-# Chosen: degrees from the edge's normal up to which a push goes straight over the edge.
-GREATEST_SLANT = 60.0
 PICK_UP = "pickUp"  # the one action that takes two arms
-_CROSSINGS = 161  # points of the mouth that are tried
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
 
@@ -44,10 +43,11 @@ class NoSkill(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """How many ellipses an action takes, the corners of its stroke, and how the drive goes between them."""
+    """How many ellipses an action takes, the corners of its stroke, where else there is dirt (n, 2) being
+    known, and how the drive goes between them."""
 
     arity: int
-    stroke: Callable[[tuple[Ellipse, ...], Scene], tuple[Point, ...]]
+    stroke: Callable[[tuple[Ellipse, ...], Scene, Points], tuple[Point, ...]]
     speed: float
     interpolation: Interpolation
 
@@ -57,8 +57,11 @@ def can_execute(action: str, arity: int, robot: str) -> bool:
     return ARITIES.get(action) == arity and (action != PICK_UP or ARMS[robot] == 2)
 
 
-def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath:
-    """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3).
+def tool_path(
+    action: str, areas: tuple[Ellipse, ...], scene: Scene, others: Iterable[Ellipse] = ()
+) -> ToolPath:
+    """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3); a push takes along
+    what it can of the `others` that are dirty.
 
     Raises `NoSkill` for an action that the scene's robot doesn't have.
     """
@@ -67,7 +70,8 @@ def tool_path(action: str, areas: tuple[Ellipse, ...], scene: Scene) -> ToolPath
     if action == PICK_UP:
         return pick_up(areas[0], scene)
     skill = SKILLS[action]
-    return path_along(skill.stroke(areas, scene), scene, skill.speed, skill.interpolation)
+    dirt = np.array([other.centre for other in others]).reshape(-1, 2)
+    return path_along(skill.stroke(areas, scene, dirt), scene, skill.speed, skill.interpolation)
 
 
 def path_along(
@@ -91,23 +95,21 @@ def path_along(
     )
 
 
-def _to_container(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+def _to_container(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
     """From the point farthest from the container (§3.2.1) into it."""
     (area,) = areas
-    return into_container(farthest_from_stretch(area, scene.mouth()), scene)
+    return into_container(push_start(area, scene), scene, dirt)
 
 
-def into_container(start: Point, scene: Scene) -> tuple[Point, ...]:
-    """The corners of a stroke from `start` straight over the nearest point of the container's mouth."""
-    crossing = _crossing(start, scene)
-    if crossing is not None:
-        return start, _past_edge(start, crossing, scene)
-    # Too slanting to cross the mouth within its width: go in front of its middle first.
-    middle = _mouth_middle(scene)
-    out = scene.outwards()
-    inset = scene.rag.width
-    front = middle[0] - inset * out[0], middle[1] - inset * out[1]
-    return start, front, _past_edge(front, middle, scene)
+def push_start(area: Ellipse, scene: Scene) -> Point:
+    """Where a push of an area into the container begins: the point farthest from the container (§3.2.1)."""
+    return farthest_from_stretch(area, scene.mouth())
+
+
+def into_container(start: Point, scene: Scene, dirt: Points) -> tuple[Point, ...]:
+    """The corners of a stroke from `start` over the container's mouth, past the edge."""
+    *corners, crossing = way_out(start, scene, dirt).corners
+    return (*corners, _past_edge(corners[-1], crossing, scene))
 
 
 def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
@@ -119,12 +121,12 @@ def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
     return tuple(corners)
 
 
-def _join(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+def _join(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
     """Joining two or three (§3.2.3)."""
     return gathering(areas)
 
 
-def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene) -> tuple[Point, ...]:
+def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
     """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
     because the dirt then comes nearer to it."""
     (area,) = areas
@@ -148,26 +150,6 @@ ARITIES: Mapping[str, int] = MappingProxyType(
     {**{name: skill.arity for name, skill in SKILLS.items()}, PICK_UP: 1}
 )
 """How many areas each of the six actions of §3.2 takes."""
-
-
-def _crossing(start: Point, scene: Scene) -> Point | None:
-    """The point of the mouth nearest to `start` over which the whole rag, perpendicular to its way, passes
-    within the mouth; None if there is none, or the way would slant too much."""
-    west, east = (np.array(end) for end in scene.mouth())
-    mouth = float(np.linalg.norm(east - west))
-    shares = np.linspace(0, 1, _CROSSINGS)
-    points = west + shares[:, None] * (east - west)
-    ways = points - np.array(start)
-    distances = np.linalg.norm(ways, axis=1)
-    straightness = ways @ np.array(scene.outwards()) / np.maximum(distances, 1e-9)
-    footprint = scene.rag.width / 2 / np.maximum(straightness, 1e-9)
-    fits = (mouth * np.minimum(shares, 1 - shares) >= footprint) & (
-        straightness >= np.cos(np.radians(GREATEST_SLANT))
-    )
-    if not fits.any():
-        return None
-    best = points[np.argmin(np.where(fits, distances, np.inf))]
-    return float(best[0]), float(best[1])
 
 
 def _past_edge(start: Point, crossing: Point, scene: Scene) -> Point:

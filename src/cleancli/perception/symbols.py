@@ -7,13 +7,17 @@ declare, or declares for other types, is left out.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
-from itertools import chain, combinations, permutations
+from itertools import chain, combinations, compress, permutations
 from math import hypot
+
+import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse, extent, gap
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
+from cleancli.motion.actions import push_start
+from cleancli.motion.way_out import way_out
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds
 
@@ -154,11 +158,14 @@ def _traversal(areas: Sequence[Area], domain: Domain, thresholds: SymbolThreshol
 
 
 def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
-    """Facts about pushes into the container; a scene has one, so every container constant means that one."""
+    """What a push of each area takes along, on the way that the skill goes (motion/way_out.py); a scene has
+    one container, so every container constant means that one."""
     if not _declared(domain, "traversal", AREA, CONTAINER, AREA):
         return
     containers = [constant.name for constant in domain.constants if domain.is_a(constant.type, CONTAINER)]
-    for start, middle in permutations(areas, 2):
-        mouth = place_at_mouth(start.ellipse.centre, scene)
-        if lies_between(middle.ellipse.centre, start.ellipse.centre, mouth, scene.symbols.traversal):
-            yield from (Fact("traversal", (start.name, name, middle.name)) for name in containers)
+    for area in areas:
+        others = [other for other in areas if other is not area]
+        dirt = np.array([other.ellipse.centre for other in others]).reshape(-1, 2)
+        takes = way_out(push_start(area.ellipse, scene), scene, dirt).takes
+        for other in compress(others, takes):
+            yield from (Fact("traversal", (area.name, name, other.name)) for name in containers)

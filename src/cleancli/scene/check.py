@@ -31,6 +31,11 @@ MOST_FLAPS = 60
 """More than the engine's bodies can have (127 links) with an arm above them would be refused there."""
 
 
+SWERVE = 0.005
+"""Metres by which a stroke may go beside where it was meant to: so much less than its half takes a rag along
+for sure. Chosen: about the error of a stroke sideways (docs/world.md)."""
+
+
 def load_scene(source: Source, read: Read = file_content) -> Scene:
     """The checked scene; raises Refused with every mistake. `read` gets the content of a calibration's file,
     where it is not the one on disk."""
@@ -61,7 +66,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     camera, calibration = check_camera(settings("camera"), surface, findings, read)
     light = settings("light")
     azimuth, elevation = light["direction"]
-    symbols = _symbols(settings("symbols"), findings)
+    symbols = _symbols(settings("symbols"), rag, findings)
     dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)
     return Scene(
         name=node.name.text,
@@ -153,8 +158,11 @@ def _rag(settings: Settings, container: Container, known: Mapping[str, Grasp], f
     return rag
 
 
-def _symbols(settings: Settings, findings: Findings) -> SymbolThresholds:
-    symbols = SymbolThresholds(**settings.given())
+def _symbols(settings: Settings, rag: Rag, findings: Findings) -> SymbolThresholds:
+    given = settings.given()
+    if given["traversal"] is None:
+        given["traversal"] = max(rag.width / 2 - SWERVE, rag.width / 4)
+    symbols = SymbolThresholds(**given)
     if symbols.medium <= symbols.small:
         findings.error(
             "E511",

@@ -162,7 +162,7 @@ class SymbolThresholds:
     `link`: dirt closer than this belongs to one area. `small`, `medium`: longest diameter up to which an area
     is small, medium. `density`: an area whose ellipse is covered by dirt to a smaller share is scattered.
     `near`: gap between two ellipses up to which they are near. `traversal`: half width of the strip
-    between two places in which an area counts as lying between them. `most`: how many areas are planned for;
+    along a way of the rag in which an area counts as lying on it. `most`: how many areas are planned for;
     of more, the `leave_out` ("smallest" or "farthest" from the container) are left for later (§4.2.1).
     """
 

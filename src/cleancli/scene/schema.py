@@ -174,7 +174,7 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
                 "an area with a smaller share of dirt is scattered, above 0 and at most 1",
             ),
             "near": Key(Length(zero=True), 0.20, "areas closer than this are near each other"),
-            "traversal": Key(Length(0.001), 0.05, "an area closer than this to a straight way lies on it"),
+            "traversal": Key(Length(0.001), None, "an area closer than this to a way of the rag lies on it"),
             "most": Key(
                 Whole(1, 1000), 1000, "how many areas are planned for, a whole number from 1 to 1000"
             ),
