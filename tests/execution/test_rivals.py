@@ -1,7 +1,8 @@
-"""The strategies without rules: what they choose, and that their paths go where they should."""
+"""What strategies choose, those without rules above all, and that their paths go where they should."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise, permutations
 from math import dist
@@ -9,12 +10,14 @@ from math import dist
 import numpy as np
 import pytest
 
+from cleancli.compiler.task import GroundAction
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
-from cleancli.execution.episode_state import Situation
-from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job
+from cleancli.execution.episode_state import ActionKey, Situation
+from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job, within_reach
+from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.language.model import Problem
+from cleancli.language.model import Fact, Object, Problem
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene
 from support.shipped import shipped_domain, shipped_scene
@@ -38,7 +41,9 @@ def now(
     domain = shipped_domain("cleaning")
     problem = Problem("here", "cleaning", (), frozenset())
     tool = (0.45, 0.0)
-    return DecisionContext(domain, problem, scene, job, situation, tool, frozenset(), (), number, 1)
+    return DecisionContext(
+        domain, problem, scene, job, situation, tool, frozenset(), (), number, 1, lambda actions: {}
+    )
 
 
 def test_reactive_begins_farthest_from_the_goal_and_goes_on_nearest_to_the_arm(scene: Scene) -> None:
@@ -119,3 +124,25 @@ def test_paths_are_hardly_longer_than_the_shortest(number: int) -> None:
 
 def _length(places: np.ndarray, order: tuple[int, ...]) -> float:
     return sum(float(np.linalg.norm(places[one] - places[other])) for one, other in pairwise(order))
+
+
+def test_a_plan_by_time_begins_with_what_takes_least(scene: Scene) -> None:
+    """Two areas that rules tell nothing apart of; one takes longer here."""
+    names = ("a1", "a2")
+    facts = {
+        Fact(symbol, (name,), value)
+        for name in names
+        for symbol, value in (("dirt", True), ("size", "small"))
+    }
+    domain = within_reach(shipped_domain("cleaning"), "gantry", Job.CONTAINER)
+    problem = Problem("here", "cleaning", tuple(Object(n, "area") for n in names), frozenset(facts))
+
+    def begins(slow: str) -> str:
+        def seconds(actions: Iterable[GroundAction]) -> dict[ActionKey, float]:
+            return {action.key: 20.0 if slow in action.objects else 5.0 for action in actions}
+
+        here = replace(now(scene), domain=domain, problem=problem, seconds=seconds)
+        moves = STRATEGIES["plan-2"].decide(here, replace(OPTIONS, by_time=True)).moves
+        return moves[0].objects[0]
+
+    assert (begins("a1"), begins("a2")) == ("a2", "a1")

@@ -81,3 +81,18 @@ def test_ellipses_that_overlap_share_their_nearest_point(one: Ellipse, other: El
     first, second = nearest(one, other)
     overlap = contains(one, boundary(other)).any() or contains(other, boundary(one)).any()
     assert (first == second) == overlap
+
+
+@settings(max_examples=60, deadline=None)
+@given(ellipses, ellipses)
+def test_points_are_those_of_a_search_over_all(first: Ellipse, second: Ellipse) -> None:
+    mine, theirs = boundary(first), boundary(second)
+    gaps = np.linalg.norm(mine[:, None] - theirs[None], axis=2)
+    away = np.where(contains(second, mine), 0.0, gaps.min(axis=1))
+    found = np.array(farthest(first, second))
+    if away.any():
+        there = np.linalg.norm(found - theirs, axis=1).min()
+        assert there == pytest.approx(away.max(), abs=1e-7)
+    if not contains(second, mine).any() and not contains(first, theirs).any():
+        near, far = (np.array(point) for point in nearest(first, second))
+        assert np.linalg.norm(near - far) == pytest.approx(gaps.min(), abs=1e-6)

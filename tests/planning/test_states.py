@@ -17,7 +17,7 @@ from cleancli.compiler.semantics import (
     standing,
     successors,
 )
-from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds
+from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds, lasting
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.kernels import transitions, uct_tree
 from support import reference_prada, small_tasks
@@ -117,6 +117,24 @@ def test_time_needs_durations() -> None:
     assert by_time(nothing) == nothing, "a domain without actions has nothing to discount"
     with pytest.raises(NoDurationError, match="act0"):
         by_time(small_tasks.random_task(0))
+
+
+def test_an_action_lasts_as_long_as_it_does_on_its_objects() -> None:
+    """docs/planning.md, "By time": a step is the mean over actions on objects."""
+    task = small_tasks.timed(small_tasks.random_task(3))
+    first, *others = task.actions
+    known = lasting(task, {first.key: 100.0})
+    seconds = [100.0, *(action.duration or 0.0 for action in others)]
+    assert [action.duration for action in known.actions] == seconds
+    step = sum(seconds) / len(seconds)
+    discounts = [task.discount ** (each / step) for each in seconds]
+    assert by_time(known).discounts == pytest.approx(discounts)
+    assert lasting(task, {}) == task, "where nothing is known, the domain says all"
+    untimed = small_tasks.random_task(3)
+    with pytest.raises(NoDurationError):
+        by_time(lasting(untimed, {untimed.actions[0].key: 2.0}))
+    everything = lasting(untimed, {action.key: 2.0 for action in untimed.actions})
+    assert by_time(everything).discounts == (task.discount,) * len(task.actions)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -8,7 +8,7 @@ can change anything is listed only where `waiting` says so, or where it was aske
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -43,6 +43,11 @@ class GroundAction:
     objects: tuple[str, ...]
     duration: float | None
     cost: Fraction = Fraction(0)
+
+    @property
+    def key(self) -> tuple[str, tuple[str, ...]]:
+        """What tells it from all others of its domain and problem."""
+        return self.name, self.objects
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(self.objects)})"
@@ -156,7 +161,7 @@ def in_state(task: Task, assignment: GroundState) -> Task:
 
 def without(task: Task, excluded: Collection[tuple[str, tuple[str, ...]]]) -> Task:
     """The same task without the actions of these names and objects, and without their rules."""
-    kept = [i for i, action in enumerate(task.actions) if (action.name, action.objects) not in excluded]
+    kept = [i for i, action in enumerate(task.actions) if action.key not in excluded]
     if len(kept) == len(task.actions):
         return task
     new = {old: index for index, old in enumerate(kept)}
@@ -181,6 +186,20 @@ def by_time(task: Task) -> Task:
     seconds = [action.duration for action in task.actions if action.duration is not None]
     assert len(seconds) == len(task.actions)
     return replace(task, discounts=tuple(task.discount ** (each / task.step) for each in seconds))
+
+
+def lasting(task: Task, seconds: Mapping[tuple[str, tuple[str, ...]], float]) -> Task:
+    """The same task where an action, by its key, lasts so many seconds on its objects; others last as long as
+    the domain says. `step` is then the mean of all: over actions on objects, and not over names."""
+    if not seconds:
+        return task
+    if not seconds:
+        return task
+    actions = tuple(replace(each, duration=seconds.get(each.key, each.duration)) for each in task.actions)
+    known = [action.duration for action in actions if action.duration is not None]
+    untimed = sorted({action.name for action in actions if action.duration is None})
+    step = sum(known) / len(known) if known and not untimed else None
+    return replace(task, actions=actions, step=step, untimed=tuple(untimed))
 
 
 class NoDurationError(ValueError):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from dataclasses import replace
+from functools import partial
 
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
@@ -112,6 +113,7 @@ def _decide(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation:
         state.actions,
         # Every decision draws for itself: the seed of a run and the number of moves before name it.
         seeds.derived(options.seed, seeds.Stream.PLANNING) + state.actions,
+        partial(cell.seconds, situation),
     )
     decision = STRATEGIES[options.strategy].decide(now, options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.

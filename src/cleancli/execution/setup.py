@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
@@ -65,7 +66,8 @@ class DecisionContext:
     `domain` has only the actions that the robot has skills for; `problem` is what there is to plan for, as
     now believed. `scene` and `tool`, where the tool is, are None in the symbolic world. `excluded` moves are
     of no use as things stand. `rest`: what is left of the last plan. `number` of moves begun before; `seed`
-    is this decision's own.
+    is this decision's own. `seconds` tells about how long actions on their objects take here, by their keys;
+    what it leaves out takes as long as the domain says.
     """
 
     domain: Domain
@@ -78,6 +80,7 @@ class DecisionContext:
     rest: tuple[GroundAction, ...]
     number: int
     seed: int
+    seconds: Callable[[Iterable[GroundAction]], Mapping[ActionKey, float]]
 
 
 @dataclass(frozen=True, slots=True)

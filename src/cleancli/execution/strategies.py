@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import by_time, without
+from cleancli.compiler.task import by_time, lasting, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions
@@ -36,7 +36,7 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
     problem = fewer(now.domain, now.problem, asked.counted).problem
     task = without(ground(now.domain, problem), now.excluded)
     if options.by_time:
-        task = by_time(task)
+        task = by_time(lasting(task, now.seconds(task.actions)))
     plan = PLANNERS[options.planner or planner](prepare(task), asked)
     chosen = plan.actions[:commit]
     moves = tuple(Move(action.name, action.objects) for action in chosen)

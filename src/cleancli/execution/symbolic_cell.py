@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from cleancli.compiler.task import GroundAction, GroundState
-from cleancli.execution.episode_state import Move, Situation
+from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.execution.events import StrokeEnded
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
@@ -46,6 +47,10 @@ class SymbolicCell:
     def is_done(self, situation: Situation) -> bool:
         """Whether the goal holds, or nothing is left of the count that the reward wants decreased."""
         return bool(succeeded(self._world, self.assignment))
+
+    def seconds(self, situation: Situation, actions: Iterable[GroundAction]) -> Mapping[ActionKey, float]:
+        """None: the domain says it."""
+        return {}
 
     def path(self, move: Move, situation: Situation) -> ToolPath | None:
         """None: nothing has a place here."""

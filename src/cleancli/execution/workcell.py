@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from cleancli.execution.episode_state import Move, Situation
+from cleancli.compiler.task import GroundAction
+from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Problem
@@ -61,6 +62,10 @@ class Workcell(Protocol):
 
     def is_done(self, situation: Situation) -> bool:
         """Whether nothing is left to do."""
+
+    def seconds(self, situation: Situation, actions: Iterable[GroundAction]) -> Mapping[ActionKey, float]:
+        """About how many seconds actions take here, with the way to where they begin, by their keys; an
+        action is left out of which only its domain says that."""
 
     def path(self, move: Move, situation: Situation) -> ToolPath | None:
         """Where the tool will go; None in the symbolic world."""

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats, Points
+from cleancli.array_types import Bools, Floats, Longs, Points
 
 _BOUNDARY_POINTS = 720
+_COARSE = 8  # of so many points one is looked at first
+_KEPT = 4096  # pairs of ellipses: a plan asks for the same ones again and again
 
 _ANGLES = np.linspace(-pi, pi, 720, endpoint=False)
 _NORMALS = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
@@ -97,16 +100,20 @@ def farthest_from_stretch(ellipse: Ellipse, ends: tuple[Point, Point]) -> Point:
     return _point(points[np.argmax(_distances_to_stretch(points, ends))])
 
 
+@lru_cache(maxsize=_KEPT)
 def farthest(ellipse: Ellipse, other: Ellipse) -> Point:
     """The point of the ellipse farthest from the other; from its middle, if the other covers this ellipse."""
-    points = boundary(ellipse)
-    away = _gaps(points, boundary(other)).min(axis=1)
+    points, theirs = boundary(ellipse), boundary(other)
+    # The nearest point of a convex boundary is found roughly, and then around there.
+    rough = _gaps(points, theirs[::_COARSE]).argmin(axis=1) * _COARSE
+    away = np.hypot(*(points[:, None] - theirs[_around(rough)]).transpose(2, 0, 1)).min(axis=1)
     away[contains(other, points)] = 0
     if not away.any():
         away = np.linalg.norm(points - np.array(other.centre), axis=1)
     return _point(points[np.argmax(away)])
 
 
+@lru_cache(maxsize=_KEPT)
 def nearest(ellipse: Ellipse, other: Ellipse) -> tuple[Point, Point]:
     """The point of the ellipse nearest to the other, and that of the other nearest to the ellipse.
 
@@ -116,6 +123,9 @@ def nearest(ellipse: Ellipse, other: Ellipse) -> tuple[Point, Point]:
     shared = _shared_point(ellipse, other, mine, theirs)
     if shared is not None:
         return shared, shared
+    coarse = _gaps(mine[::_COARSE], theirs[::_COARSE])
+    row, column = np.unravel_index(np.argmin(coarse), coarse.shape)
+    mine, theirs = mine[_around(row * _COARSE)], theirs[_around(column * _COARSE)]
     row, column = np.unravel_index(np.argmin(_gaps(mine, theirs)), (len(mine), len(theirs)))
     return _point(mine[row]), _point(theirs[column])
 
@@ -128,6 +138,11 @@ def _shared_point(ellipse: Ellipse, other: Ellipse, mine: Points, theirs: Points
     if contains(ellipse, middle[None])[0] and contains(other, middle[None])[0]:
         return _point(middle)
     return _point(common[np.argmin(np.linalg.norm(common - middle, axis=1))])
+
+
+def _around(numbers: Longs | np.int64) -> Longs:
+    """The numbers (..., 2 * _COARSE + 1) of a boundary's points from one coarse step before to one after."""
+    return np.asarray((np.asarray(numbers)[..., None] + np.arange(-_COARSE, _COARSE + 1)) % _BOUNDARY_POINTS)
 
 
 def _gaps(first: Points, second: Points) -> Floats:

@@ -93,10 +93,10 @@ def _annealed(
     """The best sequence of each chain, and how many sequences were tried in all."""
     deadline = None if options.time_limit is None else started + options.time_limit
     few = 1 + options.samples // BELIEF_SHARE if deadline is None else FIRST_MOVES
-    number = {action: index for index, action in enumerate(prepared.task.actions)}
+    number = {action.key: index for index, action in enumerate(prepared.task.actions)}
     first = prada(prepared, replace(options, samples=few, time_limit=None), own)
     plans = (first.actions, options.previous)
-    starts = [tuple(number[action] for action in plan if action in number) for plan in plans]
+    starts = [tuple(number[action.key] for action in plan if action.key in number) for plan in plans]
 
     def chain(index: int, moves: int) -> Actions:
         seed = options.seed + (index + 2) * 2**32
