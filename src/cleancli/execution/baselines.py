@@ -98,7 +98,7 @@ def _line_out(start: Floats, row: Floats, scene: Scene) -> ToolPath:
     out = np.array(scene.outwards())
     edge = float(np.array(scene.mouth()[0]) @ out)
     before = max(edge - scene.rag.width, float(start @ out)) * out + row
-    return path_along((_pair(start), *into_container(_pair(before), scene, np.empty((0, 2)))), scene)
+    return path_along((_pair(start), *into_container(_pair(before), scene, ())), scene)
 
 
 def _to_dustpan(begin: Floats, end: Floats, scene: Scene) -> ToolPath:

@@ -124,10 +124,14 @@ def nearest(ellipse: Ellipse, other: Ellipse) -> tuple[Point, Point]:
     if shared is not None:
         return shared, shared
     coarse = _gaps(mine[::_COARSE], theirs[::_COARSE])
-    row, column = np.unravel_index(np.argmin(coarse), coarse.shape)
-    mine, theirs = mine[_around(row * _COARSE)], theirs[_around(column * _COARSE)]
-    row, column = np.unravel_index(np.argmin(_gaps(mine, theirs)), (len(mine), len(theirs)))
-    return _point(mine[row]), _point(theirs[column])
+    pair = np.array(np.unravel_index(np.argmin(coarse), coarse.shape)) * _COARSE
+    while True:  # the gap of convex shapes falls on the way to its minimum
+        rows, columns = _around(pair)
+        gaps = _gaps(mine[rows], theirs[columns])
+        row, column = np.unravel_index(np.argmin(gaps), gaps.shape)
+        if gaps[row, column] == gaps[_COARSE, _COARSE]:
+            return _point(mine[pair[0]]), _point(theirs[pair[1]])
+        pair = np.array((rows[row], columns[column]))
 
 
 def _shared_point(ellipse: Ellipse, other: Ellipse, mine: Points, theirs: Points) -> Point | None:
@@ -140,9 +144,9 @@ def _shared_point(ellipse: Ellipse, other: Ellipse, mine: Points, theirs: Points
     return _point(common[np.argmin(np.linalg.norm(common - middle, axis=1))])
 
 
-def _around(numbers: Longs | np.int64) -> Longs:
-    """The numbers (..., 2 * _COARSE + 1) of a boundary's points from one coarse step before to one after."""
-    return np.asarray((np.asarray(numbers)[..., None] + np.arange(-_COARSE, _COARSE + 1)) % _BOUNDARY_POINTS)
+def _around(numbers: Longs) -> Longs:
+    """The numbers (n, 2 * _COARSE + 1) of a boundary's points from a coarse step before each to one after."""
+    return np.asarray((numbers[:, None] + np.arange(-_COARSE, _COARSE + 1)) % _BOUNDARY_POINTS)
 
 
 def _gaps(first: Points, second: Points) -> Floats:

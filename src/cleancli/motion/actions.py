@@ -14,7 +14,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cleancli.array_types import Points
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, farthest_from_stretch, major_ends, nearest
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
@@ -43,11 +42,11 @@ class NoSkill(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """How many ellipses an action takes, the corners of its stroke, where else there is dirt (n, 2) being
-    known, and how the drive goes between them."""
+    """How many ellipses an action takes, the corners of its stroke, given where else there is dirt, and how
+    the drive goes between them."""
 
     arity: int
-    stroke: Callable[[tuple[Ellipse, ...], Scene, Points], tuple[Point, ...]]
+    stroke: Callable[[tuple[Ellipse, ...], Scene, tuple[Point, ...]], tuple[Point, ...]]
     speed: float
     interpolation: Interpolation
 
@@ -70,7 +69,7 @@ def tool_path(
     if action == PICK_UP:
         return pick_up(areas[0], scene)
     skill = SKILLS[action]
-    dirt = np.array([other.centre for other in others]).reshape(-1, 2)
+    dirt = tuple(other.centre for other in others)
     return path_along(skill.stroke(areas, scene, dirt), scene, skill.speed, skill.interpolation)
 
 
@@ -95,7 +94,7 @@ def path_along(
     )
 
 
-def _to_container(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
+def _to_container(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
     """From the point farthest from the container (§3.2.1) into it."""
     (area,) = areas
     return into_container(push_start(area, scene), scene, dirt)
@@ -106,7 +105,7 @@ def push_start(area: Ellipse, scene: Scene) -> Point:
     return farthest_from_stretch(area, scene.mouth())
 
 
-def into_container(start: Point, scene: Scene, dirt: Points) -> tuple[Point, ...]:
+def into_container(start: Point, scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
     """The corners of a stroke from `start` over the container's mouth, past the edge."""
     *corners, crossing = way_out(start, scene, dirt).corners
     return (*corners, _past_edge(corners[-1], crossing, scene))
@@ -121,12 +120,12 @@ def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
     return tuple(corners)
 
 
-def _join(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
+def _join(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
     """Joining two or three (§3.2.3)."""
     return gathering(areas)
 
 
-def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene, dirt: Points) -> tuple[Point, ...]:
+def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
     """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
     because the dirt then comes nearer to it."""
     (area,) = areas

@@ -3,11 +3,14 @@ its length and by what else lies on it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import compress
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats, Points
+from cleancli.array_types import Floats
 from cleancli.geometry.ellipse import Point
 from cleancli.scene.model import Scene
 
@@ -18,36 +21,43 @@ WORTH = 0.5
 """Chosen: metres of a longer way that one more area taken along is worth. A push of its own is longer."""
 
 _CROSSINGS = 161  # places of the mouth that are tried
+_KEPT = 1024  # ways: a plan asks for the same ones again and again
 
 
 @dataclass(frozen=True, slots=True)
 class WayOut:
     """The corners of a way from where it begins to where it crosses the container's mouth, and which of the
-    places that were asked about it takes along, (n,)."""
+    places that were asked about it takes along."""
 
     corners: tuple[Point, ...]
-    takes: Bools
+    takes: frozenset[Point]
 
 
-def way_out(start: Point, scene: Scene, dirt: Points) -> WayOut:
+def way_out(start: Point, scene: Scene, dirt: Iterable[Point]) -> WayOut:
     """The way from `start` into the container that is shortest, less `WORTH` metres for each place of `dirt`
-    (n, 2) that lies on it: at most the scene's `traversal` beside it.
+    that lies on it: at most the scene's `traversal` beside it.
 
     The whole rag, perpendicular to its way, crosses the edge within the mouth. It goes straight where that
     does not slant by more than `GREATEST_SLANT`; otherwise it turns a rag's width in front of the edge.
     """
-    ways = _ways(np.array(start), scene)
+    return _way_out(start, scene, tuple(sorted(dirt)))
+
+
+@lru_cache(maxsize=_KEPT)
+def _way_out(start: Point, scene: Scene, dirt: tuple[Point, ...]) -> WayOut:
+    ways, places = _ways(np.array(start), scene), np.array(dirt).reshape(-1, 2)
     steps = np.diff(ways, axis=1)
     lengths = np.linalg.norm(steps, axis=2)
     headings = steps / np.maximum(lengths, 1e-12)[:, :, None]
-    offsets = dirt[None, None] - ways[:, :2, None]
+    offsets = places[None, None] - ways[:, :2, None]
     along = np.einsum("wpnx,wpx->wpn", offsets, headings)
     beside = offsets[..., 0] * headings[:, :, None, 1] - offsets[..., 1] * headings[:, :, None, 0]
     lies = (along > 0) & (along < lengths[:, :, None]) & (np.abs(beside) <= scene.symbols.traversal)
     takes = lies.any(axis=1)
     best = int(np.argmin(lengths.sum(axis=1) - WORTH * takes.sum(axis=1)))
     corners = tuple((float(x), float(y)) for x, y in ways[best])
-    return WayOut(corners if lengths[best, 0] > 0 else corners[1:], takes[best])
+    taken = frozenset(compress(dirt, takes[best]))
+    return WayOut(corners if lengths[best, 0] > 0 else corners[1:], taken)
 
 
 def _ways(start: Floats, scene: Scene) -> Floats:

@@ -7,10 +7,8 @@ declare, or declares for other types, is left out.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
-from itertools import chain, combinations, compress, permutations
+from itertools import chain, combinations, permutations
 from math import hypot
-
-import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse, extent, gap
 from cleancli.language.diagnostics.diagnostic import Diagnostic
@@ -164,8 +162,6 @@ def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene)
         return
     containers = [constant.name for constant in domain.constants if domain.is_a(constant.type, CONTAINER)]
     for area in areas:
-        others = [other for other in areas if other is not area]
-        dirt = np.array([other.ellipse.centre for other in others]).reshape(-1, 2)
-        takes = way_out(push_start(area.ellipse, scene), scene, dirt).takes
-        for other in compress(others, takes):
-            yield from (Fact("traversal", (area.name, name, other.name)) for name in containers)
+        others = {other.ellipse.centre: other.name for other in areas if other is not area}
+        for place in sorted(way_out(push_start(area.ellipse, scene), scene, others).takes):
+            yield from (Fact("traversal", (area.name, name, others[place])) for name in containers)
