@@ -65,6 +65,7 @@ motion.pace.VERTICAL_SPEED | world.md | comes down and is lifted at {:.2f} m/s
 motion.actions.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
 motion.actions.OVERSHOOT * 100 | world.md | the whole rag is {:.0f} cm past the edge
 motion.way_out.GREATEST_SLANT | world.md | slants by more than {:.0f}°
+perception.symbols.GREATEST_TURN | perception.md | the stroke turns by at most {:.0f}° at b
 motion.way_out.WORTH * 100 | world.md | less {:.0f} cm for each other dirty area
 motion.actions.TURN_STRETCH * 100 | world.md | stroke is turned from {:.0f} cm before
 motion.joint_path.RAISE * 100 | world.md | over a middle raised by {:.0f} cm

@@ -25,6 +25,7 @@ from cleancli.scene.model import (
     SymbolThresholds,
 )
 
+CLEANING = ("moveToContainerFast", "moveToContainerStraight", "sweep2", "sweep3")
 SCENE = Scene(
     name="bare",
     surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
@@ -125,6 +126,23 @@ def test_joining_three_goes_on_to_the_third_without_lifting() -> None:
     assert sum(w.z > 0 for w in path.waypoints) == 2
 
 
+def test_a_sweep_goes_over_its_areas_and_into_the_container_without_lifting() -> None:
+    areas = tuple(Ellipse((x, y), (0.02, 0.01), 0.3) for x, y in ((-0.3, 0.1), (-0.1, 0.05), (0.1, 0.1)))
+    path = tool_path("sweep3", areas, SCENE)
+    stroke = np.array([(w.x, w.y) for w in contact(path)])
+    assert [w.z > 0 for w in path.waypoints] == [True, *(False,) * len(stroke), True]
+    assert stroke[0][0] < -0.32, "it comes down behind the first"
+    for area in areas:
+        assert distance_to(stroke, area.centre) < 0.01
+    assert stroke[-1][0] > 0.45, "it ends past the edge"
+
+
+def distance_to(corners: np.ndarray, point: tuple[float, float]) -> float:
+    """Metres from a point to a way."""
+    fine = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(corners)])
+    return float(np.linalg.norm(fine - point, axis=1).min())
+
+
 def test_scattered_dirt_is_grouped_from_the_end_of_its_longer_axis_to_its_middle() -> None:
     path = tool_path("groupScattered", (Ellipse((-0.1, 0.05), (0.12, 0.05), 0.0),), SCENE)
     start, end = contact(path)
@@ -132,14 +150,16 @@ def test_scattered_dirt_is_grouped_from_the_end_of_its_longer_axis_to_its_middle
     assert (end.x, end.y) == pytest.approx((-0.1, 0.05))
 
 
-@settings(max_examples=60, deadline=None)
-@given(ellipses, scenes)
-def test_a_push_to_the_container_keeps_the_rag_within_the_mouth(area: Ellipse, scene: Scene) -> None:
+@settings(max_examples=120, deadline=None)
+@given(st.sampled_from(CLEANING), st.tuples(ellipses, ellipses, ellipses), scenes)
+def test_a_push_to_the_container_keeps_the_rag_within_the_mouth(
+    action: str, areas: tuple[Ellipse, ...], scene: Scene
+) -> None:
     out = np.array(EDGES[scene.container.edge])
     along = np.abs(out[::-1])
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
     edge = float(np.abs(out) @ half)
-    *_, before, end = contact(tool_path("moveToContainerStraight", (area,), scene))
+    *_, before, end = contact(tool_path(action, areas[: SKILLS[action].arity], scene))
     begin, finish = np.array((before.x, before.y)), np.array((end.x, end.y))
     ends = np.array((-sin(end.yaw), cos(end.yaw))) * scene.rag.width / 2
     assert min((finish + ends) @ out, (finish - ends) @ out) > edge, "the whole rag is past the edge"

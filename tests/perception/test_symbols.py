@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import permutations
 from math import pi
 
 import numpy as np
@@ -28,6 +29,7 @@ SYMBOLS = (
     symbol("scattered", "area"),
     symbol("near", "area", "area", symmetric=True),
     symbol("traversal", "place", "place", "place"),
+    symbol("onward", "area", "area"),
     SIZE,
 )
 
@@ -99,6 +101,33 @@ def test_traversal_to_the_bin_follows_the_push() -> None:
     assert {m for a, m in to_bin if a == "a2"} == {"a3"}, "it swerves to take a3 along"
     assert not {m for a, m in to_bin if a == "a3"}
     assert {"a1", "a2"} <= {m for a, m in to_bin if a == "a4"}
+
+
+def test_a_stroke_goes_onward_where_it_turns_little() -> None:
+    """The mouth is at x = 0.45: not from there, nor from the side, nor from more than 35 cm away."""
+    places = {"a1": (0.0, 0.0), "a2": (-0.3, 0.0), "a3": (0.1, 0.3), "a4": (-0.2, 0.25), "a5": (-0.36, 0.0)}
+    found = facts(*(area(name, *place) for name, place in places.items()))["onward"]
+    assert {first for first, second in found if second == "a1"} == {"a2", "a4"}
+    assert ("a1", "a2") not in found
+    assert ("a5", "a2") in found, "6 cm apart"
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_what_is_onward_is_what_a_sweep_can_turn_by(seed: int) -> None:
+    """The fact and the skill are asked about one table: the turn at the second area is that of the path."""
+    rng = np.random.default_rng(seed)
+    scene = synthetic.scene(str(rng.choice(["north", "east", "south", "west"])))
+    places = rng.uniform((-0.4, -0.3), (0.4, 0.3), (8, 2))
+    areas = tuple(area(f"a{n}", x, y, 0.002, 0.002) for n, (x, y) in enumerate(places))
+    told = facts(*areas, edge=scene.container.edge).get("onward", set())
+    for one, other in permutations(areas, 2):
+        rest = [each.ellipse for each in areas if each not in (one, other)]
+        path = tool_path("sweep2", (one.ellipse, other.ellipse), scene, rest)
+        yaws = np.unwrap([w.yaw for w in path.waypoints if w.z <= 0])
+        apart = np.hypot(*np.subtract(one.ellipse.centre, other.ellipse.centre))
+        turn = np.degrees(abs(yaws[4] - yaws[1]))
+        if abs(turn - 60) > 1.5 and abs(apart - 0.35) > 0.003:
+            assert ((one.name, other.name) in told) == (turn < 60 and apart < 0.35), (turn, apart)
 
 
 @pytest.mark.parametrize("seed", range(20))

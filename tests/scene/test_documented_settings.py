@@ -48,7 +48,7 @@ def test_the_table_is_read() -> None:
     assert list(found) == [
         "(top)", "surface", "container", "robot", "rag", "camera", "light", "dirt", "symbols",
     ]  # fmt: skip
-    assert sum(map(len, found.values())) == 31
+    assert sum(map(len, found.values())) == 32
 
 
 @pytest.mark.parametrize("section", [name for name in documented() if name != "dirt"])

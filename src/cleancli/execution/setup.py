@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
-from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.motion.actions import PICK_UP, SWEEPS, can_execute
 from cleancli.planning.plan import Plan
 from cleancli.scene.model import Scene
 
@@ -26,6 +26,11 @@ class Job(enum.Enum):
     def cleaning(self) -> tuple[str, ...]:
         """The actions that clean, quickest first."""
         return TO_CONTAINER if self is Job.CONTAINER else (PICK_UP,)
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """All actions by which dirt leaves the table in this way."""
+        return (*self.cleaning, *SWEEPS) if self is Job.CONTAINER else self.cleaning
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +102,7 @@ class Decision:
 def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
     """The domain without the actions that a robot of that name has no skill for, and without their rules;
     given a way of cleaning, without those of the others."""
-    others = {name for each in Job if job is not None and each is not job for name in each.cleaning}
+    others = {name for each in Job if job is not None and each is not job for name in each.own}
     actions = tuple(
         a for a in domain.actions if a.name not in others and can_execute(a.name, len(a.parameters), robot)
     )

@@ -125,6 +125,13 @@ def _join(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> 
     return gathering(areas)
 
 
+def _sweep(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
+    """From behind the first area over the middles of the others, and on from the last into the container."""
+    last = areas[-1].centre
+    on = into_container(last, scene, (*dirt, *(area.centre for area in areas[:-1])))
+    return farthest(areas[0], areas[1]), *(area.centre for area in areas[1:-1]), *on
+
+
 def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
     """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
     because the dirt then comes nearer to it."""
@@ -141,14 +148,19 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
         "join2": Skill(2, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "join3": Skill(3, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "sweep2": Skill(2, _sweep, FAST_SPEED, Interpolation.STRAIGHT),
+        "sweep3": Skill(3, _sweep, FAST_SPEED, Interpolation.STRAIGHT),
     }
 )
 """What one arm can do."""
 
+SWEEPS = ("sweep2", "sweep3")
+"""Strokes that go over several areas and on into the container."""
+
 ARITIES: Mapping[str, int] = MappingProxyType(
     {**{name: skill.arity for name, skill in SKILLS.items()}, PICK_UP: 1}
 )
-"""How many areas each of the six actions of §3.2 takes."""
+"""How many areas each action takes: the six of §3.2, and sweeps, which collect more in one stroke."""
 
 
 def _past_edge(start: Point, crossing: Point, scene: Scene) -> Point:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
 from itertools import chain, combinations, permutations
-from math import hypot
+from math import atan2, dist, hypot, radians, remainder, tau
 
 from cleancli.geometry.ellipse import Ellipse, extent, gap
 from cleancli.language.diagnostics.diagnostic import Diagnostic
@@ -22,6 +22,9 @@ from cleancli.scene.model import Scene, SymbolThresholds
 AREA = "area"
 CONTAINER = "container"
 SIZES = ("small", "medium", "big")
+GREATEST_TURN = 60.0
+"""Chosen: degrees by which a stroke may turn at an area on its way; at sharper turns dirt slips past the
+rag."""
 
 Point = tuple[float, float]
 
@@ -39,6 +42,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         _near(areas, domain, scene.symbols),
         _traversal(areas, domain, scene.symbols),
         _traversal_to_container(areas, domain, scene),
+        _onward(areas, domain, scene),
     )
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
 
@@ -165,3 +169,23 @@ def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene)
         others = {other.ellipse.centre: other.name for other in areas if other is not area}
         for place in sorted(way_out(push_start(area.ellipse, scene), scene, others).takes):
             yield from (Fact("traversal", (area.name, name, others[place])) for name in containers)
+
+
+def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
+    """Which areas a stroke that comes from another one may take up on its way into the container."""
+    if not _declared(domain, "onward", AREA, AREA):
+        return
+    for second in areas:
+        middle = second.ellipse.centre
+        others = [area for area in areas if area is not second]
+        way = way_out(middle, scene, (area.ellipse.centre for area in others)).corners
+        on = _direction(middle, way[1])
+        for first in others:
+            apart = dist(first.ellipse.centre, middle)
+            turn = abs(remainder(on - _direction(first.ellipse.centre, middle), tau))
+            if apart <= scene.symbols.onward and turn <= radians(GREATEST_TURN):
+                yield Fact("onward", (first.name, second.name))
+
+
+def _direction(begin: Point, end: Point) -> float:
+    return atan2(end[1] - begin[1], end[0] - begin[0])

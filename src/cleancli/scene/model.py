@@ -162,8 +162,9 @@ class SymbolThresholds:
     `link`: dirt closer than this belongs to one area. `small`, `medium`: longest diameter up to which an area
     is small, medium. `density`: an area whose ellipse is covered by dirt to a smaller share is scattered.
     `near`: gap between two ellipses up to which they are near. `traversal`: half width of the strip
-    along a way of the rag in which an area counts as lying on it. `most`: how many areas are planned for;
-    of more, the `leave_out` ("smallest" or "farthest" from the container) are left for later (§4.2.1).
+    along a way of the rag in which an area counts as lying on it. `onward`: how far apart the middles of two
+    areas may be over which one stroke goes. `most`: how many areas are planned for; of more, the `leave_out`
+    ("smallest" or "farthest" from the container) are left for later (§4.2.1).
     """
 
     link: float
@@ -172,6 +173,7 @@ class SymbolThresholds:
     density: float
     near: float
     traversal: float
+    onward: float = 0.35
     most: int = 1000
     leave_out: str = "smallest"
 
