@@ -44,6 +44,7 @@ TRANSCRIPTS = {
         "show table.nid four.nid --samples 500",
         "show cleaning three_areas --json",
     ),
+    "init": ("init", "init mine", "check mine", "init mine"),
     "explain": (
         "explain tower.nid two.nid 'wipe(b1)'",
         "explain tower.nid two.nid 'wipe(b2)'",

@@ -271,6 +271,7 @@ def test_found_whatever_the_spelling(condition: str, first: str, second: str) ->
         ("p(?x)", "p(?x), forall ?m - thing: q(?m) => not p(?m)", "forall ?m - thing: q(?m) => not p(?m)"),
         ("p(?x)", "forall ?m - thing: on(?m, ?x) => q(?m)", "forall ?m - thing: on(?x, ?m) => q(?m)"),
         ("p(?x)", "forall ?m - thing => q(?m)", "forall ?m - part => q(?m)"),
+        ("p(?x)", "forall ?m - thing: ?m = ?x => q(?m)", "forall ?m - thing => q(?m)"),
         (
             "p(?x)",
             "forall ?m ?k - thing: on(?m, ?k) => load(?y) += 1",

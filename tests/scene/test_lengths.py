@@ -79,3 +79,12 @@ def test_a_message_says_between_what_a_length_must_be(setting: str, told: str) -
     with pytest.raises(Refused) as refused:
         load_scene(Source("s.nid", f"scene s {{ {setting} {DIRT} }}"))
     assert told in {diagnostic.message for diagnostic in refused.value.diagnostics}
+
+
+def test_a_line_of_ink_lies_on_the_surface_with_all_its_width() -> None:
+    line = "ink { along = ((0 cm, 0 cm), (%s cm, 0 cm))  width = 2 cm }"
+    table = f"scene s {{ surface {{ width = 40 cm }} dirt {{ {line} }} }}"
+    load_scene(Source("s.nid", table % 19))
+    with pytest.raises(Refused) as refused:
+        load_scene(Source("s.nid", table % 19.1))
+    assert [diagnostic.code for diagnostic in refused.value.diagnostics] == ["E508"]
