@@ -13,15 +13,17 @@ from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import ToolPath
-from cleancli.perception.look import FRAMES_PER_LOOK, look_at
+from cleancli.perception.look import FRAMES_PER_LOOK, understood
 from cleancli.perception.occlusion import MOSTLY
+from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import Stroke
 from cleancli.scene.model import Scene
-from cleancli.world.robot import Robot, Status
+from cleancli.world.robot import Mover, Robot, Status
 
 MOST_POLLS = 20_000
 """Control periods after which a motion has failed: minutes, where strokes take seconds."""
@@ -30,13 +32,11 @@ ARRIVED = 0.02
 """Metres from a path's first waypoint at which the transit to it is over; errors of the tool stay below."""
 
 
-class TableCell:
-    """A `Workcell` that knows the robot only through `Robot`, and the table only through what perception
-    reports."""
+class DrivenCell:
+    """What workcells with a table have in common: all but `look`. Knows the robot through `Mover` alone."""
 
-    def __init__(self, domain: Domain, scene: Scene, robot: Robot, seed: int) -> None:
+    def __init__(self, domain: Domain, scene: Scene, robot: Mover) -> None:
         self._domain, self._scene, self._robot = domain, scene, robot
-        self._seed = derived(seed, Stream.PERCEPTION)
 
     @property
     def clock(self) -> float:
@@ -49,20 +49,25 @@ class TableCell:
         x, y, _ = self._robot.tool
         return x, y
 
-    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> LookResult:
-        """Frames, areas, names, symbols."""
-        frames = [self._robot.observe() for _ in range(FRAMES_PER_LOOK)]
-        started = time.perf_counter()
-        rng = np.random.default_rng((self._seed, number))
+    def _told(
+        self,
+        frames: tuple[Frame, ...],
+        observation: Observation,
+        before: Situation | None,
+        stroke: Stroke | None,
+        named: int,
+        started: float,
+    ) -> LookResult:
+        """What an observation tells the loop; `started`: when the computing for it began."""
         areas = () if before is None else before.areas
-        look = look_at(frames, self._scene, self._domain, rng, areas, stroke, named + 1)
+        look = understood(frames, observation, self._scene, self._domain, areas, stroke, named + 1)
         known = look.known
         unseen = frozenset(name for name, hidden in known.hidden.items() if hidden >= MOSTLY)
         situation = Situation(
             known.areas, look.objects, look.state, unseen, known.unseen.share, look.left_out
         )
         seconds = time.perf_counter() - started
-        return LookResult(situation, frames[-1], known.next_number - 1, seconds)
+        return LookResult(situation, frames[-1] if frames else None, known.next_number - 1, seconds)
 
     def problem(self, situation: Situation) -> Problem:
         """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""
@@ -133,6 +138,22 @@ class TableCell:
         ended = self._robot.clock
         arrived = ended if arrived is None else arrived
         return Motions(arrived - started, ended - arrived, failure)
+
+
+class TableCell(DrivenCell):
+    """A `Workcell` that knows the robot only through `Robot`, and the table only through what perception
+    reports."""
+
+    def __init__(self, domain: Domain, scene: Scene, robot: Robot, seed: int) -> None:
+        super().__init__(domain, scene, robot)
+        self._camera, self._seed = robot, derived(seed, Stream.PERCEPTION)
+
+    def look(self, before: Situation | None, stroke: Stroke | None, number: int, named: int) -> LookResult:
+        """Frames, areas, names, symbols."""
+        frames = tuple(self._camera.observe() for _ in range(FRAMES_PER_LOOK))
+        started = time.perf_counter()
+        observation = perceive(frames, self._scene, np.random.default_rng((self._seed, number)))
+        return self._told(frames, observation, before, stroke, named, started)
 
 
 def look_once(domain: Domain, scene: Scene, robot: Robot, seed: int) -> tuple[Problem, tuple[str, ...]]:

@@ -56,7 +56,19 @@ def look_at(
     Areas known `before` keep their names, `stroke` being where the tool went since, and new names begin with
     `a<next_number>`. Raises BadFrame, NoSurface, and Refused for a domain that a scene cannot serve.
     """
-    observation = perceive(frames, scene, rng)
+    return understood(tuple(frames), perceive(frames, scene, rng), scene, domain, before, stroke, next_number)
+
+
+def understood(
+    frames: tuple[Frame, ...],
+    observation: Observation,
+    scene: Scene,
+    domain: Domain,
+    before: Sequence[Area],
+    stroke: Stroke | None,
+    next_number: int,
+) -> Look:
+    """What an observation tells with what was known before. Raises Refused as `look_at`."""
     known = remember(before, observation, scene.surface, stroke, next_number)
     objects, state = symbolize(known.areas, scene, domain)
-    return Look(tuple(frames), observation, known, objects, state, left_out(known.areas, scene))
+    return Look(frames, observation, known, objects, state, left_out(known.areas, scene))

@@ -17,8 +17,8 @@ class Status(enum.Enum):
     FAILED = "failed"
 
 
-class Robot(Protocol):
-    """A robot with one tool and one fixed camera. Only `observe` tells anything about the dirt."""
+class Mover(Protocol):
+    """A robot with one tool."""
 
     @property
     def clock(self) -> float:
@@ -31,9 +31,6 @@ class Robot(Protocol):
     @property
     def failure(self) -> str:
         """Why the last motion failed, or nothing."""
-
-    def observe(self) -> Frame:
-        """Take one RGB-D image from where everything stands now."""
 
     def start(self, path: ToolPath) -> None:
         """Begin a motion: a transit from the present pose to its first waypoint, then the path."""
@@ -48,7 +45,14 @@ class Robot(Protocol):
         """End the motion now, with the tool raised."""
 
 
-def finish(robot: Robot) -> Status:
+class Robot(Mover, Protocol):
+    """A robot with a tool and one fixed camera. Only `observe` tells anything about the dirt."""
+
+    def observe(self) -> Frame:
+        """Take one RGB-D image from where everything stands now."""
+
+
+def finish(robot: Mover) -> Status:
     """Let the motion that is under way go on to its end, and say how it ended."""
     status = robot.poll()
     while status is Status.RUNNING:

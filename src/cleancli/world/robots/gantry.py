@@ -55,11 +55,11 @@ class Gantry:
         first = np.array([(w.x, w.y, w.z, w.yaw) for w in path.waypoints[:1]])[0] + offset
         for point in (first, *(point for leg in strokes for point in leg.points[[0, -1]])):
             _refuse_far(point, self._scene)
-        return _timed((*self._transit(first, path.waypoints[0].speed), *strokes))
+        return _timed((*transit(self.tool(), first, path.waypoints[0].speed), *strokes))
 
     def withdraw(self) -> Floats:
         """(k, 4) poses of a transit to rest."""
-        return _timed(self._transit(resting_pose(self._scene), TRANSIT_SPEED))
+        return _timed(transit(self.tool(), resting_pose(self._scene)))
 
     def lift(self) -> Floats:
         """(k, 4) poses straight up until the tool is clear of the surface."""
@@ -100,17 +100,17 @@ class Gantry:
         """(n,) false: there is no dustpan."""
         return np.zeros(len(points), dtype=bool)
 
-    def _transit(self, there: Floats, speed: float) -> tuple[Leg, ...]:
-        """From here up, across above the surface, and down to `there` (4,)."""
-        here = self.tool()
-        height = max(LIFT, here[2], there[2])
-        corners = (
-            _waypoint(here, TRANSIT_SPEED),
-            _waypoint((*here[:2], height, here[3]), TRANSIT_SPEED),
-            _waypoint((*there[:2], height, there[3]), speed),
-            _waypoint(there, speed),
-        )
-        return legs(corners, _STILL)
+
+def transit(here: Floats, there: Floats, speed: float = TRANSIT_SPEED) -> tuple[Leg, ...]:
+    """From `here` (4,) up, across above the surface, and down to `there` (4,)."""
+    height = max(LIFT, here[2], there[2])
+    corners = (
+        _waypoint(here, TRANSIT_SPEED),
+        _waypoint((*here[:2], height, here[3]), TRANSIT_SPEED),
+        _waypoint((*there[:2], height, there[3]), speed),
+        _waypoint(there, speed),
+    )
+    return legs(corners, _STILL)
 
 
 def within_reach(points: Floats, scene: Scene) -> Bools:
