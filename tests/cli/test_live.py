@@ -13,6 +13,7 @@ from rich.console import Console
 
 from cleancli.cli import progress
 from cleancli.cli.main import run
+from cleancli.cli.views import dashboard as views
 from cleancli.cli.views.dashboard import Shown, came_of, dashboard, updated
 from cleancli.cli.views.live import show
 from cleancli.cli.views.table_map import rows_for, table_map
@@ -137,8 +138,9 @@ def test_it_shows_the_table_the_plan_and_what_happened() -> None:
     assert "failed" in "\n".join(drawn(shown(*EVENTS[:11]), (80, 24)))
 
 
-def test_the_dashboard_is_drawn_as_it_was() -> None:
+def test_the_dashboard_is_drawn_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     """tests/golden/transcripts/dashboard.txt, which CLEANCLI_REGENERATE=1 writes anew."""
+    monkeypatch.setattr(views, "SPINNER", "||||")  # that tells the time
     shots = [(events, size, False) for events in (0, 2, 4, 9, 11, 12) for size in ((80, 24), (120, 50))]
     shots += [(9, (60, 24), False), (9, (46, 16), True), (11, (30, 20), False), (12, (20, 5), False)]
     frames = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from pathlib import Path
 
@@ -13,4 +14,6 @@ def check_golden(name: str, text: str) -> None:
     path = GOLDEN / name
     if os.environ.get("CLEANCLI_REGENERATE"):
         path.write_text(text, encoding="utf-8")
-    assert text.splitlines() == path.read_text(encoding="utf-8").splitlines()
+    expected = path.read_text(encoding="utf-8").splitlines()
+    different = difflib.unified_diff(expected, text.splitlines(), "expected", "found", lineterm="")
+    assert text.splitlines() == expected, "\n".join(different)
