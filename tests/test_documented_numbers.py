@@ -31,6 +31,7 @@ planning.evaluation.forecast.RUNS | planning.md | from more, {:,} runs are drawn
 planning.kernels.belief_search.PORTION | planning.md | every {:,} samples of each thread
 planning.planners.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
 cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
+execution.table_cell.FURTHER * 1000 | execution.md | the rag is pressed {:.0f} mm further each time
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
 recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})

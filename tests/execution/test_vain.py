@@ -15,9 +15,16 @@ from cleancli.execution.episode_state import (
     about,
     unchanged,
 )
+from cleancli.execution.loop import clean
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job
+from cleancli.execution.table_cell import TableCell
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
+from cleancli.motion.actions import tool_path
+from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.area import Area
+from support.scripted_robot import Scripted
+from support.shipped import shipped_domain, shipped_scene
 
 
 def area(
@@ -74,3 +81,36 @@ def test_patience_ends_at_its_number() -> None:
     assert not EpisodeState(BEFORE, vain=(replace(JOINED, times=PATIENCE - 1),)).excluded
     assert EpisodeState(BEFORE, vain=(replace(JOINED, times=PATIENCE + 1),)).excluded
     assert not EpisodeState(None, vain=(JOINED,)).excluded
+
+
+def test_times_in_vain_count_as_long_as_nothing_has_changed() -> None:
+    tried = EpisodeState(BEFORE, vain=(replace(JOINED, times=2),))
+    assert tried.times_in_vain(JOINED.key) == 2
+    assert tried.times_in_vain(("join2", ("a2", "a1"))) == 0
+    assert replace(tried, situation=with_second(0.3, 0.1)).times_in_vain(JOINED.key) == 0
+    assert replace(tried, situation=None).times_in_vain(JOINED.key) == 0
+
+
+def test_what_was_in_vain_is_pressed_further() -> None:
+    """docs/execution.md: by 1 mm each time, but where a dustpan takes part."""
+    scene = shipped_scene("two_groups")
+    robot, heights = Scripted(scene, lambda strokes: [(0.0, 0.1)]), []
+    start = robot.start
+
+    def noted(path: ToolPath) -> None:
+        heights.append(min(waypoint.z for waypoint in path.waypoints))
+        start(path)
+
+    robot.start = noted  # type: ignore[method-assign]
+    domain = shipped_domain("cleaning")
+    options = EpisodeOptions(strategy="reactive", max_actions=PATIENCE)
+    setup = EpisodeSetup(domain, domain, scene, Job.CONTAINER, options)
+    list(clean(setup, TableCell(domain, scene, robot, 1)))
+    assert heights == pytest.approx([0.0, -1e-3, -2e-3, -3e-3])
+    reem = shipped_scene("reem_pick_up")
+    picking = tool_path("pickUp", (AREAS[0].ellipse,), reem)
+    assert pressed(picking, 0.002) == picking
+    path = tool_path("moveToContainerFast", (AREAS[0].ellipse,), scene)
+    lower = pressed(path, 0.002)
+    above = [(a.z, b.z) for a, b in zip(path.waypoints, lower.waypoints, strict=True) if a.z > 0]
+    assert above == [(z, z) for z, _ in above], "only the stroke"

@@ -143,6 +143,11 @@ class EpisodeState:
     loading: float = 0.0
     reason: str = ""
 
+    def times_in_vain(self, key: ActionKey) -> int:
+        """How often a move was tried in a row while nothing about its objects has changed since."""
+        now = self.situation
+        return next((v.times for v in self.vain if v.key == key and now and unchanged(v, now)), 0)
+
     @property
     def excluded(self) -> frozenset[ActionKey]:
         """Moves that are of no use as things stand."""

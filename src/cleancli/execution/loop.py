@@ -170,7 +170,7 @@ def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke 
 def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
     """Do the next move of the queue, and look what came of it."""
     move, number = state.queue[0], state.actions + 1
-    path = cell.path(move, before)
+    path = cell.path(move, before, state.times_in_vain(move.key))
     yield Started(number, move, path)
     motions = yield from cell.carry_out(number, move, path)
     spent = replace(

@@ -52,7 +52,7 @@ class SymbolicCell:
         """None: the domain says it."""
         return {}
 
-    def path(self, move: Move, situation: Situation) -> ToolPath | None:
+    def path(self, move: Move, situation: Situation, vain: int = 0) -> ToolPath | None:
         """None: nothing has a place here."""
         return None
 

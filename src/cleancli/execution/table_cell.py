@@ -17,7 +17,7 @@ from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain, Problem, without_objects
 from cleancli.motion.actions import tool_path
 from cleancli.motion.duration import expected_seconds
-from cleancli.motion.path import ToolPath
+from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.look import FRAMES_PER_LOOK, understood
 from cleancli.perception.occlusion import MOSTLY
 from cleancli.perception.perceive import Observation, perceive
@@ -27,6 +27,10 @@ from cleancli.world.robot import Mover, Robot, Status
 
 MOST_POLLS = 20_000
 """Control periods after which a motion has failed: minutes, where strokes take seconds."""
+
+FURTHER = 1e-3
+"""Metres by which the rag is pressed further after each try in vain. Chosen: about half the error of its
+height (docs/world.md), from which most of such tries come."""
 
 ARRIVED = 0.02
 """Metres from a path's first waypoint at which the transit to it is over; errors of the tool stay below."""
@@ -90,13 +94,15 @@ class DrivenCell:
             if path is not None and path.dustpan is None
         }
 
-    def path(self, move: Move, situation: Situation) -> ToolPath | None:
-        """The move's own path, or that of its action upon the areas where they are seen now."""
+    def path(self, move: Move, situation: Situation, vain: int = 0) -> ToolPath | None:
+        """The move's own path, or that of its action upon the areas where they are seen now. What was in vain
+        is not repeated unchanged: the rag is pressed further each time."""
         if move.path is not None:
             return move.path
         ellipses = {area.name: area.ellipse for area in situation.areas}
         others = [ellipse for name, ellipse in ellipses.items() if name not in move.objects]
-        return tool_path(move.action, tuple(ellipses[name] for name in move.objects), self._scene, others)
+        areas = tuple(ellipses[name] for name in move.objects)
+        return pressed(tool_path(move.action, areas, self._scene, others), vain * FURTHER)
 
     def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
         """Follow the path; its failure ends with the tool raised."""

@@ -67,8 +67,9 @@ class Workcell(Protocol):
         """About how many seconds actions take here, with the way to where they begin, by their keys; an
         action is left out of which only its domain says that."""
 
-    def path(self, move: Move, situation: Situation) -> ToolPath | None:
-        """Where the tool will go; None in the symbolic world."""
+    def path(self, move: Move, situation: Situation, vain: int = 0) -> ToolPath | None:
+        """Where the tool will go for a move that was just tried so many times in `vain`; None in the symbolic
+        world."""
 
     def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
         """Do it, as the `number`-th move; whatever happens, the tool is above the surface afterwards."""

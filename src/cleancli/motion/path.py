@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 class Unreachable(Exception):
@@ -54,3 +54,11 @@ class ToolPath:
     waypoints: tuple[Waypoint, ...]
     interpolation: Interpolation
     dustpan: Dustpan | None = None
+
+
+def pressed(path: ToolPath, depth: float) -> ToolPath:
+    """The path with the rag pressed so far below the surface on its stroke, metres; unchanged where a dustpan
+    takes part, which the rag would push away."""
+    if path.dustpan is not None:
+        return path
+    return replace(path, waypoints=tuple(replace(w, z=w.z - depth * (w.z <= 0)) for w in path.waypoints))
