@@ -7,7 +7,7 @@ for, and how many there were before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from math import dist
 from typing import Any
@@ -145,8 +145,7 @@ class EpisodeState:
 
     def times_in_vain(self, key: ActionKey) -> int:
         """How often a move was tried in a row while nothing about its objects has changed since."""
-        now = self.situation
-        return next((v.times for v in self.vain if v.key == key and now and unchanged(v, now)), 0)
+        return 0 if self.situation is None else times_in_vain(self.vain, key, self.situation)
 
     @property
     def excluded(self) -> frozenset[ActionKey]:
@@ -156,6 +155,11 @@ class EpisodeState:
         return frozenset(
             vain.key for vain in self.vain if vain.times >= PATIENCE and unchanged(vain, self.situation)
         )
+
+
+def times_in_vain(vain: Iterable[FailedAttempt], key: ActionKey, situation: Situation) -> int:
+    """How often a move was tried in a row, if its objects look in this situation as they did then; else 0."""
+    return next((each.times for each in vain if each.key == key and unchanged(each, situation)), 0)
 
 
 def unchanged(vain: FailedAttempt, situation: Situation) -> bool:

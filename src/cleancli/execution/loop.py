@@ -21,6 +21,7 @@ from cleancli.execution.episode_state import (
     Move,
     Situation,
     about,
+    times_in_vain,
     unchanged,
 )
 from cleancli.execution.events import (
@@ -231,7 +232,7 @@ def _tried(
     others = tuple(each for each in vain if each.key != move.key and unchanged(each, after))
     if not move.objects:
         return others
-    times = next((each.times for each in vain if each.key == move.key and unchanged(each, before)), 0)
+    times = times_in_vain(vain, move.key, before)
     now = FailedAttempt(move.key, *about(move.objects, before), times + 1, failure)
     if failure:
         return (*others, replace(now, times=PATIENCE))

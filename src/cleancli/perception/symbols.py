@@ -23,8 +23,7 @@ AREA = "area"
 CONTAINER = "container"
 SIZES = ("small", "medium", "big")
 GREATEST_TURN = 60.0
-"""Chosen: degrees by which a stroke may turn at an area on its way; at sharper turns dirt slips past the
-rag."""
+"""Chosen: degrees by which a stroke may turn at an area on its way."""
 
 Point = tuple[float, float]
 
