@@ -44,6 +44,7 @@ world.constants.CONTAINER_OVERLAP * 100 | world.md | a container that reaches {:
 world.constants.INK_CELL * 1000 | world.md | cells of {:.0f} mm on the surface
 world.constants.FLAP_LEAN | world.md | lean back by {} rad
 world.constants.HEIGHT_NOISE * 1000 | world.md | {} mm in height
+world.constants.PRESS * 1000 | world.md | aims {:.0f} mm below the surface
 world.constants.SIDE_NOISE * 1000 | world.md | {:.0f} mm sideways
 world.constants.YAW_NOISE | world.md | {} rad in yaw
 world.robots.constants.WAM_GAP * 100 | world.md | or {:.0f} cm from the edge of a deeper table

@@ -50,12 +50,19 @@ def _push(setting: Scene, middle: tuple[float, float], seed: int) -> Truth:
         return table.truth()
 
 
-def test_most_straight_pushes_take_a_compact_group_into_the_container() -> None:
+def test_pushes_take_a_compact_group_into_the_container_because_the_rag_is_pressed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     setting = scene(Group(12, (0.25, 0.0), 0.02))
-    truths = [_push(setting, (0.25, 0.0), seed) for seed in range(8)]
-    assert all(truth.on_floor == 0 for truth in truths)
-    complete = sum(truth.in_container == 12 for truth in truths)
-    assert 3 <= complete < 8, "a push usually works, and sometimes fails (docs/world.md)"
+
+    def complete() -> int:
+        truths = [_push(setting, (0.25, 0.0), seed) for seed in range(8)]
+        assert all(truth.on_floor == 0 for truth in truths)
+        return sum(truth.in_container == 12 for truth in truths)
+
+    assert complete() >= 7
+    monkeypatch.setattr(par, "PRESS", 0.0)
+    assert 3 <= complete() < 7, "some strokes come down too high (docs/world.md)"
 
 
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])

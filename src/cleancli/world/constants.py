@@ -84,6 +84,11 @@ HEIGHT_NOISE = 1.75e-3
 SIDE_NOISE = 4e-3
 YAW_NOISE = 0.05
 
+# How far below the surface a stroke puts the rag's edge on average: who wipes presses the cloth down, and it
+# gives way (§7). Chosen, about the error of its height: unpressed, one stroke in eight passes over all dirt.
+# Not where a dustpan takes part, which the rag would push away.
+PRESS = 2e-3
+
 # The rag: a row of spring-hinged flaps. Measured: soft bodies eject lentils, or move none.
 FLAP_HEIGHT = 0.036
 FLAP_THICKNESS = 4e-3

@@ -15,13 +15,12 @@ from cleancli.array_types import Bools, Floats, Points
 from cleancli.motion.legs import Leg, legs, lengths
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Ink, Scene
-from cleancli.world import constants as par
 from cleancli.world.particles import places
 from cleancli.world.rag import flap_offsets
 from cleancli.world.robot import Status
 from cleancli.world.robots import constants
 from cleancli.world.robots.gantry import resting_pose, transit
-from cleancli.world.table import Truth
+from cleancli.world.table import Truth, stroke_error
 
 SLIPS = 2.0e-3
 """Metres between a flap and the surface from which on half of the particles slip below it. Chosen: a lentil
@@ -74,9 +73,7 @@ class KinematicTable:
 
     def start(self, path: ToolPath) -> None:
         """Begin a motion: the transit is over after one poll, the stroke after the next."""
-        height, side, yaw = self._noise.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
-        across = path.waypoints[0].yaw + np.pi / 2
-        offset = np.array((side * np.cos(across), side * np.sin(across), height, yaw))
+        offset = stroke_error(path, self._noise)
         first, *_, last = (np.array((w.x, w.y, w.z, w.yaw)) + offset for w in path.waypoints)
         strokes = legs(path.waypoints, offset)
         way = transit(self._pose, first, path.waypoints[0].speed)

@@ -124,7 +124,7 @@ class PybulletTable:
 
         Raises ValueError while another motion is under way. A path out of reach fails at once.
         """
-        offset = self._draw_noise(path.waypoints[0].yaw)
+        offset = stroke_error(path, self._stroke_noise)
         self._begin(lambda: self._drive.follow(path, offset))
 
     def withdraw(self) -> None:
@@ -248,12 +248,6 @@ class PybulletTable:
             self._ink.amount = state.ink.copy()
             self._ink.flaps = state.flaps if len(state.flaps) else None
 
-    def _draw_noise(self, push: float) -> Floats:
-        """This stroke's offset (4,): sideways to the direction of the first push, height, and yaw."""
-        height, side, yaw = self._stroke_noise.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
-        across = push + np.pi / 2
-        return np.array((side * np.cos(across), side * np.sin(across), height, yaw))
-
     def _begin(self, plan: Callable[[], Floats]) -> None:
         """Start the motion that `plan` gives, or fail for the reason it raises."""
         if self._status is Status.RUNNING:
@@ -274,6 +268,15 @@ class PybulletTable:
         particles.keep_in_room(self._engine, self._particles)
         if self._ink is not None:
             self._ink.rub(self._engine, self._top, self._drive.flaps())
+
+
+def stroke_error(path: ToolPath, rng: np.random.Generator) -> Floats:
+    """How far off the tool is during a stroke, (4,): x, y, z in metres, and yaw. Drawn across the way of the
+    first push, in height and in yaw; a rag is pressed as well, if no dustpan takes part."""
+    height, side, yaw = rng.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
+    across = path.waypoints[0].yaw + np.pi / 2
+    press = par.PRESS if path.dustpan is None else 0.0
+    return np.array((side * np.cos(across), side * np.sin(across), height - press, yaw))
 
 
 def _refuse_unknown(scene: Scene) -> None:
