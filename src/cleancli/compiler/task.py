@@ -193,8 +193,6 @@ def lasting(task: Task, seconds: Mapping[tuple[str, tuple[str, ...]], float]) ->
     the domain says. `step` is then the mean of all: over actions on objects, and not over names."""
     if not seconds:
         return task
-    if not seconds:
-        return task
     actions = tuple(replace(each, duration=seconds.get(each.key, each.duration)) for each in task.actions)
     known = [action.duration for action in actions if action.duration is not None]
     untimed = sorted({action.name for action in actions if action.duration is None})
