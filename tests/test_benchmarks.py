@@ -43,6 +43,7 @@ LONG = {
     "perception.py",
     "physics.py",
     "regret.py",
+    "stand_in.py",
     "strategies.py",
 }
 """Those that take so long that they go on where they stopped."""
@@ -81,6 +82,20 @@ def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
     (most,) = re.findall(r"95 % ([\d.]+), longest (\d+)$", told, re.M)
     assert float(most[0]) <= 25
     assert int(most[1]) <= 60
+
+
+def test_the_numbers_of_the_stand_in_are_found_in_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From trials of the stand-in itself, as from those of the physics."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    stand_in = importlib.import_module("stand_in")
+    tried = [
+        {"height": height, "seed": seed, **stand_in.taken(stand_in.STAND_IN, height, "near", seed)}
+        for height in stand_in.HEIGHTS
+        for seed in range(8)
+    ]
+    slips, spread = stand_in.likeliest(tried)
+    assert slips == pytest.approx(stand_in.SLIPS, abs=1e-4)
+    assert 0 < spread < 3 * stand_in.SLIPS_SPREAD
 
 
 def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:

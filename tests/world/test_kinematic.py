@@ -48,6 +48,13 @@ def test_a_stroke_that_is_low_carries_all_and_one_that_is_high_nothing(
     assert {pushed(seed).in_container for seed in range(8)} == {0, 12}
 
 
+def test_a_cloth_that_slants_keeps_what_it_carries(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its friction is greater than the slant."""
+    monkeypatch.setattr(par, "HEIGHT_NOISE", 0.0)
+    monkeypatch.setattr(par, "YAW_NOISE", 0.15)
+    assert {pushed(seed).in_container for seed in range(6)} == {12}
+
+
 def test_what_is_beside_the_cloth_stays() -> None:
     table = KinematicTable(replace(GROUP, dirt=(Group(30, (0.0, 0.1), 0.02),)), 2)
     before = table.dirt.copy()

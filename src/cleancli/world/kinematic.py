@@ -16,18 +16,18 @@ from cleancli.motion.legs import Leg, legs, lengths
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Ink, Scene
 from cleancli.world.particles import places
-from cleancli.world.rag import flap_offsets
+from cleancli.world.rag import edge_heights, flap_offsets
 from cleancli.world.robot import Status
 from cleancli.world.robots import constants
 from cleancli.world.robots.gantry import resting_pose, transit
 from cleancli.world.table import Truth, stroke_error
 
-SLIPS = 2.0e-3
-"""Metres between a flap and the surface from which on half of the particles slip below it. Chosen: a lentil
-is 2.5 mm thick, and rolls over its rim."""
+SLIPS = 2.1e-3
+"""Metres between the lower edge of a flap and the surface from which on half of the particles slip below it;
+a lentil is 2.5 mm thick. Measured (python benchmarks/stand_in.py --part height --repeat 4 --seed 900)."""
 
-SLIPS_SPREAD = 0.35e-3
-"""Standard deviation of that from particle to particle. Chosen."""
+SLIPS_SPREAD = 0.12e-3
+"""Standard deviation of that from particle to particle. Measured with it: flaps differ far more."""
 
 AHEAD = 6e-3
 """Metres before the flaps at which carried particles lie: half a flap's thickness and a particle's radius."""
@@ -47,7 +47,7 @@ class KinematicTable:
         self._scene, self._noise = scene, strokes
         self._places = places(scene.dirt, layout).spots
         self._flaps = flap_offsets(scene.rag)
-        self._gaps = scene.rag.grasp.gap_spread * tool.standard_normal(len(self._flaps))
+        self._edges = edge_heights(scene.rag, tool)
         self._on_table = np.ones(len(self._places), np.bool_)
         self._inside = np.zeros(len(self._places), np.bool_)
         self._pose = resting_pose(scene)
@@ -116,26 +116,35 @@ class KinematicTable:
 
     def _push(self, poses: Floats) -> None:
         """Carry along what the cloth meets on its way over `poses` (n, 4), at most millimetres apart."""
-        gaps = poses[0, 2] + self._gaps
+        gaps = poses[0, 2] + self._edges
         slips = gaps > SLIPS + SLIPS_SPREAD * self._noise.standard_normal((len(self._places), 1))
-        before = self._before_cloth(poses[0])[0]
+        before, place = self._before_cloth(poses[0])
         for pose in poses[1:]:
-            ahead, aside, flap = self._before_cloth(pose)
+            ahead, aside = self._before_cloth(pose)
             met = (before >= 0) & (ahead < 0) & self._on_table
+            flap = np.abs(aside[:, None] - self._flaps[:, 1]).argmin(axis=1)
             met &= (np.abs(aside) <= self._scene.rag.width / 2) & ~slips[np.arange(len(slips)), flap]
-            self._places[met] += np.outer(-ahead[met], (np.cos(pose[3]), np.sin(pose[3])))
-            before = np.where(met, 0.0, ahead)
+            self._places[met] = self._at_cloth(pose, place[met])
+            before, place = np.where(met, 0.0, ahead), np.where(met, place, aside)
             self._let_fall()
 
-    def _before_cloth(self, pose: Floats) -> tuple[Floats, Floats, Floats]:
-        """How far before the cloth each particle is, and how far aside of its middle, metres; and the number
-        of the flap behind it; (n,) each."""
+    def _before_cloth(self, pose: Floats) -> tuple[Floats, Floats]:
+        """How far before the cloth each particle is, and how far aside of its middle, metres, (n,) each."""
         cos, sin = np.cos(pose[3]), np.sin(pose[3])
         x, y = (self._places - pose[:2]).T
-        forward, aside = cos * x + sin * y, cos * y - sin * x
-        cloth = np.interp(aside, self._flaps[:, 1], self._flaps[:, 0]) + AHEAD
-        flap = np.abs(aside[:, None] - self._flaps[:, 1]).argmin(axis=1)
-        return forward - cloth, aside, flap
+        aside: Floats = cos * y - sin * x
+        return cos * x + sin * y - self._cloth(aside), aside
+
+    def _at_cloth(self, pose: Floats, aside: Floats) -> Points:
+        """(n, 2) places before the cloth, so far aside of its middle: a particle sticks to the cloth, whose
+        friction is greater than the slant of any push (docs/world.md)."""
+        cos, sin = np.cos(pose[3]), np.sin(pose[3])
+        forward = self._cloth(aside)
+        return pose[:2] + np.column_stack((cos * forward - sin * aside, sin * forward + cos * aside))
+
+    def _cloth(self, aside: Floats) -> Floats:
+        """How far before the tool carried particles lie that are so far aside of its middle, (n,)."""
+        return np.interp(aside, self._flaps[:, 1], self._flaps[:, 0]) + AHEAD
 
     def _let_fall(self) -> None:
         """What is past the table's edge falls: into the container below its mouth, or on the floor."""

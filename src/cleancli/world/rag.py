@@ -27,8 +27,7 @@ def hang(engine: Engine, rag: Rag, mount: int, rng: np.random.Generator) -> Clot
     pushes to, z up."""
     grasp = rag.grasp
     offsets = flap_offsets(rag)
-    gaps = grasp.gap_spread * rng.standard_normal(len(offsets))
-    rests = par.FLAP_LEAN + grasp.angle_spread * rng.standard_normal(len(offsets))
+    gaps, rests = flap_errors(rag, rng)
     half = [par.FLAP_THICKNESS / 2, rag.width / len(offsets) / 2 * 0.96, par.FLAP_HEIGHT / 2]
     below = (0.0, 0.0, -par.FLAP_HEIGHT / 2)
     flap = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, collisionFramePosition=below)
@@ -90,6 +89,21 @@ def flap_offsets(rag: Rag) -> Floats:
     turn = -np.arctan(2 * grasp.bow * aside / half**2 - back * np.sign(aside)) + grasp.skew
     cos, sin = np.cos(grasp.skew), np.sin(grasp.skew)
     return np.stack((cos * forward - sin * aside, sin * forward + cos * aside, turn), axis=1)
+
+
+def flap_errors(rag: Rag, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """How each flap of this cloth hangs, (n,) each: how much too high its hinge is, metres, and the angle
+    that it springs back to, radians."""
+    count, grasp = len(flap_offsets(rag)), rag.grasp
+    gaps = grasp.gap_spread * rng.standard_normal(count)
+    return gaps, par.FLAP_LEAN + grasp.angle_spread * rng.standard_normal(count)
+
+
+def edge_heights(rag: Rag, rng: np.random.Generator) -> Floats:
+    """(n,) how far above the tool's height the lower edge of each flap is, metres."""
+    gaps, rests = flap_errors(rag, rng)
+    edges: Floats = gaps + par.FLAP_HEIGHT * (np.cos(par.FLAP_LEAN) - np.cos(rests))
+    return edges
 
 
 def holder(engine: Engine, rag: Rag, post: float) -> int:
