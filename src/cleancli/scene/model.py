@@ -173,7 +173,7 @@ class SymbolThresholds:
     density: float
     near: float
     traversal: float
-    onward: float = 0.35
+    onward: float = 0.45
     most: int = 1000
     leave_out: str = "smallest"
 

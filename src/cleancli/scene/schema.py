@@ -175,7 +175,7 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             ),
             "near": Key(Length(zero=True), 0.20, "areas closer than this are near each other"),
             "traversal": Key(Length(0.001), None, "an area closer than this to a way of the rag lies on it"),
-            "onward": Key(Length(0.001), 0.35, "a sweep goes on to an area closer than this"),
+            "onward": Key(Length(0.001), 0.45, "a sweep goes on to an area closer than this"),
             "most": Key(
                 Whole(1, 1000), 1000, "how many areas are planned for, a whole number from 1 to 1000"
             ),
