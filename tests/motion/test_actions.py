@@ -175,10 +175,12 @@ def test_a_push_to_the_container_keeps_the_rag_within_the_mouth(
 def test_a_push_to_the_container_starts_behind_the_dirt(area: Ellipse, scene: Scene) -> None:
     start = contact(tool_path("moveToContainerFast", (area,), scene))[0]
     forward = np.array((cos(start.yaw), sin(start.yaw)))
-    middle = np.array(area.centre)
-    assert (np.array((start.x, start.y)) - middle) @ forward < 0
-    gap = np.linalg.norm(boundary(area) - (start.x, start.y), axis=1).min()
-    assert gap <= actions.CLEARANCE + 1e-9
+    offset = np.array((start.x, start.y)) - np.array(area.centre)
+    behind = -((boundary(area) - area.centre) @ forward).min() + actions.CLEARANCE
+    assert 0 < -offset @ forward <= behind + 1e-4
+    if max(abs(start.x) - scene.surface.width / 2, abs(start.y) - scene.surface.depth / 2) < -0.006:
+        assert -offset @ forward == pytest.approx(behind, abs=1e-3)
+        assert forward[::-1] * (1, -1) @ offset == pytest.approx(0, abs=1e-6), "over its middle"
 
 
 def test_dirt_beside_the_mouth_is_taken_round_a_corner_in_front_of_it() -> None:

@@ -12,9 +12,9 @@ from cleancli.geometry.ellipse import (
     boundary,
     contains,
     farthest,
-    farthest_from_stretch,
     major_ends,
     nearest,
+    reach,
 )
 
 ellipses = st.builds(
@@ -41,9 +41,11 @@ def test_major_ends_lie_along_the_angle() -> None:
     assert second == pytest.approx((0.1, 0.15))
 
 
-def test_farthest_point_from_a_stretch_of_edge() -> None:
-    slim = Ellipse((0.0, 0.0), (0.1, 0.02), 0.0)
-    assert farthest_from_stretch(slim, ((0.45, -0.16), (0.45, 0.16))) == pytest.approx((-0.1, 0.0), abs=1e-3)
+@given(ellipses, st.floats(-np.pi, np.pi))
+def test_an_ellipse_reaches_as_far_as_its_outermost_point(ellipse: Ellipse, angle: float) -> None:
+    direction = np.cos(angle), np.sin(angle)
+    outermost = ((boundary(ellipse) - ellipse.centre) @ direction).max()
+    assert reach(ellipse, direction) == pytest.approx(outermost, abs=1e-4)
 
 
 def test_an_ellipse_covered_by_the_other_is_left_from_its_middle() -> None:

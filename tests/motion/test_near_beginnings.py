@@ -40,7 +40,7 @@ def beginning(arm: Arm, path: ToolPath, how: Interpolation, here: _Array) -> _Ar
 
 
 @pytest.mark.parametrize("how", list(Interpolation))
-@pytest.mark.parametrize(("x", "y"), [(-0.15, 0.1), (0.1, -0.15)])
+@pytest.mark.parametrize(("x", "y"), [(0.1, 0.15), (0.1, -0.15)])
 def test_a_stroke_begins_near_where_the_arm_is(arm: Arm, how: Interpolation, x: float, y: float) -> None:
     path = tool_path("moveToContainerStraight", (Ellipse((x, y), (0.03, 0.02), 0.4),), PAPER)
     usual = beginning(arm, path, how, REST)

@@ -85,12 +85,14 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
 
 
 def _rows(places: Floats, width: float) -> list[float]:
-    """The middles of as few lines of some width as cover all places (n,) with an overlap, in order."""
+    """The middles of as few lines of some width as cover all places (n,) with an overlap, in order; without
+    those below which none lies."""
     low, high = float(places.min()), float(places.max())
     pitch = max(width - OVERLAP, width / 2)
     number = max(1, ceil((high - low - width) / pitch) + 1)
     middle = (low + high) / 2
-    return [middle + pitch * (index - (number - 1) / 2) for index in range(number)]
+    rows = [middle + pitch * (index - (number - 1) / 2) for index in range(number)]
+    return [row for row in rows if (np.abs(places - row) <= width / 2).any()]
 
 
 def _line_out(start: Floats, row: Floats, scene: Scene) -> ToolPath:

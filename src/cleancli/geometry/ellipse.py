@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
@@ -30,7 +31,7 @@ def gap(first: Ellipse, second: Ellipse) -> float:
     degree between directions makes the result at most 1e-5 of the centres' distance too small.
     """
     between = np.array(second.centre) - np.array(first.centre)
-    widest = (_NORMALS @ between - _reach(first) - _reach(second)).max()
+    widest = (_NORMALS @ between - reaches((first, second), _NORMALS).sum(axis=1)).max()
     return max(0.0, float(widest))
 
 
@@ -68,13 +69,6 @@ def _rotation(ellipse: Ellipse) -> Floats:
     return np.array(((cos, -sin), (sin, cos)))
 
 
-def _reach(ellipse: Ellipse) -> Floats:
-    """How far the ellipse reaches from its centre along each direction."""
-    long, short = ellipse.axes
-    along, across = (_NORMALS @ _rotation(ellipse)).T
-    return np.asarray(np.hypot(long * along, short * across))
-
-
 @dataclass(frozen=True, slots=True)
 class Ellipse:
     """`axes` are the half lengths, longer first; `angle` of the longer one from x, in (-pi/2, pi/2]."""
@@ -87,17 +81,26 @@ class Ellipse:
 Point = tuple[float, float]
 
 
+def reach(ellipse: Ellipse, direction: Point) -> float:
+    """How far the ellipse reaches from its centre along a direction of length 1, either way, in metres."""
+    return float(reaches((ellipse,), np.array(direction))[0])
+
+
+def reaches(ellipses: Sequence[Ellipse], directions: Floats) -> Floats:
+    """The same of n ellipses along directions (..., 2): (..., n)."""
+    axes = np.array([each.axes for each in ellipses]).reshape(-1, 2)
+    turns = np.array([each.angle for each in ellipses])
+    x, y = directions[..., :1], directions[..., 1:]
+    cos, sin = np.cos(turns), np.sin(turns)
+    far: Floats = np.hypot(axes[:, 0] * (x * cos + y * sin), axes[:, 1] * (y * cos - x * sin))
+    return far
+
+
 def major_ends(ellipse: Ellipse) -> tuple[Point, Point]:
     """The two ends of the longer axis, the one its angle points to first."""
     step = ellipse.axes[0] * np.array((np.cos(ellipse.angle), np.sin(ellipse.angle)))
     centre = np.array(ellipse.centre)
     return _point(centre + step), _point(centre - step)
-
-
-def farthest_from_stretch(ellipse: Ellipse, ends: tuple[Point, Point]) -> Point:
-    """The point of the ellipse farthest from a straight stretch between two points."""
-    points = boundary(ellipse)
-    return _point(points[np.argmax(_distances_to_stretch(points, ends))])
 
 
 @lru_cache(maxsize=_KEPT)
@@ -152,13 +155,6 @@ def _around(numbers: Longs) -> Longs:
 def _gaps(first: Points, second: Points) -> Floats:
     """(n, m) distances between points (n, 2) and (m, 2)."""
     return np.hypot(first[:, None, 0] - second[None, :, 0], first[:, None, 1] - second[None, :, 1])
-
-
-def _distances_to_stretch(points: Points, ends: tuple[Point, Point]) -> Floats:
-    begin, step = np.array(ends[0]), np.subtract(ends[1], ends[0])
-    share = np.clip((points - begin) @ step / max(float(step @ step), 1e-12), 0, 1)
-    distances: Floats = np.linalg.norm(points - begin - share[:, None] * step, axis=1)
-    return distances
 
 
 def _point(pair: Floats) -> Point:

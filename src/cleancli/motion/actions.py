@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cleancli.geometry.ellipse import Ellipse, Point, farthest, farthest_from_stretch, major_ends, nearest
+from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest, reach
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_up
@@ -31,6 +31,8 @@ TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far af
 PICK_UP = "pickUp"  # the one action that takes two arms
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
+Areas = tuple[Ellipse, ...]
+
 
 class NoSkill(Exception):
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
@@ -46,7 +48,7 @@ class Skill:
     the drive goes between them."""
 
     arity: int
-    stroke: Callable[[tuple[Ellipse, ...], Scene, tuple[Point, ...]], tuple[Point, ...]]
+    stroke: Callable[[Areas, Scene, Areas], tuple[Point, ...]]
     speed: float
     interpolation: Interpolation
 
@@ -56,9 +58,7 @@ def can_execute(action: str, arity: int, robot: str) -> bool:
     return ARITIES.get(action) == arity and (action != PICK_UP or ARMS[robot] == 2)
 
 
-def tool_path(
-    action: str, areas: tuple[Ellipse, ...], scene: Scene, others: Iterable[Ellipse] = ()
-) -> ToolPath:
+def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse] = ()) -> ToolPath:
     """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3); a push takes along
     what it can of the `others` that are dirty.
 
@@ -69,8 +69,8 @@ def tool_path(
     if action == PICK_UP:
         return pick_up(areas[0], scene)
     skill = SKILLS[action]
-    dirt = tuple(other.centre for other in others)
-    return path_along(skill.stroke(areas, scene, dirt), scene, skill.speed, skill.interpolation)
+    corners = skill.stroke(areas, scene, tuple(others))
+    return path_along(corners, scene, skill.speed, skill.interpolation)
 
 
 def path_along(
@@ -94,24 +94,20 @@ def path_along(
     )
 
 
-def _to_container(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
-    """From the point farthest from the container (§3.2.1) into it."""
+def _to_container(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
+    """From behind the area over its middle into the container (§3.2.1)."""
     (area,) = areas
-    return into_container(push_start(area, scene), scene, dirt)
+    _, *on = into_container(area.centre, scene, dirt)
+    return _behind_middle(area, on[0]), *on
 
 
-def push_start(area: Ellipse, scene: Scene) -> Point:
-    """Where a push of an area into the container begins: the point farthest from the container (§3.2.1)."""
-    return farthest_from_stretch(area, scene.mouth())
-
-
-def into_container(start: Point, scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
+def into_container(start: Point, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """The corners of a stroke from `start` over the container's mouth, past the edge."""
     *corners, crossing = way_out(start, scene, dirt).corners
     return (*corners, _past_edge(corners[-1], crossing, scene))
 
 
-def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
+def gathering(areas: Areas) -> tuple[Point, ...]:
     """The corners of a stroke from behind the first ellipse to the near side of the next, and so on to the
     last without stopping (§3.2.3)."""
     corners = [farthest(areas[0], areas[1])]
@@ -120,19 +116,27 @@ def gathering(areas: tuple[Ellipse, ...]) -> tuple[Point, ...]:
     return tuple(corners)
 
 
-def _join(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
+def _join(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """Joining two or three (§3.2.3)."""
     return gathering(areas)
 
 
-def _sweep(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
-    """From behind the first area over the middles of the others, and on from the last into the container."""
-    last = areas[-1].centre
-    on = into_container(last, scene, (*dirt, *(area.centre for area in areas[:-1])))
-    return farthest(areas[0], areas[1]), *(area.centre for area in areas[1:-1]), *on
+def _sweep(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
+    """From behind the first area over the middles of all, and on from the last into the container."""
+    first, *inner, last = areas
+    on = into_container(last.centre, scene, (*dirt, first, *inner))
+    return _behind_middle(first, areas[1].centre), *(area.centre for area in inner), *on
 
 
-def _group_scattered(areas: tuple[Ellipse, ...], scene: Scene, dirt: tuple[Point, ...]) -> tuple[Point, ...]:
+def _behind_middle(area: Ellipse, ahead: Point) -> Point:
+    """Where a stroke begins that leads over the area's middle towards a place: as far behind it as the area
+    reaches, so that as much of it lies on either side."""
+    x, y = _direction(area.centre, ahead)
+    back = reach(area, (x, y))
+    return area.centre[0] - back * x, area.centre[1] - back * y
+
+
+def _group_scattered(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
     because the dirt then comes nearer to it."""
     (area,) = areas

@@ -4,14 +4,14 @@ its length and by what else lies on it."""
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import lru_cache
 from itertools import compress
 
 import numpy as np
 
 from cleancli.array_types import Floats
-from cleancli.geometry.ellipse import Point
+from cleancli.geometry.ellipse import Ellipse, Point, reaches
 from cleancli.scene.model import Scene
 
 GREATEST_SLANT = 60.0
@@ -27,32 +27,35 @@ _KEPT = 1024  # ways: a plan asks for the same ones again and again
 @dataclass(frozen=True, slots=True)
 class WayOut:
     """The corners of a way from where it begins to where it crosses the container's mouth, and which of the
-    places that were asked about it takes along."""
+    areas that were asked about it takes along."""
 
     corners: tuple[Point, ...]
-    takes: frozenset[Point]
+    takes: frozenset[Ellipse]
 
 
-def way_out(start: Point, scene: Scene, dirt: Iterable[Point]) -> WayOut:
-    """The way from `start` into the container that is shortest, less `WORTH` metres for each place of `dirt`
-    that lies on it: at most the scene's `traversal` beside it.
+def way_out(start: Point, scene: Scene, dirt: Iterable[Ellipse]) -> WayOut:
+    """The way from `start` into the container that is shortest, less `WORTH` metres for each area of `dirt`
+    that lies on it whole: nothing of it more than the scene's `traversal` beside it.
 
     The whole rag, perpendicular to its way, crosses the edge within the mouth. It goes straight where that
-    does not slant by more than `GREATEST_SLANT`; otherwise it turns a rag's width in front of the edge.
+    does not slant by more than `GREATEST_SLANT` and the slanting rag has room; otherwise it turns a rag's
+    width in front of the edge.
     """
-    return _way_out(start, scene, tuple(sorted(dirt)))
+    return _way_out(start, scene, tuple(sorted(dirt, key=astuple)))
 
 
 @lru_cache(maxsize=_KEPT)
-def _way_out(start: Point, scene: Scene, dirt: tuple[Point, ...]) -> WayOut:
-    ways, places = _ways(np.array(start), scene), np.array(dirt).reshape(-1, 2)
+def _way_out(start: Point, scene: Scene, dirt: tuple[Ellipse, ...]) -> WayOut:
+    ways = _ways(np.array(start), scene)
+    places = np.array([area.centre for area in dirt]).reshape(-1, 2)
     steps = np.diff(ways, axis=1)
     lengths = np.linalg.norm(steps, axis=2)
     headings = steps / np.maximum(lengths, 1e-12)[:, :, None]
     offsets = places[None, None] - ways[:, :2, None]
     along = np.einsum("wpnx,wpx->wpn", offsets, headings)
     beside = offsets[..., 0] * headings[:, :, None, 1] - offsets[..., 1] * headings[:, :, None, 0]
-    lies = (along > 0) & (along < lengths[:, :, None]) & (np.abs(beside) <= scene.symbols.traversal)
+    outermost = np.abs(beside) + reaches(dirt, headings[..., ::-1] * (1, -1))
+    lies = (along > 0) & (along < lengths[:, :, None]) & (outermost <= scene.symbols.traversal)
     takes = lies.any(axis=1)
     best = int(np.argmin(lengths.sum(axis=1) - WORTH * takes.sum(axis=1)))
     corners = tuple((float(x), float(y)) for x, y in ways[best])
@@ -70,8 +73,9 @@ def _ways(start: Floats, scene: Scene) -> Floats:
     room = float(np.linalg.norm(last - first)) * np.minimum(shares, 1 - shares)
     distances = np.maximum(np.linalg.norm(places - start, axis=1), 1e-12)
     straightness = (places - start) @ out / distances
-    straight = straightness >= np.cos(np.radians(GREATEST_SLANT))
-    fits = room >= np.where(straight, rag / 2 / np.maximum(straightness, 1e-12), rag / 2)
+    slanting = rag / 2 / np.maximum(straightness, 1e-12)
+    straight = (straightness >= np.cos(np.radians(GREATEST_SLANT))) & (room >= slanting)
+    fits = straight | (room >= rag / 2)
     if not fits.any():
         places, straight, fits = (first + last)[None] / 2, np.zeros(1, np.bool_), np.ones(1, np.bool_)
     turns = np.where(straight[:, None], start, places - rag * out)

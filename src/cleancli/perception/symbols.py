@@ -10,11 +10,10 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import chain, combinations, permutations
 from math import atan2, dist, hypot, radians, remainder, tau
 
-from cleancli.geometry.ellipse import Ellipse, extent, gap
+from cleancli.geometry.ellipse import Ellipse, extent, gap, reach
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
-from cleancli.motion.actions import push_start
 from cleancli.motion.way_out import way_out
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds
@@ -89,15 +88,17 @@ def are_near(first: Ellipse, second: Ellipse, thresholds: SymbolThresholds) -> b
     return gap(first, second) <= thresholds.near
 
 
-def lies_between(point: Point, start: Point, end: Point, half_width: float) -> bool:
-    """Whether `point` is strictly between two others along their line, at most `half_width` beside it."""
+def lies_between(area: Ellipse, start: Point, end: Point, half_width: float) -> bool:
+    """Whether an area's middle is strictly between two places along their line, and none of the area is more
+    than `half_width` beside it."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     length = hypot(along_x, along_y)
     if length == 0:
         return False
-    from_x, from_y = point[0] - start[0], point[1] - start[1]
+    from_x, from_y = area.centre[0] - start[0], area.centre[1] - start[1]
     along = (from_x * along_x + from_y * along_y) / length
     beside = abs(from_x * along_y - from_y * along_x) / length
+    beside += reach(area, (along_y / length, -along_x / length))
     return 0 < along < length and beside <= half_width
 
 
@@ -154,8 +155,8 @@ def _traversal(areas: Sequence[Area], domain: Domain, thresholds: SymbolThreshol
     if not _declared(domain, "traversal", AREA, AREA, AREA):
         return
     for start, end, middle in permutations(areas, 3):
-        places = (middle.ellipse.centre, start.ellipse.centre, end.ellipse.centre)
-        if lies_between(*places, thresholds.traversal):
+        ends = start.ellipse.centre, end.ellipse.centre
+        if lies_between(middle.ellipse, *ends, thresholds.traversal):
             yield Fact("traversal", (start.name, end.name, middle.name))
 
 
@@ -166,9 +167,10 @@ def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene)
         return
     containers = [constant.name for constant in domain.constants if domain.is_a(constant.type, CONTAINER)]
     for area in areas:
-        others = {other.ellipse.centre: other.name for other in areas if other is not area}
-        for place in sorted(way_out(push_start(area.ellipse, scene), scene, others).takes):
-            yield from (Fact("traversal", (area.name, name, others[place])) for name in containers)
+        others = {other.ellipse: other.name for other in areas if other is not area}
+        taken = way_out(area.ellipse.centre, scene, others).takes
+        for middle in sorted(others[each] for each in taken):
+            yield from (Fact("traversal", (area.name, name, middle)) for name in containers)
 
 
 def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
@@ -178,7 +180,7 @@ def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fac
     for second in areas:
         middle = second.ellipse.centre
         others = [area for area in areas if area is not second]
-        way = way_out(middle, scene, (area.ellipse.centre for area in others)).corners
+        way = way_out(middle, scene, (area.ellipse for area in others)).corners
         on = _direction(middle, way[1])
         for first in others:
             apart = dist(first.ellipse.centre, middle)

@@ -140,11 +140,13 @@ class KinematicTable:
         friction is greater than the slant of any push (docs/world.md)."""
         cos, sin = np.cos(pose[3]), np.sin(pose[3])
         forward = self._cloth(aside)
-        return pose[:2] + np.column_stack((cos * forward - sin * aside, sin * forward + cos * aside))
+        offsets = np.column_stack((cos * forward - sin * aside, sin * forward + cos * aside))
+        places: Points = pose[:2] + offsets
+        return places
 
     def _cloth(self, aside: Floats) -> Floats:
         """How far before the tool carried particles lie that are so far aside of its middle, (n,)."""
-        return np.interp(aside, self._flaps[:, 1], self._flaps[:, 0]) + AHEAD
+        return AHEAD + np.interp(aside, self._flaps[:, 1], self._flaps[:, 0])
 
     def _let_fall(self) -> None:
         """What is past the table's edge falls: into the container below its mouth, or on the floor."""
