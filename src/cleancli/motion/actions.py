@@ -104,7 +104,7 @@ def _to_container(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
 def into_container(start: Point, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """The corners of a stroke from `start` over the container's mouth, past the edge."""
     *corners, crossing = way_out(start, scene, dirt).corners
-    return (*corners, _past_edge(corners[-1], crossing, scene))
+    return (*corners, past_edge(corners[-1], crossing, scene))
 
 
 def gathering(areas: Areas) -> tuple[Point, ...]:
@@ -167,7 +167,7 @@ ARITIES: Mapping[str, int] = MappingProxyType(
 """How many areas each action takes: the six of §3.2, and sweeps, which collect more in one stroke."""
 
 
-def _past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
+def past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
     """Where a push from `start` over `crossing` ends, with the rag's hindmost end past the edge as well."""
     x, y = _direction(start, crossing)
     out = scene.outwards()
