@@ -78,14 +78,14 @@ def run(job: Job) -> Row:
     }
 
 
-def run_stand_in(job: Job) -> Row:
-    """One episode on the fast stand-in, told in the same way."""
+def run_stand_in(job: Job, table: type[KinematicTable] = KinematicTable) -> Row:
+    """One episode on the fast stand-in, or on another `table` like it, told in the same way."""
     domain, scene, strategy, seed = job
     model = load_domain(read_source(find(domain, "domains")))
     place = load_scene(read_source(find(scene, "problems")))
     way = setup.Job.CONTAINER
     options = setup.EpisodeOptions(strategy=strategy, seed=seed, by_time=True)
-    world = KinematicTable(place, derived(seed, Stream.WORLD))
+    world = table(place, derived(seed, Stream.WORLD))
     fixed = setup.EpisodeSetup(model, setup.within_reach(model, place.robot, way), place, way, options)
     ended = next(e for e in clean(fixed, KinematicCell(model, place, world)) if isinstance(e, Ended))
     truth = world.truth()

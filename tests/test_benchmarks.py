@@ -37,6 +37,7 @@ BENCHMARKS = sorted(
 )
 DRAWS_NOTHING = {"language.py", "structure.py"}
 LONG = {
+    "bound.py",
     "conservation.py",
     "differential.py",
     "identity.py",
