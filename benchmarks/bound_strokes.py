@@ -23,17 +23,19 @@ from cleancli.motion.duration import expected_seconds
 from cleancli.motion.pace import FAST_SPEED, TRANSIT_SPEED
 from cleancli.motion.path import ToolPath
 from cleancli.motion.way_out import GREATEST_SLANT
+from cleancli.perception.symbols import GREATEST_TURN
 from cleancli.scene.model import Scene
 from cleancli.world.robots.gantry import resting_pose
 
 SLIPS = 3e-3
 """Metres within an end of the rag where a particle is not relied upon: half a lentil."""
 
-SLIPS_BENT = 8e-3
-"""The same of strokes that bend. On the stand-in a bend of 60 degrees loses what is within 5 mm of an end."""
+SLIPS_BENT = 1e-2
+"""The same of strokes that bend: half a flap. In the physics what is more than twice as far from both ends
+keeps to the rag at bends (python benchmarks/stand_in.py --part turn)."""
 
-MOST_TURN = radians(60)
-"""The sharpest bend of a stroke: `onward` allows as much (docs/perception.md)."""
+MOST_TURN = radians(GREATEST_TURN)
+"""The sharpest bend of a stroke: as much as `onward` allows (docs/perception.md)."""
 
 _TINY = 1e-9
 _PINNED = 1e-3  # metres within the corridor where a push's particle is put that shall just be taken
