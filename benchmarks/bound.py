@@ -12,7 +12,9 @@ that differ in what they take. `least` is what it has proven, in the seconds tha
 choice of such strokes takes less, but for what an aim between two that were tried could save (hundredths of a
 second). Bending strokes are found by annealing and chosen by the same program: the best known, not the best.
 `carried out` is how long the chosen strokes take one after another on the fast stand-in without errors, which
-is a bit more than plans expect; they clean the table. Left out are strokes that end on the table.
+is a bit more than plans expect; they clean the table. `in the physics` is how long the bending ones take on
+the simulated table itself, without errors, and what they leave there. Left out are strokes that end on the
+table.
 
 With `--episodes`, rows of `benchmarks/strategies.py --keep`, it then prints for each strategy by how much its
 moving time (transits and strokes) exceeds that of the bending strokes carried out. The same strategy plays
@@ -27,7 +29,7 @@ whole:
 
 One episode stands for each, so a table's own parts are mostly luck, and only means over many tables tell. A
 table on which one of the episodes did not end clean is left out of the means. Tables must have a gantry and
-no ink. About 15 s of CPU a table, and 10 s for each episode; with `--quick` (two groups, one table) 5 s.
+no ink. About half a minute of CPU a table, and 10 s for each episode; with `--quick` (two groups) 10 s.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bound_replay import VARIANTS, carried_out, episode, is_sound, layout_of
+from bound_replay import VARIANTS, carried_out, carried_out_in_physics, episode, is_sound, layout_of
 from bound_search import Annealing, Cover, quickest
 from bound_strokes import Layout, Stroke, nearest_pushes, straight_pushes, undominated
 from kept import Kept
@@ -103,6 +105,21 @@ def bounds(tables: Iterable[tuple[str, int]], bends: int, steps: int, kept: Kept
         yield row
 
 
+def with_physics(found: Iterable[Row], kept: Kept) -> Iterator[Row]:
+    """The rows of tables, with what their bending strokes come to on the simulated table."""
+    known = {tuple(row["physics"]): dict(row) for row in kept.rows() if "physics" in row}
+    for row in found:
+        scene, seed, *_ = row["table"]
+        told = known.get(tuple(row["table"]))
+        if told is None:
+            place, strokes = load_scene(read_source(find(scene, "problems"))), row["bending"]["strokes"]
+            corners = [[(x, y) for x, y in stroke] for stroke in strokes]
+            seconds, left = carried_out_in_physics(corners, place, seed)
+            told = {"physics": row["table"], "seconds": seconds, "left": left}
+            kept.add(told)
+        yield {**row, "in_physics": told}
+
+
 def variants(jobs: Iterable[Job], kept: Kept) -> Iterator[Row]:
     """The episodes of each job on the stand-in, one for each variant; those kept are not played again."""
     known = {(*row["job"], row["variant"]): dict(row) for row in kept.rows() if "variant" in row}
@@ -124,15 +141,16 @@ def parts(moving: float, played: Sequence[float], least: float) -> dict[str, flo
 
 def bound_lines(found: Sequence[Row]) -> Iterator[str]:
     """A table of the bounds, a row a table."""
-    kinds = ("nearest: least", "carried out", "free: least", "carried out", "bending: carried out", "strokes")
-    yield f"| table | {' | '.join(kinds)} |"
-    yield "|---" * (1 + len(kinds)) + "|"
+    kinds = ("nearest: least", "carried out", "free: least", "carried out", "bending: carried out")
+    yield f"| table | {' | '.join(kinds)} | strokes | in the physics | left there |"
+    yield "|---" * (4 + len(kinds)) + "|"
     for row in found:
-        near, free, bent = (row[kind] for kind in ("nearest", "free", "bending"))
+        near, free, bent, there = (row[kind] for kind in ("nearest", "free", "bending", "in_physics"))
         name = f"{row['table'][0]}, {row['table'][1]}"
         yield (
             f"| {name} | {near['least']:.1f} | {near['seconds']:.1f} | {free['least']:.1f}"
-            f" | {free['seconds']:.1f} | {bent['seconds']:.1f} | {len(bent['strokes'])} |"
+            f" | {free['seconds']:.1f} | {bent['seconds']:.1f} | {len(bent['strokes'])}"
+            f" | {there['seconds']:.1f} | {there['left']} |"
         )
 
 
@@ -183,7 +201,7 @@ def main() -> None:
         options.scene, options.seeds, options.steps = ["two_groups"], [1], 500
     tables = [(scene, seed) for scene in options.scene for seed in options.seeds]
     kept, found = Kept(options.keep), []
-    for row in bounds(tables, options.bends, options.steps, kept):
+    for row in with_physics(bounds(tables, options.bends, options.steps, kept), kept):
         found.append(row)
         print(f"{len(found)} of {len(tables)}: {row['bending']['seconds']:.1f} s", flush=True)
     print("", *bound_lines(found), sep="\n")

@@ -3,8 +3,8 @@ some of what makes it hard switched off (benchmarks/bound.py)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from functools import lru_cache
 from unittest.mock import patch
 
@@ -14,12 +14,13 @@ from strategies import Job, Row, run_stand_in
 
 from cleancli.array_types import Bools, Floats
 from cleancli.execution.seeds import Stream, derived
+from cleancli.geometry.ellipse import Point
 from cleancli.scene.model import Scene
 from cleancli.world import constants as par
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import finish
 from cleancli.world.robots.gantry import resting_pose
-from cleancli.world.table import Truth
+from cleancli.world.table import PybulletTable, Truth
 
 VARIANTS = ("stand-in", "no errors", "no errors, nothing hidden")
 """What a strategy plays: with all errors of its strokes; without; and without anything hidden either."""
@@ -53,6 +54,16 @@ def carried_out(strokes: Iterable[Stroke], layout: Layout) -> tuple[float, int]:
     the container."""
     truth, seconds = _played(strokes, layout)
     return seconds, truth.total - truth.in_container
+
+
+def carried_out_in_physics(strokes: Iterable[Sequence[Point]], scene: Scene, seed: int) -> tuple[float, int]:
+    """The same of strokes with these corners on the simulated table itself."""
+    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table, without_errors():
+        for corners in strokes:
+            table.start(stroke_path(corners, scene))
+            finish(table)
+        truth = table.truth()
+        return table.clock, truth.total - truth.in_container
 
 
 def episode(job: Job, variant: str) -> Row:

@@ -20,6 +20,9 @@ NODES = 2_000
 """Of the integer program's tree. It is stopped by their number and not by time, so that it ends alike on
 every machine; what it has proven by then is the bound."""
 
+GAP = 1e-3
+"""Share of the seconds by which the integer program's answer may exceed what it has proven."""
+
 HOTTEST, COLDEST = 3.0, 0.05
 """Seconds that annealing loses as easily at its beginning and at its end."""
 
@@ -58,7 +61,7 @@ def quickest(offered: Sequence[Stroke], count: int) -> Cover:
             LinearConstraint(hstack((takes, takes)), lb=1),
             LinearConstraint(is_first, lb=1, ub=1),
         ),
-        options={"node_limit": NODES, "mip_rel_gap": 1e-3},
+        options={"node_limit": NODES, "mip_rel_gap": GAP},
     )
     if found.x is None:
         raise ValueError("no choice of these strokes takes all")
@@ -69,7 +72,7 @@ def quickest(offered: Sequence[Stroke], count: int) -> Cover:
 
 
 def _ordered(first: Stroke, others: Iterable[Stroke]) -> tuple[Stroke, ...]:
-    """After each stroke the one to whose start the way is longer than it need be by the least."""
+    """After each stroke the one to which the way is shortest, beside the way back along that one itself."""
     order, left = [first], list(others)
     while left:
         end = order[-1].corners[-1]
@@ -98,7 +101,10 @@ class Annealing:
 
     def run(self, strokes: Iterable[Stroke], steps: int) -> None:
         """Anneal from these strokes, by so many changes that are tried."""
-        now = tuple(self._crossing(s.corners) for s in strokes)
+        begin = (self._crossing(s.corners) for s in strokes)
+        now = tuple(corners for corners in begin if self._stroke(corners) is not None)
+        if not now:
+            return
         cost = self._cost(now)
         for step in range(steps):
             heat = HOTTEST * (COLDEST / HOTTEST) ** (step / steps)
