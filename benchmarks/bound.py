@@ -43,8 +43,9 @@ import numpy as np
 from bound_replay import VARIANTS, carried_out, carried_out_in_physics, episode, is_sound, layout_of
 from bound_search import Annealing, Cover, quickest
 from bound_strokes import Layout, Stroke, nearest_pushes, straight_pushes, undominated
+from episodes import Job
 from kept import Kept
-from strategies import Job, Row, interval
+from strategies import Row, interval
 
 from cleancli.language.find import find
 from cleancli.language.load import read_source

@@ -10,7 +10,8 @@ from unittest.mock import patch
 
 import numpy as np
 from bound_strokes import Layout, Stroke, bits, stroke_path
-from strategies import Job, Row, run_stand_in
+from episodes import Job
+from strategies import Row, run_stand_in
 
 from cleancli.array_types import Bools, Floats
 from cleancli.execution.seeds import Stream, derived

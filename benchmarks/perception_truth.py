@@ -196,7 +196,7 @@ def agreement(pairs: Sequence[tuple[Area, Area]], scene: Scene) -> dict[str, tup
     ]
     between = [
         tuple(
-            lies_between(m[s].ellipse.centre, a[s].ellipse.centre, b[s].ellipse.centre, limits.traversal)
+            lies_between(m[s].ellipse, a[s].ellipse.centre, b[s].ellipse.centre, limits.traversal)
             for s in (0, 1)
         )
         for a, b, m in itertools.permutations(pairs, 3)

@@ -26,20 +26,15 @@ from pathlib import Path
 from statistics import mean, stdev
 from typing import Any
 
+from episodes import Job, opened
 from kept import Kept
 from scipy.stats import t
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run as cleancli
-from cleancli.execution import setup
 from cleancli.execution.events import Ended
-from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.loop import clean
-from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.language.find import find
-from cleancli.language.load import load_domain, read_source
-from cleancli.scene.check import load_scene
 from cleancli.world.kinematic import KinematicTable
 
 SCENES = ("two_groups", "scattered_40")
@@ -50,8 +45,6 @@ COLUMNS = (
     *("planning", "perceiving", "extra", "transits", "acting"),
 )
 
-Job = tuple[str, str, str, int]
-"""Domain, scene, strategy, seed."""
 Row = dict[str, Any]
 
 
@@ -80,14 +73,8 @@ def run(job: Job) -> Row:
 
 def run_stand_in(job: Job, table: type[KinematicTable] = KinematicTable) -> Row:
     """One episode on the fast stand-in, or on another `table` like it, told in the same way."""
-    domain, scene, strategy, seed = job
-    model = load_domain(read_source(find(domain, "domains")))
-    place = load_scene(read_source(find(scene, "problems")))
-    way = setup.Job.CONTAINER
-    options = setup.EpisodeOptions(strategy=strategy, seed=seed, by_time=True)
-    world = table(place, derived(seed, Stream.WORLD))
-    fixed = setup.EpisodeSetup(model, setup.within_reach(model, place.robot, way), place, way, options)
-    ended = next(e for e in clean(fixed, KinematicCell(model, place, world)) if isinstance(e, Ended))
+    setup, cell, world = opened(job, table)
+    ended = next(e for e in clean(setup, cell) if isinstance(e, Ended))
     truth = world.truth()
     return {
         "job": list(job),

@@ -46,6 +46,7 @@ LONG = {
     "regret.py",
     "stand_in.py",
     "strategies.py",
+    "strokes.py",
 }
 """Those that take so long that they go on where they stopped."""
 

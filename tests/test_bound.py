@@ -19,6 +19,7 @@ from strategies import Row
 
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import past_edge, path_along
 from cleancli.motion.way_out import way_out
 from cleancli.scene.model import Scattered
@@ -90,7 +91,8 @@ def test_what_a_straight_stroke_is_said_to_take_the_stand_in_takes() -> None:
 def test_the_ways_of_the_skill_are_possible() -> None:
     """Where they go straight: a push from beside the mouth turns by more than a stroke of the bound may."""
     for x, y in np.random.default_rng(2).uniform((-0.4, -0.3), (0.3, 0.3), (30, 2)).tolist():
-        way = way_out((x, y), SCENE, ((0.2, 0.1), (0.1, -0.2)))
+        others = (Ellipse((0.2, 0.1), (0.01, 0.01), 0.0), Ellipse((0.1, -0.2), (0.01, 0.01), 0.0))
+        way = way_out((x, y), SCENE, others)
         if len(way.corners) == 2:
             assert possible(way.corners[:1], way.corners[1], SCENE)
     assert not possible(((0.44, 0.0),), (0.45, 0.1), SCENE), "slants too much"

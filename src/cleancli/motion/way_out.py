@@ -79,4 +79,5 @@ def _ways(start: Floats, scene: Scene) -> Floats:
     if not fits.any():
         places, straight, fits = (first + last)[None] / 2, np.zeros(1, np.bool_), np.ones(1, np.bool_)
     turns = np.where(straight[:, None], start, places - rag * out)
-    return np.stack((np.broadcast_to(start, places.shape), turns, places), axis=1)[fits]
+    ways: Floats = np.stack((np.broadcast_to(start, places.shape), turns, places), axis=1)[fits]
+    return ways

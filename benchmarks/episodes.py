@@ -1,0 +1,38 @@
+"""Opens an episode in this process, on the physics or on its fast stand-in, so that the truth may be asked
+between any two moves."""
+
+from __future__ import annotations
+
+from cleancli.execution.kinematic_cell import KinematicCell
+from cleancli.execution.seeds import Stream, derived
+from cleancli.execution.session import usual_job
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, within_reach
+from cleancli.execution.table_cell import TableCell
+from cleancli.language.find import find
+from cleancli.language.load import load_domain, read_source
+from cleancli.scene.check import load_scene
+from cleancli.world.kinematic import KinematicTable
+from cleancli.world.table import PybulletTable
+
+Job = tuple[str, str, str, int]
+"""Domain, scene, strategy, seed."""
+
+Opened = tuple[EpisodeSetup, KinematicCell | TableCell, KinematicTable | PybulletTable]
+"""What the loop takes, the workcell, and the table behind it."""
+
+
+def opened(job: Job, stand_in: type[KinematicTable] | None) -> Opened:
+    """An episode that plans by time, before its first look; on the physics, if no stand-in is given. Raises
+    ValueError for a scene for which there is none."""
+    domain, scene, strategy, seed = job
+    model = load_domain(read_source(find(domain, "domains")))
+    place = load_scene(read_source(find(scene, "problems")))
+    way = usual_job(place)
+    options = EpisodeOptions(strategy=strategy, seed=seed, by_time=True)
+    setup = EpisodeSetup(model, within_reach(model, place.robot, way), place, way, options)
+    drawn = derived(seed, Stream.WORLD)
+    if stand_in is not None:
+        table = stand_in(place, drawn)
+        return setup, KinematicCell(model, place, table), table
+    physics = PybulletTable(place, drawn)
+    return setup, TableCell(model, place, physics, seed), physics
