@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, degrees
 from pathlib import Path
@@ -38,12 +37,11 @@ KEY = (
 _STYLE = "<style>td { vertical-align: top; font: 13px sans-serif } img { width: 640px }</style>"
 
 
-@dataclass(frozen=True, slots=True)
 class MissingMatplotlib(Exception):
     """Pictures need matplotlib, which is an optional part."""
 
-    def __str__(self) -> str:
-        return "a picture needs matplotlib: pip install 'matplotlib>=3.8'"
+    def __init__(self) -> None:
+        super().__init__("a picture needs matplotlib: pip install 'matplotlib>=3.8'")
 
 
 def draw(episode: Episode, scene: Scene, path: Path) -> None:
@@ -174,7 +172,7 @@ def new_figure(width: float, height: float) -> Any:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] != "matplotlib":
             raise
-        raise MissingMatplotlib from error
+        raise MissingMatplotlib() from error
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -31,6 +31,9 @@ from cleancli.language.load import read_source
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 
+RIVALS = ("plan-2", "reactive", "wipe", "tsp")
+"""The strategies that are drawn unless others are asked for."""
+
 COLUMNS = (
     *("episode", "moving", "strokes", "left", "in vain", "seconds", "for 1 to 3", "seconds"),
     *("repeated", "gone over", "passed by"),
@@ -85,27 +88,29 @@ def scene_of(name: str) -> Scene:
     return load_scene(read_source(find(name, "problems")))
 
 
-def main() -> int:
-    """Run what is missing, draw all, and print the table."""
+def asked() -> argparse.Namespace:
+    """What the command line asks for."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--domain", nargs="+", default=["sweeping"], help="what strategies plan with")
     parser.add_argument("--scene", nargs="+", default=["scattered_40"])
-    parser.add_argument(
-        "--strategy", nargs="+", choices=list(STRATEGIES), default=["plan-2", "reactive", "wipe", "tsp"]
-    )
+    parser.add_argument("--strategy", nargs="+", choices=list(STRATEGIES), default=RIVALS)
     parser.add_argument("--seeds", nargs="+", type=int, default=[1])
     parser.add_argument("--keep", type=Path, metavar="FILE", help="episodes run before are in it")
-    parser.add_argument(
-        "--out", type=Path, metavar="FOLDER", default=Path("strokes"), help="where pictures go"
-    )
-    parser.add_argument("--stand-in", action="store_true", help="without physics: a few seconds an episode")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", default=Path("strokes"), help="for pictures")
+    parser.add_argument("--stand-in", action="store_true", help="without physics")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     if options.quick:
         options.scene, options.strategy, options.seeds = ["two_groups"], ["plan-2", "reactive"], [1]
         options.stand_in = True
+    return options
+
+
+def main() -> int:
+    """Run what is missing, draw all, and print the table."""
+    options = asked()
     try:
         new_figure(1, 1)
     except MissingMatplotlib as error:
@@ -113,8 +118,8 @@ def main() -> int:
         return 1
     options.out.mkdir(parents=True, exist_ok=True)
     print(f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", sep="\n", flush=True)
-    pictures = []
     due = list(jobs(options.scene, options.domain, options.strategy, options.seeds))
+    pictures = []
     for episode in episodes(due, Kept(options.keep), options.stand_in):
         domain, scene, strategy, seed = episode.job
         path = options.out / f"{Path(scene).stem}-{seed}-{strategy}-{Path(domain).stem}.png"
