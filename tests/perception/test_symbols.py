@@ -30,6 +30,7 @@ SYMBOLS = (
     symbol("near", "area", "area", symmetric=True),
     symbol("traversal", "place", "place", "place"),
     symbol("onward", "area", "area"),
+    symbol("at_rim", "area"),
     SIZE,
 )
 
@@ -56,6 +57,25 @@ def test_objects_are_the_areas_and_all_are_dirty() -> None:
     assert objects == (Object("a1", "area"), Object("a2", "area"))
     assert {Fact("dirt", ("a1",)), Fact("dirt", ("a2",))} <= state
     assert symbolize([], synthetic.scene(), domain()) == ((), frozenset())
+
+
+def test_at_the_rim_is_what_is_nearer_to_an_edge_than_half_a_rag_but_not_before_the_mouth() -> None:
+    scene = synthetic.scene()
+    half, reach = scene.surface.depth / 2, scene.rag.width / 2
+    east = scene.surface.width / 2 - reach / 2
+    beside = scene.container.width / 2 + 0.01
+    places = {
+        "inside": (0.0, half - reach - 0.001),
+        "north": (0.0, half - reach + 0.001),
+        "south": (0.0, -half + 0.01),
+        "west": (-east, 0.0),
+        "mouth": (east, 0.0),
+        "beside": (east, beside),
+    }
+    found = facts(*(area(name, *place) for name, place in places.items()))["at_rim"]
+    assert found == {("north",), ("south",), ("west",), ("beside",)}
+    north = facts(area("a", 0.0, half - 0.01), area("b", east, 0.0), edge="north")["at_rim"]
+    assert north == {("b",)}
 
 
 @pytest.mark.parametrize(

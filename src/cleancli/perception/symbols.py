@@ -42,6 +42,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         _traversal(areas, domain, scene.symbols),
         _traversal_to_container(areas, domain, scene),
         _onward(areas, domain, scene),
+        _at_rim(areas, domain, scene),
     )
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
 
@@ -109,6 +110,21 @@ def place_at_mouth(point: Point, scene: Scene) -> Point:
     if x0 == x1:
         return x0, min(max(point[1], y0 + margin), y1 - margin)
     return min(max(point[0], x0 + margin), x1 - margin), y0
+
+
+def reaches_rim(place: Point, scene: Scene) -> bool:
+    """Whether a rag whose middle goes over `place` can reach beyond an edge where no container stands."""
+    (x, y), surface, container = place, scene.surface, scene.container
+    margins = {
+        "east": surface.width / 2 - x,
+        "west": surface.width / 2 + x,
+        "north": surface.depth / 2 - y,
+        "south": surface.depth / 2 + y,
+    }
+    along = y if container.edge in ("east", "west") else x
+    if abs(along - container.offset) <= container.width / 2:
+        del margins[container.edge]
+    return min(margins.values()) < scene.rag.width / 2
 
 
 def _declared(domain: Domain, name: str, *types: str) -> bool:
@@ -187,6 +203,11 @@ def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fac
             turn = abs(remainder(on - _direction(first.ellipse.centre, middle), tau))
             if apart <= scene.symbols.onward and turn <= radians(GREATEST_TURN):
                 yield Fact("onward", (first.name, second.name))
+
+
+def _at_rim(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
+    if _declared(domain, "at_rim", AREA):
+        yield from (Fact("at_rim", (a.name,)) for a in areas if reaches_rim(a.ellipse.centre, scene))
 
 
 def _direction(begin: Point, end: Point) -> float:
