@@ -107,7 +107,7 @@ def heights(run: Run) -> Iterator[str]:
         cells = []
         for begin in BEGINS:
             for world in (PHYSICS, STAND_IN):
-                what = {"part": "height", "world": world, "height": height, "begin": begin}
+                what = {"part": "height", "world": world, "height": f"{height:g}", "begin": begin}
                 tried = run.rows(what, partial(taken, world, height, begin))
                 found += tried if world == PHYSICS else []
                 cells.append(f"{_share(tried):.0%}")
@@ -125,7 +125,7 @@ def likeliest(found: Sequence[Row]) -> tuple[float, float]:
         slips, spread = np.exp(numbers)
         total = 0.0
         for row in found:
-            over = (row["height"] + 1e3 * edges[row["seed"]] - slips) / spread
+            over = (float(row["height"]) + 1e3 * edges[row["seed"]] - slips) / spread
             share = float(np.clip(norm.cdf(-over).mean(), 1e-3, 1 - 1e-3))
             total -= row["taken"] * np.log(share) + (LENTILS - row["taken"]) * np.log(1 - share)
         return total
@@ -145,13 +145,13 @@ def turns(run: Run) -> Iterator[str]:
     for turn in TURNS:
         cells = []
         for world in (PHYSICS, STAND_IN):
-            what = {"part": "turn", "world": world, "turn": turn}
+            what = {"part": "turn", "world": world, "turn": str(turn)}
             cells.append(f"{_share(run.rows(what, partial(turned, world, turn))):.0%}")
         yield f"| {turn}° | {' | '.join(cells)} |"
 
 
 def _share(tried: Sequence[Row]) -> float:
-    return sum(row["taken"] for row in tried) / (LENTILS * len(tried))
+    return sum(int(row["taken"]) for row in tried) / (LENTILS * len(tried))
 
 
 def episodes(
