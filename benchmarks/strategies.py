@@ -26,7 +26,7 @@ from pathlib import Path
 from statistics import mean, stdev
 from typing import Any
 
-from episodes import Job, opened
+from episodes import Job, opened, planning
 from kept import Kept
 from scipy.stats import t
 
@@ -50,9 +50,11 @@ Row = dict[str, Any]
 
 def run(job: Job) -> Row:
     """One episode, by the command itself: what it took, by kind of time, and what is truly left."""
-    domain, scene, strategy, seed = job
+    domain, scene, named, seed = job
+    strategy, planner = planning(named)
     with tempfile.TemporaryDirectory() as folder:
         words = ["execute", domain, scene, "--strategy", strategy, "--seed", str(seed)]
+        words += ["--planner", planner] if planner else []
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             code = cleancli([*words, "--runs", folder, "--no-video", "--json"])
@@ -153,13 +155,17 @@ def main() -> None:
     )
     parser.add_argument("--domain", default="cleaning")
     parser.add_argument("--scene", nargs="+", default=SCENES)
-    parser.add_argument("--strategy", nargs="+", choices=list(STRATEGIES), default=list(STRATEGIES))
+    parser.add_argument(
+        "--strategy", nargs="+", default=list(STRATEGIES), help="each a name, or NAME:PLANNER"
+    )
     parser.add_argument("--seeds", nargs="+", type=int, default=SEEDS)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", type=Path, metavar="FILE", help="episodes run before are in it")
     parser.add_argument("--stand-in", action="store_true", help="without physics: a few seconds an episode")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
+    for named in options.strategy:
+        planning(named)
     if options.quick:
         options.scene, options.strategy, options.seeds = ["two_groups"], ["plan-2", "reactive"], [1]
     jobs = [(options.domain, c, s, n) for n in options.seeds for c in options.scene for s in options.strategy]

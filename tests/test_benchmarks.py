@@ -38,6 +38,7 @@ BENCHMARKS = sorted(
 DRAWS_NOTHING = {"language.py", "structure.py"}
 LONG = {
     "bound.py",
+    "chance.py",
     "conservation.py",
     "differential.py",
     "identity.py",
@@ -84,6 +85,36 @@ def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
     (most,) = re.findall(r"95 % ([\d.]+), longest (\d+)$", told, re.M)
     assert float(most[0]) <= 25
     assert int(most[1]) <= 60
+
+
+def test_what_strategies_lose_is_compared_by_seed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Five tables that were kept: the second strategy moves 2 s less on each, and loses 1 to 3 more."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    domain, kept = str(importlib.import_module("chance").DOMAINS["rim"]), tmp_path / "kept.jsonl"
+    rows = [
+        {
+            "job": [domain, "rim", strategy, seed],
+            "seconds": {"transits": 10.0 - 2 * worse, "actions": 20.0 + seed},
+            **{"actions": 4, "left": worse, "lost": worse * (seed % 3), "clean": True},
+        }
+        for strategy, worse in (("plan-1", 0), ("determinized:likeliest", 1))
+        for seed in range(3, 9)
+    ]
+    kept.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    words = ("--scene", "rim", "--episodes", "6", "--seed", "3", "--keep", str(kept))
+    _main("chance", monkeypatch, *words, "--strategy", "plan-1", "determinized:likeliest")
+    plan, other = capsys.readouterr().out.strip().splitlines()[-2:]
+    assert plan == "| plan-1 | 6 | 35.5 ± 2.0 | 0 |  | 0.0 ± 0.0 | 0 |  | 4.0 | 0 |"
+    start = "| determinized:likeliest | 6 | 33.5 ± 2.0 | -2.0 ± 0.0 | 0.03 | 2.0 ± 0.9 | 2.0 ± 0.9 | 0.03"
+    assert other.startswith(start)
+
+
+@pytest.mark.parametrize("named", ["plans", "determinized:likely"])
+def test_an_unknown_strategy_or_planner_is_refused(named: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ValueError, match=named):
+        _main("strategies", monkeypatch, "--strategy", named)
 
 
 def test_the_numbers_of_the_stand_in_are_found_in_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None:
