@@ -1,5 +1,5 @@
-"""The domains of the layouts on which chance matters (docs/execution.md): plans weigh it, and plans that think
-it away go wrong, in the symbolic world and on the fast stand-in for the table."""
+"""Layouts on which chance matters (docs/execution.md): plans weigh it, and plans that think it away go wrong,
+in the symbolic world and on the fast stand-in for the table."""
 
 from __future__ import annotations
 
