@@ -136,8 +136,8 @@ class KinematicTable:
         return cos * x + sin * y - self._cloth(aside), aside
 
     def _at_cloth(self, pose: Floats, aside: Floats) -> Points:
-        """(n, 2) places before the cloth, so far aside of its middle: a particle sticks to the cloth, whose
-        friction is greater than the slant of any push (docs/world.md)."""
+        """(n, 2) places before the cloth, so far aside of its middle: a particle does not slide along the
+        cloth, whose friction is greater than the slant of any push (docs/world.md)."""
         cos, sin = np.cos(pose[3]), np.sin(pose[3])
         forward = self._cloth(aside)
         offsets = np.column_stack((cos * forward - sin * aside, sin * forward + cos * aside))
