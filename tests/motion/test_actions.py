@@ -25,7 +25,7 @@ from cleancli.scene.model import (
     SymbolThresholds,
 )
 
-CLEANING = ("moveToContainerFast", "moveToContainerStraight", "sweep2", "sweep3")
+CLEANING = ("moveToContainerFast", "moveToContainerStraight", "sweep1", "sweep2", "sweep3")
 SCENE = Scene(
     name="bare",
     surface=Surface(0.9, 0.7, 0.45, (205, 198, 184)),
@@ -210,3 +210,11 @@ def test_picking_up_takes_two_arms() -> None:
     assert can_execute("join2", 2, "gantry")
     with pytest.raises(NoSkill, match="pickUp/1"):
         tool_path("pickUp", (Ellipse((0, 0), (0.1, 0.1), 0),), SCENE)
+
+
+@given(ellipses, scenes)
+def test_a_sweep_of_one_area_is_a_fast_push_in_straight_lines(area: Ellipse, setting: Scene) -> None:
+    """docs/world.md; so that it does not bow on an arm."""
+    push, sweep = (tool_path(name, (area,), setting) for name in ("moveToContainerFast", "sweep1"))
+    assert sweep.waypoints == push.waypoints
+    assert (push.interpolation, sweep.interpolation) == (Interpolation.JOINT, Interpolation.STRAIGHT)

@@ -152,13 +152,14 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
         "join2": Skill(2, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "join3": Skill(3, _join, STRAIGHT_SPEED, Interpolation.STRAIGHT),
         "groupScattered": Skill(1, _group_scattered, STRAIGHT_SPEED, Interpolation.STRAIGHT),
+        "sweep1": Skill(1, _to_container, FAST_SPEED, Interpolation.STRAIGHT),
         "sweep2": Skill(2, _sweep, FAST_SPEED, Interpolation.STRAIGHT),
         "sweep3": Skill(3, _sweep, FAST_SPEED, Interpolation.STRAIGHT),
     }
 )
 """What one arm can do."""
 
-SWEEPS = ("sweep2", "sweep3")
+SWEEPS = ("sweep1", "sweep2", "sweep3")
 """Strokes that go over several areas and on into the container."""
 
 ARITIES: Mapping[str, int] = MappingProxyType(
