@@ -11,6 +11,7 @@ from cleancli.execution.episode_state import (
     PATIENCE,
     EpisodeState,
     FailedAttempt,
+    Move,
     Situation,
     about,
     unchanged,
@@ -20,7 +21,7 @@ from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job
 from cleancli.execution.table_cell import TableCell
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
-from cleancli.motion.actions import tool_path
+from cleancli.motion.actions import tool_path, tool_paths
 from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.area import Area
 from support.scripted_robot import Scripted
@@ -114,3 +115,20 @@ def test_what_was_in_vain_is_pressed_further() -> None:
     lower = pressed(path, 0.002)
     above = [(a.z, b.z) for a, b in zip(path.waypoints, lower.waypoints, strict=True) if a.z > 0]
     assert above == [(z, z) for z, _ in above], "only the stroke"
+
+
+def test_picking_up_takes_the_first_way_that_the_robot_can_follow_and_another_after_it_was_in_vain() -> None:
+    """docs/execution.md; the best way where it can follow none, so that its failure is told."""
+    scene, domain = shipped_scene("reem_pick_up"), shipped_domain("cleaning")
+    ways = list(tool_paths("pickUp", (AREAS[0].ellipse,), scene))
+    robot = Scripted(scene, lambda strokes: [])
+    cell = TableCell(domain, scene, robot, 1)
+    move = Move("pickUp", ("a1",))
+    assert cell.path(move, BEFORE) == ways[0]
+    assert cell.path(move, BEFORE, vain=1) == ways[1]
+    robot.can_follow = lambda path: path in ways[2:4]  # type: ignore[method-assign]
+    assert cell.path(move, BEFORE) == ways[2]
+    assert cell.path(move, BEFORE, vain=1) == ways[3]
+    assert cell.path(move, BEFORE, vain=2) == ways[0]
+    robot.can_follow = lambda path: False  # type: ignore[method-assign]
+    assert cell.path(move, BEFORE) == ways[0]

@@ -45,6 +45,10 @@ class Scripted:
             self._camera, self._surface.width, self._surface.depth, self._dirt(self.strokes), hides
         )
 
+    def can_follow(self, path: ToolPath) -> bool:
+        """It can, whatever the path."""
+        return True
+
     def start(self, path: ToolPath) -> None:
         """The whole stroke in one period."""
         last = path.waypoints[-1]

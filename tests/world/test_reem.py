@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.motion.actions import tool_path
+from cleancli.motion.actions import tool_path, tool_paths
 from cleancli.motion.arm import forward
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
@@ -64,6 +64,18 @@ def test_picking_up_takes_most_lentils_over_the_dustpan_into_the_container() -> 
     assert most >= 10
     assert truth.in_container == most, "what is on the dustpan's slope does not creep off when the rag leaves"
     assert truth.in_dustpan == 0
+
+
+def test_where_the_dustpan_cannot_wait_on_the_left_it_waits_elsewhere() -> None:
+    """An area of which the lip on the left would be out of the right arm's reach."""
+    setting, area = desk(), Ellipse((-0.05, 0.045), (0.03, 0.025), 0.0)
+    with closing(PybulletTable(setting, 1)) as table:
+        first, *others = tool_paths("pickUp", (area,), setting)
+        assert not table.can_follow(first)
+        path = next(path for path in others if table.can_follow(path))
+        table.start(path)
+        assert table.failure == ""
+        assert table.clock == 0.0, "asking moves nothing"
 
 
 def test_the_lip_is_raised_while_the_rag_leaves() -> None:
@@ -181,7 +193,7 @@ def test_a_dustpan_holds_what_is_between_its_walls() -> None:
 
 _TWICE = """
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import tool_path
+from cleancli.motion.actions import tool_path, tool_paths
 from cleancli.perception.area import Ellipse
 from cleancli.scene.check import load_scene
 from cleancli.world.robot import finish

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from math import dist
 
 import numpy as np
@@ -15,7 +16,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain, Problem, without_objects
-from cleancli.motion.actions import tool_path
+from cleancli.motion.actions import tool_paths
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.look import FRAMES_PER_LOOK, understood
@@ -87,22 +88,27 @@ class DrivenCell:
         is left out: most of it is the dustpan's way."""
         (x0, y0), (x1, y1) = self._scene.mouth()
         start = (x0 + x1) / 2, (y0 + y1) / 2
-        paths = ((action, self.path(Move(*action.key), situation)) for action in actions)
-        return {
-            action.key: expected_seconds(path, start)
-            for action, path in paths
-            if path is not None and path.dustpan is None
-        }
+        paths = ((action, next(self._paths(Move(*action.key), situation))) for action in actions)
+        return {action.key: expected_seconds(path, start) for action, path in paths if path.dustpan is None}
 
     def path(self, move: Move, situation: Situation, vain: int = 0) -> ToolPath | None:
-        """The move's own path, or that of its action upon the areas where they are seen now. What was in vain
-        is not repeated unchanged: the rag is pressed further each time."""
+        """The move's own path, or that of its action upon the areas where they are seen now: the best of
+        several that the robot can follow. What was in vain is not repeated unchanged: another way is taken,
+        or else the rag is pressed further each time."""
         if move.path is not None:
             return move.path
+        best, *others = self._paths(move, situation)
+        if not others:
+            return pressed(best, vain * FURTHER)
+        possible = (path for path in (best, *others) if self._robot.can_follow(path))
+        return next(islice(possible, vain, None), best)
+
+    def _paths(self, move: Move, situation: Situation) -> Iterator[ToolPath]:
+        """Paths of an action upon the areas where they are seen now, the best first."""
         ellipses = {area.name: area.ellipse for area in situation.areas}
         others = [ellipse for name, ellipse in ellipses.items() if name not in move.objects]
         areas = tuple(ellipses[name] for name in move.objects)
-        return pressed(tool_path(move.action, areas, self._scene, others), vain * FURTHER)
+        return tool_paths(move.action, areas, self._scene, others)
 
     def carry_out(self, number: int, move: Move, path: ToolPath | None) -> Motion:
         """Follow the path; its failure ends with the tool raised."""

@@ -6,10 +6,10 @@ tool comes down straight, just behind the dirt, stands perpendicular to the moti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, hypot
+from math import atan2, cos, hypot, radians, sin
 from types import MappingProxyType
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest, reach
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
-from cleancli.motion.pick_up import pick_up
+from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
@@ -29,6 +29,8 @@ EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 PICK_UP = "pickUp"  # the one action that takes two arms
+BRINGING = (0.0, 30.0, -30.0, 60.0, -60.0)  # degrees aside of the middle, in which dirt is brought nearer
+BROUGHT = 0.10  # at least so far
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
 Areas = tuple[Ellipse, ...]
@@ -64,13 +66,23 @@ def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse]
 
     Raises `NoSkill` for an action that the scene's robot doesn't have.
     """
+    return next(tool_paths(action, areas, scene, others))
+
+
+def tool_paths(
+    action: str, areas: tuple[Ellipse, ...], scene: Scene, others: Iterable[Ellipse] = ()
+) -> Iterator[ToolPath]:
+    """As `tool_path`, and then, of an action that can be done in several ways, what to try where the robot
+    can't follow those before."""
     if not can_execute(action, len(areas), scene.robot):
         raise NoSkill(action, len(areas))
     if action == PICK_UP:
-        return pick_up(areas[0], scene)
+        yield from pick_ups(areas[0], scene)
+        yield from _nearer(areas[0], scene)
+        return
     skill = SKILLS[action]
     corners = skill.stroke(areas, scene, tuple(others))
-    return path_along(corners, scene, skill.speed, skill.interpolation)
+    yield path_along(corners, scene, skill.speed, skill.interpolation)
 
 
 def path_along(
@@ -92,6 +104,17 @@ def path_along(
         ),
         interpolation,
     )
+
+
+def _nearer(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
+    """Pushes of an area to the middle of the surface, where two arms reach best: for what they cannot pick up
+    where it lies."""
+    x, y = area.centre
+    for aside in BRINGING:
+        angle = atan2(-y, -x) + radians(aside)
+        way = max(hypot(x, y), BROUGHT)
+        end = x + way * cos(angle), y + way * sin(angle)
+        yield path_along((_behind_middle(area, end), end), scene)
 
 
 def _to_container(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:

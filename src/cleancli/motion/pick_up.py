@@ -1,7 +1,9 @@
 """The path of picking up (§3.2.2): a dustpan waits on the left of the dirt, the rag pushes from the right,
-and the dustpan is emptied into the container."""
+and the dustpan is emptied into the container. Where that is out of reach, the dustpan waits elsewhere."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -20,17 +22,32 @@ TIP_HEIGHT = 0.12  # of the held end, while it is tipped
 CARRY_HEIGHT = 0.06  # and when it is lifted
 TIP_BEYOND = 0.03  # the tipped lip is so far past the table's edge
 TIP = -1.0  # rad: lentils slide down
+TURNS = (0.0, 30.0, 60.0, 90.0)  # degrees from left towards the robot at which the dustpan waits
 
 
-def pick_up(area: Ellipse, scene: Scene) -> ToolPath:
-    """The rag's path, and with it where the dustpan stands and where it is emptied.
+def pick_ups(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
+    """Ways to pick up an area, the best first: from right to left (§3.2.2), then with the dustpan nearer to
+    the robot, as long as its lip stands on the surface.
 
     Left and right are those of the robot, which looks at the surface from behind the container.
     """
+    first, *others = (pick_up(area, scene, np.radians(turn)) for turn in TURNS)
+    yield first
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2
+    for path in others:
+        lip = path.waypoints[2]
+        if (np.abs((lip.x, lip.y)) < half).all():
+            yield path
+
+
+def pick_up(area: Ellipse, scene: Scene, turn: float = 0.0) -> ToolPath:
+    """The rag's path from right to left, or turned from there towards the robot, in radians; and with it
+    where the dustpan stands and where it is emptied."""
     out = np.array(scene.outwards())
     left = np.array((out[1], -out[0]))
+    aim = np.cos(turn) * left + np.sin(turn) * out
     points = boundary(area)
-    begin, end = points[np.argmin(points @ left)], points[np.argmax(points @ left)]
+    begin, end = points[np.argmin(points @ aim)], points[np.argmax(points @ aim)]
     way = (end - begin) / np.linalg.norm(end - begin)
     yaw = float(np.arctan2(way[1], way[0]))
     half = np.array((scene.surface.width, scene.surface.depth)) / 2 - 0.005

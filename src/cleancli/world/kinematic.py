@@ -71,6 +71,10 @@ class KinematicTable:
         """(n, 2) where particles lie on the table, metres."""
         return self._places[self._on_table]
 
+    def can_follow(self, path: ToolPath) -> bool:
+        """A gantry goes everywhere."""
+        return True
+
     def start(self, path: ToolPath) -> None:
         """Begin a motion: the transit is over after one poll, the stroke after the next."""
         offset = stroke_error(path, self._noise)

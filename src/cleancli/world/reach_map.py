@@ -1,15 +1,27 @@
-"""Where on the surface a robot can put its tool down, over a grid of places."""
+"""Where on the surface a robot can put its tool down, over a grid of places, and which dirt it cannot clean
+away."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
 from cleancli.array_types import Bools, Floats
+from cleancli.geometry.ellipse import Ellipse
+from cleancli.motion.actions import PICK_UP, can_execute, tool_paths
+from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
 from cleancli.world.robots.registry import ROBOTS
 
 STEP = 0.02
 """Metres between places that are tried."""
+
+CELL = 0.04
+"""Metres of the squares whose dirt is asked about at once. Chosen: less than a rag is wide."""
+
+SPECK = 1e-3
+"""Metres of half the size of the dirt that is asked about. Chosen: less than a lentil's."""
 
 _OUTWARDS = {"east": 0.0, "north": np.pi / 2, "west": np.pi, "south": -np.pi / 2}
 
@@ -23,9 +35,19 @@ def reach(scene: Scene) -> tuple[Floats, Bools]:
     return places, ROBOTS[scene.robot].reaches(np.column_stack((places, height, yaw)), scene)
 
 
-def missed(points: Floats, places: Floats, reached: Bools) -> int:
-    """How many of `points` (m, 2) lie nearest to one of the `places` (n, 2) that are not `reached` (n,)."""
-    return sum(not reached[np.abs(places - point).sum(axis=1).argmin()] for point in points)
+def missed(points: Floats, scene: Scene, can_follow: Callable[[ToolPath], bool]) -> int:
+    """How many of `points` (n, 2), metres, lie where the robot can follow no stroke into the container, or
+    with two arms none by which it picks up or brings nearer. Those of a square are asked about in their
+    middle."""
+    name = PICK_UP if can_execute(PICK_UP, 1, scene.robot) else "moveToContainerStraight"
+    squares = np.rint(points / CELL)
+    count = 0
+    for square in np.unique(squares, axis=0):
+        inside = points[(squares == square).all(axis=1)]
+        x, y = inside.mean(axis=0).tolist()
+        speck = Ellipse((x, y), (SPECK, SPECK), 0.0)
+        count += 0 if any(map(can_follow, tool_paths(name, (speck,), scene))) else len(inside)
+    return count
 
 
 def _axis(length: float) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from types import TracebackType
 from typing import Self
 
@@ -118,6 +119,16 @@ class PybulletTable:
     def failure(self) -> str:
         """Why the last motion FAILED, or nothing."""
         return self._failure
+
+    def can_follow(self, path: ToolPath) -> bool:
+        """Whether the drive plans it from where the joints are, with errors of three standard deviations to
+        either side across its way, in height and in yaw."""
+        try:
+            for side, turn in product((-3.0, 3.0), repeat=2):
+                self._drive.follow(path, _error(path, side, turn, turn))
+        except Unreachable:
+            return False
+        return True
 
     def start(self, path: ToolPath) -> None:
         """Begin a transit above the surface to the path's first waypoint, then the path, with tool noise.
@@ -273,10 +284,17 @@ class PybulletTable:
 def stroke_error(path: ToolPath, rng: np.random.Generator) -> Floats:
     """How far off the tool is during a stroke, (4,): x, y, z in metres, and yaw. Drawn across the way of the
     first push, in height and in yaw; a rag is pressed as well, if no dustpan takes part."""
-    height, side, yaw = rng.normal(0, (par.HEIGHT_NOISE, par.SIDE_NOISE, par.YAW_NOISE))
+    height, side, yaw = rng.normal(size=3)
+    return _error(path, side, height, yaw)
+
+
+def _error(path: ToolPath, side: float, height: float, yaw: float) -> Floats:
+    """The same for errors given in standard deviations."""
     across = path.waypoints[0].yaw + np.pi / 2
     press = par.PRESS if path.dustpan is None else 0.0
-    return np.array((side * np.cos(across), side * np.sin(across), height - press, yaw))
+    aside = side * par.SIDE_NOISE
+    lift, turn = height * par.HEIGHT_NOISE - press, yaw * par.YAW_NOISE
+    return np.array((aside * np.cos(across), aside * np.sin(across), lift, turn))
 
 
 def _refuse_unknown(scene: Scene) -> None:

@@ -60,7 +60,7 @@ def command(
             write_png(reached, reach_map(setting, places, able))
         truth = table.truth()
         lying = np.concatenate((truth.left[:, :2], truth.ink[:, :2]))
-        found = Reached(float(able.mean()), len(lying), missed(lying, places, able))
+        found = Reached(float(able.mean()), len(lying), missed(lying, setting, table.can_follow))
         said = json.dumps(_described(setting, found), indent=2) if as_data else _printed(setting, found)
         echo(said)
         table.show()
@@ -68,8 +68,8 @@ def command(
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """The share of the surface that the robot reaches; pieces of dirt on it, and how many the robot does not
-    reach. A piece of ink is a cell of it."""
+    """The share of the surface that the robot reaches; pieces of dirt on it, and how many of them it can't
+    clean away. A piece of ink is a cell of it."""
 
     share: float
     pieces: int
