@@ -41,6 +41,7 @@ LONG = {
     "chance.py",
     "conservation.py",
     "differential.py",
+    "fresh_tables.py",
     "identity.py",
     "perception.py",
     "physics.py",
