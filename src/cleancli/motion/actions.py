@@ -29,8 +29,8 @@ EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 PICK_UP = "pickUp"  # the one action that takes two arms
-BRINGING = (0.0, 30.0, -30.0, 60.0, -60.0)  # degrees aside of the middle, in which dirt is brought nearer
-BROUGHT = 0.10  # at least so far
+BRINGING = (0.0, 30.0, -30.0)  # degrees aside of the middle, in which dirt is brought nearer
+NEAR_MIDDLE = 0.10  # nearer to the middle than so, nothing is brought
 _SAME_PLACE = 1e-3  # corners closer than this are one
 
 Areas = tuple[Ellipse, ...]
@@ -110,10 +110,12 @@ def _nearer(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
     """Pushes of an area to the middle of the surface, where two arms reach best: for what they cannot pick up
     where it lies."""
     x, y = area.centre
+    far = hypot(x, y)
+    if far < NEAR_MIDDLE:
+        return
     for aside in BRINGING:
         angle = atan2(-y, -x) + radians(aside)
-        way = max(hypot(x, y), BROUGHT)
-        end = x + way * cos(angle), y + way * sin(angle)
+        end = x + far * cos(angle), y + far * sin(angle)
         yield path_along((_behind_middle(area, end), end), scene)
 
 
