@@ -45,7 +45,7 @@ class Scripted:
             self._camera, self._surface.width, self._surface.depth, self._dirt(self.strokes), hides
         )
 
-    def can_follow(self, path: ToolPath) -> bool:
+    def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
         """It can, whatever the path."""
         return True
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import islice
+from itertools import islice, product
 from math import dist
 
 import numpy as np
@@ -32,6 +32,10 @@ MOST_POLLS = 20_000
 FURTHER = 1e-3
 """Metres by which the rag is pressed further after each try in vain. Chosen: about half the error of its
 height (docs/world.md), from which most of such tries come."""
+
+SURELY = (2.0, 1.0, 0.0)
+"""Standard deviations of the robot's errors with which it can follow the way that is taken, if there is one:
+the most that it can. Chosen."""
 
 ARRIVED = 0.02
 """Metres from a path's first waypoint at which the transit to it is over; errors of the tool stay below."""
@@ -100,7 +104,8 @@ class DrivenCell:
         best, *others = self._paths(move, situation)
         if not others:
             return pressed(best, vain * FURTHER)
-        possible = (path for path in (best, *others) if self._robot.can_follow(path))
+        ways = product(SURELY, (best, *others))
+        possible = (path for errors, path in ways if self._robot.can_follow(path, errors))
         return next(islice(possible, vain, None), best)
 
     def _paths(self, move: Move, situation: Situation) -> Iterator[ToolPath]:

@@ -71,7 +71,7 @@ class KinematicTable:
         """(n, 2) where particles lie on the table, metres."""
         return self._places[self._on_table]
 
-    def can_follow(self, path: ToolPath) -> bool:
+    def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
         """A gantry goes everywhere."""
         return True
 

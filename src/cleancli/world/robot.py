@@ -32,8 +32,11 @@ class Mover(Protocol):
     def failure(self) -> str:
         """Why the last motion failed, or nothing."""
 
-    def can_follow(self, path: ToolPath) -> bool:
-        """Whether it can carry out a path from where it is, for all its errors; nothing moves."""
+    def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
+        """Whether it can carry out a path from where it is, with errors of so many standard deviations.
+
+        Nothing moves.
+        """
 
     def start(self, path: ToolPath) -> None:
         """Begin a motion: a transit from the present pose to its first waypoint, then the path."""

@@ -120,11 +120,11 @@ class PybulletTable:
         """Why the last motion FAILED, or nothing."""
         return self._failure
 
-    def can_follow(self, path: ToolPath) -> bool:
-        """Whether the drive plans it from where the joints are, with errors of two standard deviations to
-        either side across its way, in height and in yaw."""
+    def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
+        """Whether the drive plans it from where the joints are, with errors of so many standard
+        deviations to either side across its way, in height and in yaw."""
         try:
-            for side, turn in product((-2.0, 2.0), repeat=2):
+            for side, turn in product((-errors, errors), repeat=2):
                 self._drive.follow(path, _error(path, side, turn, turn))
         except Unreachable:
             return False
