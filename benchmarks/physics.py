@@ -231,7 +231,7 @@ def passes(grasp: str, seed: int) -> Row:
         for _ in range(PASSES):
             table.start(tool_path("moveToContainerStraight", (area,), scene))
             finish(table)
-            left.append(round(table.truth().ink_left, 4))
+            left.append(round(table.truth().ink_left or 0.0, 4))
     return {"left": left}
 
 

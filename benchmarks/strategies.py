@@ -70,6 +70,7 @@ def run(job: Job) -> Row:
         "seconds": episode["seconds"],
         "left": truth["on_table"],
         "lost": truth["on_floor"],
+        "ink_left": truth["ink_left"],
     }
 
 

@@ -274,7 +274,11 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
 
 
 def _left(truth: Mapping[str, object]) -> Iterator[str]:
-    """Where the dirt truly is."""
+    """Where the dirt truly is: particles, ink, or both."""
+    if truth["ink_left"] is not None:
+        yield f"truly: {truth['ink_left']:.1%} of the ink left"
+    if not truth["particles"] and truth["ink_left"] is not None:
+        return
     yield (
         f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
         f" {truth['on_table']} on the table, {truth['on_floor']} on the floor"
@@ -282,5 +286,3 @@ def _left(truth: Mapping[str, object]) -> Iterator[str]:
     )
     if truth["on_table"]:
         yield f"left on the table at (m): {truth['left_on_table_at']}"
-    if truth["ink_left"]:
-        yield f"ink left: {truth['ink_left']:.0%}"

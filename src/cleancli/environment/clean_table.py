@@ -19,8 +19,8 @@ from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
 from cleancli.execution.episode_state import Move, Situation
-from cleancli.execution.session import Session, table_session, usual_job
-from cleancli.execution.setup import EpisodeOptions, within_reach
+from cleancli.execution.session import Session, table_session
+from cleancli.execution.setup import EpisodeOptions, usual_job, within_reach
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
@@ -194,7 +194,7 @@ def _opened(scene_name: str, domain_name: str | None) -> tuple[Scene, Domain]:
     named = domain_name or (str(beside) if beside.is_file() else scene.domain)
     domain = load_domain(read_source(find(named, "domains")))
     symbolize((), scene, domain)  # refuses what perception can't tell
-    return scene, within_reach(domain, scene.robot, usual_job(scene))
+    return scene, within_reach(domain, scene.robot, usual_job(domain, scene.robot))
 
 
 def _done(motion: Motion) -> Motions:

@@ -18,6 +18,7 @@ from cleancli.geometry.ellipse import Ellipse, boundary
 from cleancli.motion.actions import gathering, into_container, path_along
 from cleancli.motion.path import ToolPath
 from cleancli.motion.pick_up import pick_up
+from cleancli.motion.wiping import up_and_down, wiping
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import place_at_mouth
 from cleancli.scene.model import Scene
@@ -27,11 +28,12 @@ OVERLAP = 0.02
 
 
 def nearest_first(now: DecisionContext, options: EpisodeOptions) -> Decision:
-    """Reactive (§6): clean the area farthest from the goal, then always the one nearest to the arm."""
+    """Reactive (§6): clean the area farthest from the goal, then always the one nearest to the arm; wiping
+    has no goal."""
     scene = _scene(now)
     for action in now.job.cleaning:
         left = [area for area in now.situation.areas if (action, (area.name,)) not in now.excluded]
-        if left and now.number == 0:
+        if left and now.number == 0 and now.job is not Job.WIPE:
             return _clean(action, max(left, key=lambda area: _to_goal(area, scene)))
         if left:
             here = now.tool or (0.0, 0.0)
@@ -43,7 +45,7 @@ def gather_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     """Hess et al. (2013) as §6 does it: push all along the shortest path through all areas, then clean once.
 
     The path ends at the area nearest to the goal, where one cleaning action is then due. What is left is
-    gathered again.
+    gathered again. Wiping gathers nothing: then all is wiped along that path.
     """
     scene = _scene(now)
     areas = now.situation.areas
@@ -51,9 +53,11 @@ def gather_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
         points = np.array([area.ellipse.centre for area in areas])
         end = min(range(len(areas)), key=lambda index: _to_goal(areas[index], scene))
         order = tuple(areas[index] for index in shortest_path(points, end, now.seed))
-        names = tuple(area.name for area in order)
+        names, ellipses = tuple(area.name for area in order), tuple(area.ellipse for area in order)
         if ("gather", names) not in now.excluded:
-            path = path_along(gathering(tuple(area.ellipse for area in order)), scene)
+            if now.job is Job.WIPE:
+                return Decision((Move("gather", names, wiping(ellipses, scene, ())),))
+            path = path_along(gathering(ellipses), scene)
             return Decision((Move("gather", names, path), Move(now.job.cleaning[0], names[-1:])))
     return nearest_first(now, options)
 
@@ -63,7 +67,8 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
 
     To the container each line leads from the far end of the box; lines beside the mouth bend before the edge.
     The first is the one on the right of the robot, which looks at the surface from behind the container. With
-    a dustpan, each line leads from right to left, where the dustpan waits; the first is the farthest.
+    a dustpan, each line leads from right to left, where the dustpan waits; the first is the farthest. Ink is
+    wiped up and down each line.
     """
     if not now.situation.areas:
         return Decision(())
@@ -71,16 +76,15 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     out = np.array(scene.outwards())
     left = np.array((out[1], -out[0]))
     points = np.concatenate([boundary(area.ellipse) for area in now.situation.areas])
+    ahead, aside = points @ out, points @ left
     if now.job is Job.DUSTPAN:
-        rows = _rows(points @ out, scene.rag.width)
-        begin, end = (points @ left).min(), (points @ left).max()
-        paths = [_to_dustpan(row * out + begin * left, row * out + end * left, scene) for row in rows]
+        begin, end = aside.min() * left, aside.max() * left
+        rows = [row * out for row in _rows(ahead, scene.rag.width)]
+        paths = [_to_dustpan(row + begin, row + end, scene) for row in rows]
     else:
-        far = (points @ out).min()
-        paths = [
-            _line_out(far * out + row * left, row * left, scene)
-            for row in _rows(points @ left, scene.rag.width)
-        ]
+        far, near = ahead.min() * out, ahead.max() * out
+        rows = [row * left for row in _rows(aside, scene.rag.width)]
+        paths = [_line(far + row, near + row, row, now.job, scene) for row in rows]
     return Decision(tuple(Move("wipe", (), path) for path in paths))
 
 
@@ -93,6 +97,13 @@ def _rows(places: Floats, width: float) -> list[float]:
     middle = (low + high) / 2
     rows = [middle + pitch * (index - (number - 1) / 2) for index in range(number)]
     return [row for row in rows if (np.abs(places - row) <= width / 2).any()]
+
+
+def _line(far: Floats, near: Floats, row: Floats, job: Job, scene: Scene) -> ToolPath:
+    """Up and down between both ends of a line where ink is wiped away; otherwise from the far one out."""
+    if job is Job.WIPE:
+        return up_and_down(((_pair(far), _pair(near)),), scene)
+    return _line_out(far, row, scene)
 
 
 def _line_out(start: Floats, row: Floats, scene: Scene) -> ToolPath:

@@ -13,13 +13,12 @@ from cleancli.array_types import Image
 from cleancli.compiler.task import GroundState, Task
 from cleancli.execution.episode_state import World
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.setup import MOST, EpisodeOptions, EpisodeSetup, Job, within_reach
+from cleancli.execution.setup import MOST, EpisodeOptions, EpisodeSetup, Job, usual_job, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
-from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
 from cleancli.world.robot import Status
@@ -45,12 +44,12 @@ class Session:
 def table_session(
     domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None, world: World | None = None
 ) -> Session:
-    """A simulated table; the robot cleans with its dustpan if it has one, unless told otherwise.
+    """A simulated table; without a `job` the robot does its usual one.
 
     Raises what `PybulletTable` does, what `from_arrays` does of `world`, and ValueError where that is in the
     middle of a motion: a run is saved between motions.
     """
-    job = usual_job(scene) if job is None else job
+    job = usual_job(domain, scene.robot) if job is None else job
     state = None if world is None else from_arrays(world)
     if state is not None and Status(state.status) is Status.RUNNING:
         raise ValueError("the saved state is of a motion under way")
@@ -64,11 +63,6 @@ def table_session(
         table.stop,
         table.close,
     )
-
-
-def usual_job(scene: Scene) -> Job:
-    """What the scene's robot does unless told otherwise."""
-    return Job.DUSTPAN if can_execute(PICK_UP, 1, scene.robot) else Job.CONTAINER
 
 
 def symbolic_session(
@@ -110,13 +104,13 @@ def _clock(saved: NDArray[Any]) -> float:
 
 
 def truth_of(truth: Truth) -> Mapping[str, object]:
-    """Where the dirt of a table truly is."""
+    """Where the dirt of a table truly is, and which share of its ink is left; None where there was none."""
     return {
         "particles": truth.total,
         "in_container": truth.in_container,
         "on_table": truth.on_table,
         "in_dustpan": truth.in_dustpan,
         "on_floor": truth.on_floor,
-        "ink_left": round(truth.ink_left, 4),
+        "ink_left": None if truth.ink_left is None else round(truth.ink_left, 4),
         "left_on_table_at": [[round(float(x), 4), round(float(y), 4)] for x, y, _ in truth.left],
     }

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
-from cleancli.motion.actions import PICK_UP, SWEEPS, can_execute
+from cleancli.motion.actions import PICK_UP, SWEEPS, WIPES, can_execute
 from cleancli.planning.plan import Plan
 from cleancli.scene.model import Scene
 
@@ -17,20 +17,27 @@ TO_CONTAINER = ("moveToContainerFast", "moveToContainerStraight")
 
 
 class Job(enum.Enum):
-    """How dirt leaves the table: §6's two tasks."""
+    """How dirt leaves the table: §6's two tasks, and the whiteboard's."""
 
     CONTAINER = "container"  # moved to the container with the rag (§6.1)
     DUSTPAN = "dustpan"  # picked up with rag and dustpan (§6.2)
+    WIPE = "wipe"  # wiped away where it is, as ink
 
     @property
     def cleaning(self) -> tuple[str, ...]:
-        """The actions that clean, quickest first."""
-        return TO_CONTAINER if self is Job.CONTAINER else (PICK_UP,)
+        """The actions that clean one area, quickest first."""
+        return TO_CONTAINER if self is Job.CONTAINER else self.own[:1]
 
     @property
     def own(self) -> tuple[str, ...]:
         """All actions by which dirt leaves the table in this way."""
-        return (*self.cleaning, *SWEEPS) if self is Job.CONTAINER else self.cleaning
+        match self:
+            case Job.CONTAINER:
+                return (*TO_CONTAINER, *SWEEPS)
+            case Job.DUSTPAN:
+                return (PICK_UP,)
+            case Job.WIPE:
+                return WIPES
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +104,15 @@ class Decision:
     rest: tuple[GroundAction, ...] = ()
     plan: Plan | None = None
     loading: float = 0.0
+
+
+def usual_job(domain: Domain, robot: str) -> Job:
+    """What a robot of that name does unless told otherwise: it picks dirt up if it can, and wipes where the
+    domain knows no other way."""
+    known = {action.name for action in domain.actions}
+    if known.isdisjoint((*Job.CONTAINER.own, *Job.DUSTPAN.own)) and not known.isdisjoint(Job.WIPE.own):
+        return Job.WIPE
+    return Job.DUSTPAN if can_execute(PICK_UP, 1, robot) else Job.CONTAINER
 
 
 def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:

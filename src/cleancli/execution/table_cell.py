@@ -16,7 +16,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain, Problem, without_objects
-from cleancli.motion.actions import tool_paths
+from cleancli.motion.actions import WIPES, tool_paths
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.look import FRAMES_PER_LOOK, understood
@@ -88,12 +88,21 @@ class DrivenCell:
         return not situation.areas
 
     def seconds(self, situation: Situation, actions: Iterable[GroundAction]) -> Mapping[ActionKey, float]:
-        """By the paths that they would have now, from above the container, where most actions end. Picking up
-        is left out: most of it is the dustpan's way."""
-        (x0, y0), (x1, y1) = self._scene.mouth()
-        start = (x0 + x1) / 2, (y0 + y1) / 2
+        """By the paths that they would have now. Picking up is left out: most of it is the dustpan's way."""
         paths = ((action, next(self._paths(Move(*action.key), situation))) for action in actions)
-        return {action.key: expected_seconds(path, start) for action, path in paths if path.dustpan is None}
+        return {
+            action.key: expected_seconds(path, self._start(action.name))
+            for action, path in paths
+            if path.dustpan is None
+        }
+
+    def _start(self, action: str) -> tuple[float, float]:
+        """Where an action is expected to find the tool: above the container, where most actions end, or, as
+        wiping ends anywhere, above the middle of the surface."""
+        if action in WIPES:
+            return 0.0, 0.0
+        (x0, y0), (x1, y1) = self._scene.mouth()
+        return (x0 + x1) / 2, (y0 + y1) / 2
 
     def path(self, move: Move, situation: Situation, vain: int = 0) -> ToolPath | None:
         """The move's own path, or that of its action upon the areas where they are seen now: the best of

@@ -19,6 +19,7 @@ from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
+from cleancli.motion.wiping import wiping
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 
@@ -40,7 +41,7 @@ class NoSkill(Exception):
     """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:
-        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name in SKILLS)
+        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name != PICK_UP)
         super().__init__(f"this robot can't execute {action}/{arity}; it can execute {known}")
 
 
@@ -61,8 +62,8 @@ def can_execute(action: str, arity: int, robot: str) -> bool:
 
 
 def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse] = ()) -> ToolPath:
-    """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3); a push takes along
-    what it can of the `others` that are dirty.
+    """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3); pushes and wiping
+    take along what they can of the `others` that are dirty.
 
     Raises `NoSkill` for an action that the scene's robot doesn't have.
     """
@@ -79,6 +80,9 @@ def tool_paths(
     if action == PICK_UP:
         yield from pick_ups(areas[0], scene)
         yield from _nearer(areas[0], scene)
+        return
+    if action in WIPES:
+        yield wiping(areas, scene, others)
         return
     skill = SKILLS[action]
     corners = skill.stroke(areas, scene, tuple(others))
@@ -187,10 +191,17 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
 SWEEPS = ("sweep1", "sweep2", "sweep3")
 """Strokes that go over several areas and on into the container."""
 
+WIPES = ("wipe", "wipe2", "wipe3")
+"""Wiping areas away where they are, one after the other without lifting the rag."""
+
 ARITIES: Mapping[str, int] = MappingProxyType(
-    {**{name: skill.arity for name, skill in SKILLS.items()}, PICK_UP: 1}
+    {
+        **{name: skill.arity for name, skill in SKILLS.items()},
+        PICK_UP: 1,
+        **{name: number for number, name in enumerate(WIPES, 1)},
+    }
 )
-"""How many areas each action takes: the six of §3.2, and sweeps, which collect more in one stroke."""
+"""How many areas each action takes: the six of §3.2, sweeps, which collect more in one stroke, and wiping."""
 
 
 def past_edge(start: Point, crossing: Point, scene: Scene) -> Point:

@@ -15,6 +15,7 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
 from cleancli.motion.way_out import way_out
+from cleancli.motion.wiping import strokes_over
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds
 
@@ -43,6 +44,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         _traversal_to_container(areas, domain, scene),
         _onward(areas, domain, scene),
         _at_rim(areas, domain, scene),
+        _covers(areas, domain, scene),
     )
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
 
@@ -208,6 +210,16 @@ def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fac
 def _at_rim(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
     if _declared(domain, "at_rim", AREA):
         yield from (Fact("at_rim", (a.name,)) for a in areas if reaches_rim(a.ellipse.centre, scene))
+
+
+def _covers(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
+    """Which areas the strokes over each one wipe as well, by the way that they go (motion/wiping.py)."""
+    if not _declared(domain, "covers", AREA, AREA):
+        return
+    for area in areas:
+        others = {other.ellipse: other.name for other in areas if other is not area}
+        for ellipse in strokes_over(area.ellipse, scene, others).covers:
+            yield Fact("covers", (area.name, others[ellipse]))
 
 
 def _direction(begin: Point, end: Point) -> float:

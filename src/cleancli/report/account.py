@@ -12,8 +12,9 @@ from cleancli.report.timeline import KINDS, in_order
 
 @dataclass(frozen=True, slots=True)
 class RunRow:
-    """One run. `clean` and `reason` are None and empty while it has not ended, `left` is what truly lay on
-    the table at its end, None where nobody has looked. `areas`: dirty areas seen in the last look, None in
+    """One run. `clean` and `reason` are None and empty while it has not ended, `left` is how many particles
+    truly lay on the table at its end, `ink_left` the share of its ink; None where nobody has looked, or where
+    there was none. `areas`: dirty areas seen in the last look, None in
     the `symbolic` world."""
 
     name: str
@@ -29,6 +30,7 @@ class RunRow:
     particles: int | None
     left: int | None
     on_floor: int | None
+    ink_left: float | None
     symbolic: bool = False
 
     @property
@@ -37,6 +39,14 @@ class RunRow:
         if self.clean is None:
             return "cut short"
         return f"{'' if self.clean else 'not '}{'done' if self.symbolic else 'clean'}"
+
+    @property
+    def remains(self) -> str:
+        """What is truly left on the table, in words; empty where nobody has looked."""
+        ink = [] if self.ink_left is None else [f"{self.ink_left:.1%} of the ink"]
+        if None in (self.particles, self.left) or (ink and not self.particles):
+            return "".join(ink)
+        return ", ".join([f"{self.left} of {self.particles}", *ink])
 
 
 def row_of(run: Run) -> RunRow:
@@ -63,6 +73,7 @@ def row_of(run: Run) -> RunRow:
         particles=truth.particles,
         left=truth.on_table,
         on_floor=truth.on_floor,
+        ink_left=truth.ink_left,
         symbolic=symbolic,
     )
 

@@ -186,8 +186,10 @@ def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
         yield "went as was likeliest", f"{expected} of {len(steps)}"
     if row.areas is not None:
         yield "dirty areas seen at last", str(row.areas)
-    if row.particles is not None and row.left is not None:
+    if None not in (row.particles, row.left) and (row.particles or row.ink_left is None):
         yield "particles truly left", f"{row.left} of {row.particles}"
+    if row.ink_left is not None:
+        yield "ink truly left", f"{row.ink_left:.1%}"
     if row.on_floor:
         yield "particles on the floor", str(row.on_floor)
 

@@ -115,7 +115,7 @@ class KinematicTable:
             positions=positions,
             left=positions[self._on_table],
             ink=np.empty((0, 3)),
-            ink_left=0.0,
+            ink_left=None,
         )
 
     def _push(self, poses: Floats) -> None:

@@ -35,18 +35,21 @@ def reach(scene: Scene) -> tuple[Floats, Bools]:
     return places, ROBOTS[scene.robot].reaches(np.column_stack((places, height, yaw)), scene)
 
 
-def missed(points: Floats, scene: Scene, can_follow: Callable[[ToolPath], bool]) -> int:
-    """How many of `points` (n, 2), metres, lie where the robot can follow no stroke into the container, or
-    with two arms none by which it picks up or brings nearer. Those of a square are asked about in their
-    middle."""
-    name = PICK_UP if can_execute(PICK_UP, 1, scene.robot) else "moveToContainerStraight"
+def cleaning_of(robot: str) -> str:
+    """The action by which a robot of that name cleans particles away: with two arms it picks them up."""
+    return PICK_UP if can_execute(PICK_UP, 1, robot) else "moveToContainerStraight"
+
+
+def missed(points: Floats, action: str, scene: Scene, can_follow: Callable[[ToolPath], bool]) -> int:
+    """How many of `points` (n, 2), metres, lie where the robot can follow no path of an action upon them.
+    Those of a square are asked about in their middle."""
     squares = np.rint(points / CELL)
     count = 0
     for square in np.unique(squares, axis=0):
         inside = points[(squares == square).all(axis=1)]
         x, y = inside.mean(axis=0).tolist()
         speck = Ellipse((x, y), (SPECK, SPECK), 0.0)
-        count += 0 if any(map(can_follow, tool_paths(name, (speck,), scene))) else len(inside)
+        count += 0 if any(map(can_follow, tool_paths(action, (speck,), scene))) else len(inside)
     return count
 
 

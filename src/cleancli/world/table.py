@@ -34,7 +34,8 @@ class Truth:
     """Where all dirt really is; for reports and tests, never for planning.
 
     `positions` (total, 3) of all particles, and `left` (on_table, 3) of those still on the table, in metres.
-    `ink` (n, 3): x, y and amount of the cells whose ink can be seen; `ink_left`: the share of all ink.
+    `ink` (n, 3): x, y and amount of the cells whose ink can be seen; `ink_left`: the share of all ink,
+    None where there was none.
     """
 
     on_table: int
@@ -45,7 +46,7 @@ class Truth:
     positions: Floats
     left: Floats
     ink: Floats
-    ink_left: float
+    ink_left: float | None
 
 
 class PybulletTable:
@@ -208,7 +209,7 @@ class PybulletTable:
             positions=places,
             left=places[above],
             ink=np.empty((0, 3)) if self._ink is None else self._ink.places(),
-            ink_left=0.0 if self._ink is None else self._ink.left(),
+            ink_left=None if self._ink is None else self._ink.left(),
         )
 
     def show(self) -> None:

@@ -62,7 +62,7 @@ def _table(rows: Sequence[RunRow]) -> Table:
             str(row.seed),
             row.verdict,
             str(row.actions),
-            "-" if row.left is None else f"{row.left}/{row.particles}",
+            row.remains or "-",
             f"{row.total:.1f}",
             *((part,) if compared else ()),
             *(f"{row.seconds[kind]:.1f}" if kind in row.seconds else "-" for kind in kinds),

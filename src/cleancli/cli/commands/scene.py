@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,11 +19,13 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_scene
 from cleancli.execution.seeds import Stream, derived
+from cleancli.language.diagnostics.plural import plural
+from cleancli.motion.actions import WIPES
 from cleancli.recording.overlay import reach_map
 from cleancli.recording.pictures import write_png
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
 from cleancli.scene.robots import ARMS
-from cleancli.world.reach_map import missed, reach
+from cleancli.world.reach_map import cleaning_of, missed, reach
 from cleancli.world.table import PybulletTable
 
 
@@ -59,8 +62,13 @@ def command(
         if reached is not None:
             write_png(reached, reach_map(setting, places, able))
         truth = table.truth()
-        lying = np.concatenate((truth.left[:, :2], truth.ink[:, :2]))
-        found = Reached(float(able.mean()), len(lying), missed(lying, setting, table.can_follow))
+        found = Reached(
+            float(able.mean()),
+            missed(truth.left[:, :2], cleaning_of(setting.robot), setting, table.can_follow),
+            missed(truth.ink[:, :2], WIPES[0], setting, table.can_follow),
+            len(truth.left),
+            len(truth.ink),
+        )
         said = json.dumps(_described(setting, found), indent=2) if as_data else _printed(setting, found)
         echo(said)
         table.show()
@@ -68,12 +76,14 @@ def command(
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """The share of the surface that the robot reaches; pieces of dirt on it, and how many of them it can't
-    clean away. A piece of ink is a cell of it."""
+    """The share of the surface that the robot reaches; how many `particles` on it, and how many cells of
+    `ink`, and how many of each the robot can't clean away."""
 
     share: float
-    pieces: int
-    missed: int
+    missed_particles: int
+    missed_ink: int
+    particles: int
+    ink: int
 
 
 def has_display() -> bool:
@@ -95,7 +105,11 @@ def _described(setting: Scene, found: Reached) -> dict[str, object]:
             "tilt": list(surface.tilt),
         },
         "container": {"edge": container.edge, "offset": container.offset, "width": container.width},
-        "robot": {"drive": setting.robot, "reaches": found.share, "misses": found.missed},
+        "robot": {
+            "drive": setting.robot,
+            "reaches": found.share,
+            "misses": found.missed_particles + found.missed_ink,
+        },
         "rag": {"grasp": setting.rag.grasp.name, "width": setting.rag.width},
         "dirt": [_dirt(dirt) for dirt in setting.dirt],
     }
@@ -118,15 +132,20 @@ def _printed(setting: Scene, found: Reached) -> str:
         f" {surface.friction:g}; a container {_cm(container.width)} cm wide at the {container.edge} edge",
         f"robot: {setting.robot}, reaches {found.share:.0%} of the surface;"
         f" rag: {_cm(setting.rag.width)} cm wide, grasp {setting.rag.grasp.name}",
-        f"dirt: {', '.join(map(_named, setting.dirt))}",
+        f"dirt: {', '.join(_named(setting.dirt))}",
     ]
-    if found.missed:
-        lines.append(f"out of reach: {found.missed} of {found.pieces} pieces of dirt")
+    if found.missed_particles:
+        lines.append(f"out of reach: {found.missed_particles} of {found.particles} pieces of dirt")
+    if found.missed_ink:
+        lines.append(f"out of reach: {found.missed_ink / found.ink:.1%} of the ink")
     return "\n".join(lines)
 
 
-def _named(dirt: Dirt) -> str:
-    return "a line of ink" if isinstance(dirt, Ink) else f"{dirt.count} {dirt.of}"
+def _named(dirt: Sequence[Dirt]) -> Iterator[str]:
+    yield from (f"{each.count} {each.of}" for each in dirt if not isinstance(each, Ink))
+    lines = sum(isinstance(each, Ink) for each in dirt)
+    if lines:
+        yield f"{plural(lines, 'line')} of ink"
 
 
 def _cm(metres: float) -> str:
