@@ -56,6 +56,10 @@ world.robots.constants.PAN_LEAN | world.md | with its lip raised by {} rad
 world.robots.constants.PAN_LEANS[0] | world.md | (within {} to
 world.robots.constants.PAN_LEANS[1] | world.md | to {:.2f} rad, OMPL
 world.robots.constants.PAN_GAP * 1000 | world.md | {} mm above the surface while the dustpan stands
+motion.wiping.PASSES | world.md | goes {} times over each place
+motion.wiping.MARGIN * 100 | world.md | the rag's width less {:.0f} cm at either end
+motion.wiping.BEYOND * 100 | world.md | from {:.0f} cm beyond it
+motion.wiping.DRIFT * 1000 | world.md | Each pass drifts {:.0f} mm aside
 motion.pace.TRANSIT_SPEED | world.md | travels between strokes at {} m/s
 motion.pace.FAST_SPEED | world.md | differ in speed ({:.2f} and
 motion.pace.STRAIGHT_SPEED | world.md | (0.20 and {} m/s

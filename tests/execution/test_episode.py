@@ -15,7 +15,7 @@ from cleancli.execution.events import Acted, Checkpoint, Decided, Ended, Event, 
 from cleancli.execution.loop import clean
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.session import table_session
-from cleancli.execution.setup import EpisodeOptions, Job, within_reach
+from cleancli.execution.setup import EpisodeOptions, Job, usual_job, within_reach
 from cleancli.execution.table_cell import look_once
 from cleancli.language.model import Domain
 from cleancli.learning.experience import read_experience
@@ -149,3 +149,10 @@ def test_a_job_leaves_out_the_other_way_of_cleaning(domain: Domain) -> None:
     pushes = {"moveToContainerFast", "moveToContainerStraight"}
     assert {a.name for a in within_reach(domain, "reem", Job.DUSTPAN).actions} == everything - pushes
     assert {a.name for a in within_reach(domain, "reem", Job.CONTAINER).actions} == everything - {"pickUp"}
+
+
+def test_what_a_robot_does_unless_told_otherwise(domain: Domain) -> None:
+    assert [usual_job(domain, robot) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
+    board = shipped_domain("wiping_ink")
+    assert [usual_job(board, robot) for robot in ("gantry", "reem")] == [Job.WIPE, Job.WIPE]
+    assert within_reach(board, "gantry", Job.WIPE) == board

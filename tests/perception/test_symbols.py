@@ -31,6 +31,7 @@ SYMBOLS = (
     symbol("traversal", "place", "place", "place"),
     symbol("onward", "area", "area"),
     symbol("at_rim", "area"),
+    symbol("covers", "area", "area"),
     SIZE,
 )
 
@@ -140,6 +141,12 @@ def test_a_stroke_goes_onward_where_it_turns_little() -> None:
     assert {first for first, second in found if second == "a1"} == {"a2", "a4", "a5"}
     assert ("a1", "a2") not in found
     assert ("a5", "a2") in found, "6 cm apart"
+
+
+def test_strokes_over_a_line_cover_a_mark_beside_it_and_not_the_other_way_round() -> None:
+    """The rag is 12 cm wide, of which 10 are relied upon."""
+    line, mark, far = area("a1", 0, 0, 0.1, 0.005), area("a2", 0.05, 0.07), area("a3", -0.05, 0.09)
+    assert facts(line, mark, far)["covers"] == {("a1", "a2")}
 
 
 @pytest.mark.parametrize("seed", range(10))

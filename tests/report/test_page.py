@@ -153,6 +153,28 @@ def test_the_figures_at_the_top_count_what_went_as_was_likeliest(tmp_path: Path)
     assert "particles truly left 0 of 28 particles on the floor 2" in told
 
 
+@pytest.mark.parametrize(
+    ("truth", "figures", "remains"),
+    [
+        ({"particles": 0, "on_table": 0, "ink_left": 0.0123}, "ink truly left 1.2%", "1.2% of the ink"),
+        (
+            {"particles": 9, "on_table": 2, "ink_left": 0.0},
+            "particles truly left 2 of 9 ink truly left 0.0%",
+            "2 of 9, 0.0% of the ink",
+        ),
+        ({"particles": 0, "on_table": 0, "ink_left": None}, "particles truly left 0 of 0", "0 of 0"),
+    ],
+)
+def test_what_is_left_is_told_of_ink_where_there_was_ink(
+    truth: dict[str, object], figures: str, remains: str, tmp_path: Path
+) -> None:
+    run = read_run(write_run(tmp_path / "run", pictures=0, truth=truth))
+    told = text_of(run_page(run))
+    assert figures in told
+    assert ("particles truly left" in told) == ("particles" in figures)
+    assert f" {remains} " in text_of(comparison_page([row_of(run)]))
+
+
 def test_a_run_that_is_cut_short_says_so_and_tells_its_time_so_far(tmp_path: Path) -> None:
     page = run_page(read_run(write_run(tmp_path / "cut", RECORDS[:10], 0, episode=None, truth=None)))
     told = text_of(page)

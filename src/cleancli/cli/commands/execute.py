@@ -65,8 +65,8 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--job",
     type=click.Choice([job.value for job in Job]),
-    help="How dirt leaves the table: pushed into the container, or picked up with a dustpan."
-    "  [default: dustpan, if the robot has one]",
+    help="How dirt leaves the table: pushed into the container, picked up with a dustpan, or wiped away."
+    "  [default: dustpan, if the robot has one; wipe, if the domain does nothing else]",
 )
 @click.option(
     "--known",
