@@ -5,7 +5,7 @@ where they are, and with `cleaning`, whose pushes and joins are for lentils. Pri
 with Student's t interval of 95 %, what share of those of `cleaning` they are, actions, and how much ink is
 left. Every episode is a line of FILE as soon as it is over; those that FILE holds are not run again.
 
-About 20 minutes of CPU; with `--quick` (one seed, at most two actions each) about a minute.
+About 15 minutes of CPU; with `--quick` (one seed of `wiping_ink`) about a minute.
 """
 
 from __future__ import annotations

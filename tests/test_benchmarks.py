@@ -43,6 +43,7 @@ LONG = {
     "differential.py",
     "fresh_tables.py",
     "identity.py",
+    "ink.py",
     "perception.py",
     "physics.py",
     "regret.py",

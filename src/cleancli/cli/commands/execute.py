@@ -118,8 +118,8 @@ def command(
 
     A scene is carried out on a simulated table, by a simulated robot; any other problem in the symbolic
     world. Leaves a folder with run.json, experience.jsonl, and of a table a picture per action and a video.
-    Exit code 3 if something is left at the end; the summary says where every lentil truly is, apart from what
-    perception believed.
+    Exit code 3 if something is left at the end; the summary says where every lentil truly is and how much
+    ink is left, apart from what perception believed.
     """
     said = _Said(as_data, quiet)
     if resume is not None:
