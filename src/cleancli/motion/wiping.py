@@ -133,7 +133,7 @@ def _chained(each: Sequence[Strokes]) -> tuple[Strokes, ...]:
 
 def _between(chain: Sequence[Strokes]) -> float:
     """Metres from where each strokes end, which is where their last lane begins, to where the next begin."""
-    return sum(dist(one.lanes[-1][0], next.lanes[0][0]) for one, next in pairwise(chain))
+    return sum(dist(before.lanes[-1][0], after.lanes[0][0]) for before, after in pairwise(chain))
 
 
 def _poses(lanes: Iterable[Lane], scene: Scene) -> list[tuple[float, float, float]]:
