@@ -30,7 +30,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import TrialResult, attempt
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import ARITIES, PICK_UP, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UP, WIPES, tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.joint_path import nearest_pose, stroke
 from cleancli.motion.legs import legs
@@ -299,7 +299,7 @@ def main() -> None:
     run = Run(repeat, options.seed, options.jobs, Kept(options.keep))
     grasps = ("wide", "corner") if options.quick else tuple(SHIPPED)
     kinds = ("compact",) if options.quick else tuple(LAYOUTS)
-    names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(ARITIES)
+    names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(a for a in ARITIES if a not in WIPES)
     names = (options.action,) if options.action else names
     parts = {
         "actions": lambda: actions(run, names, kinds, grasps),
