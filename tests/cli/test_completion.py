@@ -75,8 +75,9 @@ def folder(tmp_path: Path) -> Path:
 def test_what_is_offered(line: str, offered: list[str] | None, folder: Path) -> None:
     found = completed(line, folder)
     if offered is None:
-        scenes = ("reem_pick_up", "rim", "scattered_40", "sweeping", "three_areas", "two_groups")
-        offered = ["clean_kitchen.nid", "cleaning", *scenes, "wam_bow", "wam_groups", "more/"]
+        places = ("reem_pick_up", "rim", "scattered_40", "sweeping", "three_areas", "two_groups")
+        shipped = (*places, "wam_bow", "wam_groups", "whiteboard", "wiping_ink")
+        offered = ["clean_kitchen.nid", "cleaning", *shipped, "more/"]
     assert found == offered
 
 
