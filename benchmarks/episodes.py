@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.session import usual_job
-from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, within_reach
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, usual_job, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.find import find
@@ -38,7 +37,7 @@ def opened(job: Job, stand_in: type[KinematicTable] | None) -> Opened:
     strategy, planner = planning(named)
     model = load_domain(read_source(find(domain, "domains")))
     place = load_scene(read_source(find(scene, "problems")))
-    way = usual_job(place)
+    way = usual_job(model, place.robot)
     options = EpisodeOptions(strategy=strategy, planner=planner, seed=seed, by_time=True)
     setup = EpisodeSetup(model, within_reach(model, place.robot, way), place, way, options)
     drawn = derived(seed, Stream.WORLD)
