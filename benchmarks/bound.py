@@ -45,7 +45,7 @@ from bound_search import Annealing, Cover, quickest
 from bound_strokes import Layout, Stroke, nearest_pushes, straight_pushes, undominated
 from episodes import Job
 from kept import Kept
-from strategies import Row, interval
+from strategies import Row, interval, moving
 
 from cleancli.language.find import find
 from cleancli.language.load import read_source
@@ -178,11 +178,6 @@ def gap_lines(episodes: Sequence[Row], played: Sequence[Row], found: Sequence[Ro
 
 def _cells(gap: Mapping[str, float]) -> str:
     return " | ".join(f"{gap[part]:.1f}" for part in PARTS)
-
-
-def moving(row: Row) -> float:
-    """Seconds of transits and strokes."""
-    return float(row["seconds"]["transits"] + row["seconds"]["actions"])
 
 
 def main() -> None:

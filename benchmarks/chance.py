@@ -21,8 +21,7 @@ from pathlib import Path
 from statistics import mean
 
 from kept import Kept
-from scipy.stats import wilcoxon
-from strategies import Row, interval, rows
+from strategies import Row, compared, interval, moving, rows
 
 DOMAINS: Mapping[str, Path] = {
     scene: Path(__file__).parent / "domains" / f"{domain}.nid"
@@ -42,23 +41,15 @@ def table(
     first = [found[strategies[0], seed] for seed in seeds]
     for strategy in strategies:
         own = [found[strategy, seed] for seed in seeds]
-        moving = compared([_moving(row) for row in own], [_moving(row) for row in first])
-        dirt = compared([_dirt(row) for row in own], [_dirt(row) for row in first])
+        moved, dirt = (beside(list(map(of, own)), list(map(of, first))) for of in (moving, _dirt))
         actions = f"{mean(row['actions'] for row in own):.1f}"
         dirty = sum(not row["clean"] for row in own)
-        yield f"| {strategy} | {len(own)} | {moving} | {dirt} | {actions} | {dirty} |"
+        yield f"| {strategy} | {len(own)} | {moved} | {dirt} | {actions} | {dirty} |"
 
 
-def compared(own: Sequence[float], first: Sequence[float]) -> str:
+def beside(own: Sequence[float], first: Sequence[float]) -> str:
     """The mean; how much more it is than that of the first strategy, and how likely chance makes it so."""
-    more = [a - b for a, b in zip(own, first, strict=True)]
-    if not any(more):
-        return f"{interval(own)} | 0 | "
-    return f"{interval(own)} | {interval(more)} | {wilcoxon(more).pvalue:.1g}"
-
-
-def _moving(row: Row) -> float:
-    return float(row["seconds"]["transits"] + row["seconds"]["actions"])
+    return f"{interval(own)} | {compared([a - b for a, b in zip(own, first, strict=True)])}"
 
 
 def _dirt(row: Row) -> float:
@@ -90,7 +81,7 @@ def main() -> None:
         for row in rows(jobs, options.jobs, Kept(options.keep), options.stand_in):
             _, _, strategy, seed = row["job"]
             found[strategy, seed] = row
-            told = f"{_moving(row):.1f} s moving, {row['actions']} actions, {_dirt(row):.0f} left or lost"
+            told = f"{moving(row):.1f} s moving, {row['actions']} actions, {_dirt(row):.0f} left or lost"
             print(f"{len(found)} of {len(jobs)}: {scene} {strategy} {seed}: {told}", flush=True)
         print("", scene, "", *table(found, options.strategy, seeds), "", sep="\n", flush=True)
 

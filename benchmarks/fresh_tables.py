@@ -2,10 +2,9 @@
 
 Draws two groups of lentils for each seed, anywhere that the robot's rag reaches for 5 cm around, on the
 surface of the shipped scene for that robot: REEM picks up with its dustpan, the WAM and the gantry push. On
-each table `cleancli execute` is carried out for every strategy, named DOMAIN:STRATEGY. Prints what
-`strategies.py` prints, and for each pair of the first strategy with another the mean of the differences of
-their moving times, table by table, with Student's t interval of 95 %. Every episode is a line of FILE as soon
-as it is over; those that FILE holds are not run again.
+each table `cleancli execute` is carried out for every strategy, named DOMAIN/STRATEGY. Prints what
+`strategies.py` prints. Every episode is a line of FILE as soon as it is over; those that FILE holds are not
+run again.
 
 About a minute of CPU for an episode of the WAM, two of REEM: 40 minutes for each robot; with `--quick` (one
 table of the gantry, two strategies) half a minute.
@@ -23,7 +22,7 @@ from typing import Any
 
 import numpy as np
 from kept import Kept
-from strategies import COLUMNS, interval, line, run
+from strategies import domain_of, moving, run, table
 
 from cleancli.array_types import Floats
 from cleancli.language.find import find
@@ -38,9 +37,9 @@ SCENES: Mapping[str, str] = MappingProxyType(
 )
 STRATEGIES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "gantry": ("sweeping:plan-2", "cleaning:plan-2", "cleaning:tsp", "cleaning:reactive"),
-        "wam": ("sweeping:plan-2", "cleaning:plan-2", "cleaning:tsp", "cleaning:reactive"),
-        "reem": ("cleaning:plan-2", "cleaning:reactive"),
+        "gantry": ("sweeping/plan-2", "cleaning/plan-2", "cleaning/tsp", "cleaning/reactive"),
+        "wam": ("sweeping/plan-2", "cleaning/plan-2", "cleaning/tsp", "cleaning/reactive"),
+        "reem": ("cleaning/plan-2", "cleaning/reactive"),
     }
 )
 GROUPS = 2
@@ -77,8 +76,8 @@ def _middles(scene: Scene) -> Floats:
 
 
 def episode(robot: str, name: str, seed: int) -> Row:
-    """What `strategies.py` tells of an episode of DOMAIN:STRATEGY on the table of a seed."""
-    domain, strategy = name.split(":")
+    """What `strategies.py` tells of an episode of DOMAIN/STRATEGY on the table of a seed."""
+    domain, strategy = domain_of(name, "cleaning")
     base = load_scene(read_source(find(SCENES[robot], "problems")))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fresh.nid"
@@ -98,32 +97,13 @@ def rows(robot: str, names: Sequence[str], seeds: Sequence[int], kept: Kept) -> 
             yield row
 
 
-def report(found: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
-    """The table of strategies, and how the first compares with each other one."""
-    of = {name: {row["job"][2]: row for row in found if row["job"][1] == name} for name in names}
-    reactive = [row for row in of.get("cleaning:reactive", {}).values() if row["clean"]]
-    yield f"| {' | '.join(COLUMNS)} |"
-    yield "|---" * len(COLUMNS) + "|"
-    yield from (line(name, list(own.values()), reactive) for name, own in of.items())
-    first, *others = names
-    for other in others:
-        both = [(of[first][seed], of[other][seed]) for seed in of[first] if seed in of[other]]
-        more = [_moving(a) - _moving(b) for a, b in both if a["clean"] and b["clean"]]
-        if more:
-            yield f"{first} moves for {interval(more)} s more than {other}, on {len(more)} tables"
-
-
-def _moving(row: Row) -> float:
-    return float(row["seconds"]["transits"] + row["seconds"]["actions"])
-
-
 def main() -> None:
     """Run what is missing, and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--robot", choices=list(SCENES), default="reem")
-    parser.add_argument("--strategy", nargs="+", metavar="DOMAIN:STRATEGY", help="the robot's own otherwise")
+    parser.add_argument("--strategy", nargs="+", metavar="DOMAIN/STRATEGY", help="the robot's own otherwise")
     parser.add_argument("--tables", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1, help="of the first table; others follow it")
     parser.add_argument("--keep", type=Path, metavar="FILE", help="episodes run before are in it")
@@ -131,15 +111,15 @@ def main() -> None:
     options = parser.parse_args()
     if options.quick:
         options.robot, options.tables = "gantry", 1
-        options.strategy = ["sweeping:plan-2", "cleaning:reactive"]
+        options.strategy = ["sweeping/plan-2", "cleaning/reactive"]
     names = options.strategy or STRATEGIES[options.robot]
     seeds = range(options.seed, options.seed + options.tables)
     found: list[Row] = []
     for row in rows(options.robot, names, seeds, Kept(options.keep)):
         found.append(row)
         told = f"{row['actions']} actions, {row['left'] + row['lost']} left; {row['reason']}"
-        print(f"{' '.join(map(str, row['job']))}: moving {_moving(row):.1f} s, {told}", flush=True)
-    print("", *report(found, names), sep="\n")
+        print(f"{' '.join(map(str, row['job']))}: moving {moving(row):.1f} s, {told}", flush=True)
+    print("", *table({name: [row for row in found if row["job"][1] == name] for name in names}), sep="\n")
 
 
 if __name__ == "__main__":

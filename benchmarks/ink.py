@@ -16,7 +16,7 @@ from pathlib import Path
 from statistics import mean
 
 from kept import Kept
-from strategies import Row, interval, rows
+from strategies import Row, interval, moving, rows
 
 DOMAINS = ("cleaning", "wiping_ink")
 SCENE = "whiteboard"
@@ -39,11 +39,6 @@ def table(found: Sequence[Row]) -> Iterator[str]:
             f" | {interval([row['actions'] for row in own])} | {interval(list(map(moving, own)))} | {share}"
             f" | {mean(left):.1%} | {max(left):.1%} |"
         )
-
-
-def moving(row: Row) -> float:
-    """Seconds of robot time in transits and strokes, which do not depend on how busy the machine is."""
-    return float(row["seconds"]["transits"] + row["seconds"]["actions"])
 
 
 def main() -> None:

@@ -27,7 +27,7 @@ from kept import Kept, Row
 from physics import BASE, Run
 from scipy.optimize import minimize
 from scipy.stats import norm
-from strategies import interval, rows
+from strategies import interval, moving, rows
 
 from cleancli.array_types import Floats
 from cleancli.motion.actions import path_along
@@ -170,7 +170,7 @@ def episodes(
 
 
 def _compared(pairs: Sequence[tuple[Row, Row]]) -> str:
-    moving = np.array([[_moving(row) for row in pair] for pair in pairs]).reshape(-1, 2)
+    moving = np.array([[moving(dict(row)) for row in pair] for pair in pairs]).reshape(-1, 2)
     times = [
         *(interval(column) for column in moving.T.tolist()),
         interval((moving[:, 0] - moving[:, 1]).tolist()),
@@ -178,10 +178,6 @@ def _compared(pairs: Sequence[tuple[Row, Row]]) -> str:
     actions = [f"{np.mean([pair[k]['actions'] for pair in pairs]):.1f}" for k in (0, 1)]
     left = [str(sum(pair[k]["left"] + pair[k]["lost"] for pair in pairs)) for k in (0, 1)]
     return " | ".join((*times, *actions, *left))
-
-
-def _moving(row: Row) -> float:
-    return float(row["seconds"]["transits"] + row["seconds"]["actions"])
 
 
 def main() -> None:

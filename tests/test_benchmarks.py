@@ -263,7 +263,7 @@ def test_strategies_are_compared_and_kept_episodes_are_not_run_again(tmp_path: P
     assert len(kept.read_text().splitlines()) == 2
     rows = [line.split("|")[1:-1] for line in first.stdout.splitlines() if line.startswith("| ")][1:]
     assert [row[0].strip() for row in rows] == ["plan-2", "reactive"]
-    assert [row[6:8] for row in rows] == [[" 0 ", " 0 of 1 "]] * 2
+    assert [row[8:10] for row in rows] == [[" 0 ", " 0 of 1 "]] * 2
     again = _run("strategies.py", "--quick", "--keep", str(kept), cwd=tmp_path)
     assert again.stdout.split("\n\n")[1:] == first.stdout.split("\n\n")[1:]
     assert len(kept.read_text().splitlines()) == 2
@@ -290,10 +290,12 @@ def test_times_of_strategies_are_of_clean_runs_and_the_others_are_counted(
 
     found = [row("tsp", 1, True, 30.0, 0), row("tsp", 2, False, 900.0, 5), row("reactive", 1, True, 60.0, 0)]
     found += [row("wipe", 1, False, 900.0, 7)]
-    lines = list(strategies.table(found, "two_groups", ["reactive", "tsp", "wipe"]))
-    head, *rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in (lines[1], *lines[3:])]
+    names = ("reactive", "tsp", "wipe")
+    lines = list(strategies.table({name: [row for row in found if row["job"][2] == name] for name in names}))
+    head, *rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in (lines[0], *lines[2:])]
     tsp = dict(zip(head, rows[1], strict=True))
     assert (rows[1][:3], tsp["left"], tsp["not clean"]) == (["tsp", "30.0", "0.50"], "7", "1 of 2")
+    assert (tsp["moving"], tsp["more"]) == ("12.0", "-12.0"), "seed 1, which both cleaned; two of five kinds"
     wipe = dict(zip(head, rows[2], strict=True))
     assert (wipe["seconds"], wipe["left"], wipe["not clean"]) == ("", "8", "1 of 1")
 

@@ -113,9 +113,15 @@ class DrivenCell:
         best, *others = self._paths(move, situation)
         if not others:
             return pressed(best, vain * FURTHER)
-        ways = product(SURELY, (best, *others))
-        possible = (path for errors, path in ways if self._robot.can_follow(path, errors))
-        return next(islice(possible, vain, None), best)
+        return next(islice(self._followed((best, *others)), vain, None), best)
+
+    def _followed(self, paths: Iterable[ToolPath]) -> Iterator[ToolPath]:
+        """Those that the robot can follow, the most surely first; each once."""
+        told: set[ToolPath] = set()
+        for errors, path in product(SURELY, tuple(paths)):
+            if path not in told and self._robot.can_follow(path, errors):
+                told.add(path)
+                yield path
 
     def _paths(self, move: Move, situation: Situation) -> Iterator[ToolPath]:
         """Paths of an action upon the areas where they are seen now, the best first."""
