@@ -14,7 +14,8 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, hstack
 
 from cleancli.geometry.ellipse import Point
-from cleancli.motion.actions import EDGE_MARGIN, past_edge
+from cleancli.motion.actions import past_edge
+from cleancli.motion.path import EDGE_MARGIN
 
 NODES = 2_000
 """Of the integer program's tree. It is stopped by their number and not by time, so that it ends alike on

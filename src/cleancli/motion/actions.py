@@ -16,7 +16,7 @@ import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest, reach
 from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
-from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, Waypoint
 from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
@@ -26,7 +26,6 @@ from cleancli.scene.robots import ARMS
 # Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
 # 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
 CLEARANCE = 0.02
-EDGE_MARGIN = 0.005  # the tool comes down at least this far within the surface
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 PICK_UP = "pickUp"  # the one action that takes two arms

@@ -5,6 +5,9 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, replace
 
+EDGE_MARGIN = 0.005
+"""Metres by which tools come down within the surface, at least."""
+
 
 class Unreachable(Exception):
     """A robot can't bring its tool to a place of the table; nothing has moved."""

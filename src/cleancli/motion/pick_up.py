@@ -9,7 +9,7 @@ import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse, Point, boundary
 from cleancli.motion.pace import LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
-from cleancli.motion.path import Dustpan, Interpolation, ToolPath, Waypoint
+from cleancli.motion.path import EDGE_MARGIN, Dustpan, Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Scene
 
 PAN_SLOPE = 0.12  # measured: at 0.25 nothing climbs it
@@ -50,7 +50,7 @@ def pick_up(area: Ellipse, scene: Scene, turn: float = 0.0) -> ToolPath:
     begin, end = points[np.argmin(points @ aim)], points[np.argmax(points @ aim)]
     way = (end - begin) / np.linalg.norm(end - begin)
     yaw = float(np.arctan2(way[1], way[0]))
-    half = np.array((scene.surface.width, scene.surface.depth)) / 2 - 0.005
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2 - EDGE_MARGIN
     first, lip = np.clip(begin - CLEARANCE * way, -half, half), end + CLEARANCE / 2 * way
     last, top = lip + ONTO_PAN * way, PAN_SLOPE * ONTO_PAN + RAG_GAP
     (x0, y0), (x1, y1) = scene.mouth()

@@ -14,7 +14,7 @@ import numpy as np
 from cleancli.array_types import Bools, Floats, Points
 from cleancli.geometry.ellipse import Ellipse, Point, boundary
 from cleancli.motion.pace import FAST_SPEED, LIFT, TRANSIT_SPEED, VERTICAL_SPEED
-from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Scene
 
 PASSES = 4
@@ -25,7 +25,6 @@ of what it finds, so three leave 2 %, and each place may lie below a seam of the
 DRIFT = 4e-3  # sideways from one end of a pass to the other: no place lies below the same seam each time
 MARGIN = 0.01  # of the rag at each of its ends, which is not relied upon: more than the tool's error
 BEYOND = 0.01  # so far a pass goes on past the area
-EDGE_MARGIN = 0.005  # the rag's middle stays so far within the surface
 
 _SHIFTS = 21  # sideways places of the lanes that are tried
 _KEPT = 1024  # strokes: a plan asks for the same ones again and again
