@@ -15,8 +15,8 @@ from types import MappingProxyType
 import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest, reach
-from cleancli.motion.pace import FAST_SPEED, LIFT, STRAIGHT_SPEED, TRANSIT_SPEED, VERTICAL_SPEED
-from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, Waypoint
+from cleancli.motion.pace import FAST_SPEED, STRAIGHT_SPEED
+from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, along
 from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
@@ -97,16 +97,7 @@ def path_along(
     """The path of a stroke with these corners, two at least: down behind the first, and up after the last."""
     corners = _distinct(corners)
     stroke = _turning((_behind(corners, scene), *corners[1:]))
-    first, last = stroke[0], stroke[-1]
-    return ToolPath(
-        (
-            Waypoint(first[0], first[1], LIFT, first[2], TRANSIT_SPEED),
-            Waypoint(first[0], first[1], 0.0, first[2], VERTICAL_SPEED),
-            *(Waypoint(x, y, 0.0, yaw, speed) for x, y, yaw in stroke[1:]),
-            Waypoint(last[0], last[1], LIFT, last[2], VERTICAL_SPEED),
-        ),
-        interpolation,
-    )
+    return along(stroke, speed, interpolation)
 
 
 def _nearer(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+from cleancli.motion.pace import LIFT, TRANSIT_SPEED, VERTICAL_SPEED
 
 EDGE_MARGIN = 0.005
 """Metres by which tools come down within the surface, at least."""
@@ -57,6 +60,21 @@ class ToolPath:
     waypoints: tuple[Waypoint, ...]
     interpolation: Interpolation
     dustpan: Dustpan | None = None
+
+
+def along(poses: Sequence[tuple[float, float, float]], speed: float, how: Interpolation) -> ToolPath:
+    """The path of a stroke over poses (x, y, yaw): down at the first, and up after the last (§3.2)."""
+    (x, y, yaw), *others = poses
+    last_x, last_y, last_yaw = poses[-1]
+    return ToolPath(
+        (
+            Waypoint(x, y, LIFT, yaw, TRANSIT_SPEED),
+            Waypoint(x, y, 0.0, yaw, VERTICAL_SPEED),
+            *(Waypoint(x, y, 0.0, yaw, speed) for x, y, yaw in others),
+            Waypoint(last_x, last_y, LIFT, last_yaw, VERTICAL_SPEED),
+        ),
+        how,
+    )
 
 
 def pressed(path: ToolPath, depth: float) -> ToolPath:

@@ -13,8 +13,8 @@ import numpy as np
 
 from cleancli.array_types import Bools, Floats, Points
 from cleancli.geometry.ellipse import Ellipse, Point, boundary
-from cleancli.motion.pace import FAST_SPEED, LIFT, TRANSIT_SPEED, VERTICAL_SPEED
-from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, Waypoint
+from cleancli.motion.pace import FAST_SPEED
+from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, along
 from cleancli.scene.model import Scene
 
 PASSES = 4
@@ -62,17 +62,7 @@ def wiping(areas: Sequence[Ellipse], scene: Scene, others: Iterable[Ellipse]) ->
 
 def up_and_down(lanes: Iterable[Lane], scene: Scene) -> ToolPath:
     """The path along these lanes, each there and back until it is wiped."""
-    poses = _poses(lanes, scene)
-    (x, y, yaw), (last_x, last_y, last_yaw) = poses[0], poses[-1]
-    return ToolPath(
-        (
-            Waypoint(x, y, LIFT, yaw, TRANSIT_SPEED),
-            Waypoint(x, y, 0.0, yaw, VERTICAL_SPEED),
-            *(Waypoint(*pose[:2], 0.0, pose[2], FAST_SPEED) for pose in poses[1:]),
-            Waypoint(last_x, last_y, LIFT, last_yaw, VERTICAL_SPEED),
-        ),
-        Interpolation.STRAIGHT,
-    )
+    return along(_poses(lanes, scene), FAST_SPEED, Interpolation.STRAIGHT)
 
 
 @lru_cache(maxsize=_KEPT)
