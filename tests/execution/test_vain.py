@@ -92,10 +92,15 @@ def test_times_in_vain_count_as_long_as_nothing_has_changed() -> None:
     assert replace(tried, situation=None).times_in_vain(JOINED.key) == 0
 
 
-def test_what_was_in_vain_is_pressed_further() -> None:
-    """docs/execution.md: by 1 mm each time, but where a dustpan takes part."""
+@pytest.mark.parametrize(
+    ("strategy", "heights_of"), [("reactive", [0.0, -1e-3, -2e-3, -3e-3]), ("tsp", [0.0, 0.0, -1e-3, -1e-3])]
+)
+def test_what_was_in_vain_is_pressed_further(strategy: str, heights_of: list[float]) -> None:
+    """docs/execution.md: by 1 mm each time, but where a dustpan takes part. Tours of tsp, which makes their
+    paths itself, and its pushes take turns."""
     scene = shipped_scene("two_groups")
-    robot, heights = Scripted(scene, lambda strokes: [(0.0, 0.1)]), []
+    places = [(0.0, 0.1)] if strategy == "reactive" else [(0.0, 0.1), (-0.2, 0.0)]
+    robot, heights = Scripted(scene, lambda strokes: places), []
     start = robot.start
 
     def noted(path: ToolPath) -> None:
@@ -104,10 +109,10 @@ def test_what_was_in_vain_is_pressed_further() -> None:
 
     robot.start = noted  # type: ignore[method-assign]
     domain = shipped_domain("cleaning")
-    options = EpisodeOptions(strategy="reactive", max_actions=PATIENCE)
+    options = EpisodeOptions(strategy=strategy, max_actions=PATIENCE)
     setup = EpisodeSetup(domain, domain, scene, Job.CONTAINER, options)
     list(clean(setup, TableCell(domain, scene, robot, 1)))
-    assert heights == pytest.approx([0.0, -1e-3, -2e-3, -3e-3])
+    assert heights == pytest.approx(heights_of)
     reem = shipped_scene("reem_pick_up")
     picking = tool_path("pickUp", (AREAS[0].ellipse,), reem)
     assert pressed(picking, 0.002) == picking

@@ -109,7 +109,7 @@ class DrivenCell:
         several that the robot can follow. What was in vain is not repeated unchanged: another way is taken,
         or else the rag is pressed further each time."""
         if move.path is not None:
-            return move.path
+            return pressed(move.path, vain * FURTHER)
         best, *others = self._paths(move, situation)
         if not others:
             return pressed(best, vain * FURTHER)
