@@ -119,11 +119,10 @@ def _counts(library: Library, words: Vocabulary) -> tuple[Count, ...]:
     """The declared counts, and one of what is dirty."""
     counts = []
     for symbol in library.symbols:
-        if symbol.kind is Kind.COUNT:
-            taken = {name: Variable(name.lower(), OBJECT) for name in symbol.variables}
-            condition = words.conjunction(symbol.condition, taken)
-            if condition:
-                counts.append(Count(words.names.symbols[symbol.name], tuple(taken.values()), condition))
+        taken = {name: Variable(name.lower(), OBJECT) for name in symbol.variables}
+        condition = words.conjunction(symbol.condition, taken)
+        if condition:
+            counts.append(Count(words.names.symbols[symbol.name], tuple(taken.values()), condition))
     dirt = words.symbols.get(DIRT)
     if dirt is not None and dirt.is_predicate and dirt.parameters:
         name = fresh("dirty", (*words.symbols, *(count.name for count in counts)))

@@ -228,10 +228,8 @@ def _variables(place: Context) -> Iterator[Completion]:
     header = place.words[: next((i for i, w in enumerate(place.words) if w.text == "{"), 0)]
     quantified: list[str] = []
     pending: list[str] = []
-    outcomes = False
     for before, word in zip(place.words, place.words[1:], strict=False):
-        outcomes = outcomes or word.text == "then"
-        if outcomes and word.text == ":" and _ends_weight(before):
+        if word.text == ":" and _ends_weight(before):
             quantified.clear()  # what a quantifier binds ends with its outcome
         if word.kind is LexemeKind.VARIABLE:
             pending.append(word.text)

@@ -107,7 +107,7 @@ def leased(handle: int, path: Path) -> bool:
 
     Raises Meanwhile where another program has the file open for writing and keeps it so.
     """
-    if fcntl is None or not hasattr(fcntl, "F_SETLEASE"):
+    if not hasattr(fcntl, "F_SETLEASE"):
         return False
     end = time.monotonic() + PATIENCE
     while True:

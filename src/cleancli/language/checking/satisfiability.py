@@ -51,7 +51,7 @@ def satisfy(formulas: Sequence[Formula], reading: Reading, declared: Declaration
         search = _Search(binding, declared, effort)
         facts = search.hold([(formula, binding) for formula in formulas], {})
         if facts is not None:
-            return _witness(binding, facts, reading)
+            return _witness(binding, facts)
         if not several:
             return None
     return None
@@ -230,10 +230,6 @@ class _Search:
         return any(self.declared.is_a(term.type, variable.type) for term in same)
 
 
-def _witness(binding: _Binding, facts: _Facts, reading: Reading) -> Witness:
-    equal = tuple(
-        (term, stands)
-        for term, stands in binding.items()
-        if stands is not None and stands != term and term in reading.variables
-    )
+def _witness(binding: _Binding, facts: _Facts) -> Witness:
+    equal = tuple((term, stands) for term, stands in binding.items() if stands is not None and stands != term)
     return Witness(equal, tuple(Literal(symbol, terms, values) for (symbol, terms), values in facts.items()))
