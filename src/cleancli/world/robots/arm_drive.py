@@ -75,7 +75,7 @@ class ArmDrive:
         self._body = body(engine, arm, build, held.seen, held.links)
         held.tune(self._body)
         self._limits = SpeedLimits(arm.speed, arm.acceleration)
-        self._target = np.array(build.rest)
+        self._target: Floats  # since it was placed
 
     def place(self) -> None:
         """Stand at rest at once; only before the clock starts."""

@@ -37,7 +37,7 @@ class Gantry:
                 self._body, joint, localInertiaDiagonal=[constants.CARRIAGE_INERTIA] * 3, linearDamping=0
             )
         cloths.spring(engine, self._body, len(_DRIVES), cloth)
-        self._target = resting_pose(scene)
+        self._target: Floats  # since it was placed
 
     def place(self) -> None:
         """Stand at rest at once; only before the clock starts."""
