@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import combinations, product
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -121,6 +122,30 @@ def test_a_common_state_is_found_exactly_where_there_is_one(
     assert found or not there_is
     if len(reading.variables) <= 3:
         assert found == there_is
+
+
+def _every(holds: bool, *condition: Literal) -> Quantified:
+    """That the condition holds for some m, or for none."""
+    return Quantified(holds, (M,), condition)
+
+
+@pytest.mark.parametrize("sign", [TRUE, FALSE])
+@pytest.mark.parametrize("exists", [True, False])
+@pytest.mark.parametrize("outer", [True, False])
+def test_no_common_state_is_missed_where_definitions_stand_in_quantifiers(
+    sign: frozenset[bool], exists: bool, outer: bool
+) -> None:
+    """E307 and W307 are never left out: an object that a definition asks for may be another for each one."""
+    literals = [Literal("q", (M, M), TRUE), Literal("q", (A, M), TRUE), Literal("p", (M,), TRUE)]
+    for other in [*literals, *(Literal(each.symbol, each.terms, FALSE) for each in literals)]:
+        condition = (_every(exists, Literal("has", (M,), sign)), _every(outer, other))
+        reading = Reading(DECLARED, (A,))
+        formulas = reading.rule(Rule("r", "act", (A,), condition, (), ()))
+        found = satisfy(formulas, reading, DECLARED) is not None
+        there_is = any(_applies(condition, (), state, size) for size in (1, 2) for state in _states(size))
+        assert found or not there_is
+        if reading.exact and len(reading.variables) <= 2:
+            assert found == there_is
 
 
 ASKED = st.lists(

@@ -22,6 +22,8 @@ HERE = Path(__file__).parent
 SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]
 TEXTS = [read_source(path).text for path in [*SHIPPED, HERE / "small.nid"]]
 
+SHORT = "domain d { types { area } actions { wipe() } rule r: wipe() { then 1: nothing } reward { cost } }"
+
 
 def _comments(text: str) -> list[str]:
     return [comment.rstrip() for comment in re.findall(r"#[^\r\n]*", text)]
@@ -75,6 +77,16 @@ def test_any_spacing_comes_to_an_end(text: str, seed: int, line_end: str) -> Non
 def test_small_cases(before: str, after: str) -> None:
     assert layout(before) == after
     assert layout(after) == after
+
+
+@pytest.mark.parametrize("text", [SHORT, *(text for text in TEXTS if "rule " in text)])
+def test_rules_are_never_on_one_line(text: str) -> None:
+    """docs/commands.md; whatever line it was all written on."""
+    words = " ".join(re.sub(r"#[^\r\n]*", "", text).split())
+    lines = layout(words).splitlines()
+    begun = [line for line in lines if re.match(r"\s*(when|then|with)\b", line)]
+    assert len(begun) == sum(token.type in {"WHEN", "THEN", "WITH"} for token in tokens_of(words))
+    assert all(line.endswith("{") for line in lines if re.match(r"\s*rule\b", line))
 
 
 def test_a_comment_that_goes_on_below_stays_in_its_column() -> None:

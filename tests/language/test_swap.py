@@ -401,8 +401,24 @@ def test_a_file_with_several_names_is_refused_with_a_word(tmp_path: Path) -> Non
     os.link(path, name)
     with pytest.raises(OSError, match="several names") as refused:
         write_atomically(path, NEW, OLD)
-    assert refused.value.filename == str(path)
+    assert (refused.value.errno, refused.value.filename) == (errno.EMLINK, str(path))
     assert (path.read_text(), name.read_text()) == (OLD, OLD)
+
+
+@pytest.mark.parametrize("missing", ["leases", "locks, too"])
+def test_systems_without_leases_or_locks_write_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: str
+) -> None:
+    if missing == "locks, too":
+        monkeypatch.setattr(lease, "fcntl", None)
+    else:
+        monkeypatch.delattr("fcntl.F_SETLEASE", raising=False)
+    path = tmp_path / "a.nid"
+    path.write_text(OLD)
+    write_atomically(path, NEW, OLD)
+    assert path.read_text() == NEW
+    with pytest.raises(Refused, match="changed"):
+        write_atomically(path, THEIRS, OLD)
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EROFS, errno.EACCES, errno.EDQUOT])
