@@ -8,7 +8,10 @@ from random import Random
 
 import pytest
 
+from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.paths import Paths
+from support import from_text
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -38,3 +41,25 @@ def test_long_ways_are_no_deep_recursion() -> None:
     around = Paths({one: [two] for one, two in zip(names, [*names[1:], names[0]], strict=True)})
     assert around.lead(names[-1], names[-1])
     assert time.process_time() - started < 5
+
+
+def test_a_step_leads_only_between_objects_of_its_types() -> None:
+    """`next` is of a room and a place: what is no room has no next one, though nothing there is locked."""
+    domain, problem = from_text.checked(
+        """
+        domain d {
+          types { place; room - place }
+          predicates { locked(?x - place)  lit(?x - place) }
+          derived {
+            next(?x - room ?y - place) := not locked(?x), ?x != ?y
+            way(?x - room ?y - place) := closure next
+          }
+          actions { light(?x - room) }
+          rule light: light(?x) { when way(?x, ?x) then 1: lit(?x) }
+          reward { goal }
+        }
+        """,
+        "objects { hall - room  yard - place } init { } goal { lit(hall) } horizon = 3",
+    )
+    assert StateView(domain, problem.objects, problem.state).covering("light", ("hall",)) is None
+    assert ground(domain, problem).rules == ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -14,6 +15,7 @@ from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.forecast import ForecastStep, forecast
 from cleancli.planning.plan import Plan
+from cleancli.planning.registry import PLANNERS
 from support import from_text, small_tasks
 from support.planned import planned
 
@@ -116,6 +118,15 @@ def test_with_discount_0_the_next_step_alone_counts(planner: str) -> None:
     assert true_value(task, plan) == pytest.approx(0.8)
 
 
+@pytest.mark.parametrize("planner", sorted(PLANNERS))
+@pytest.mark.parametrize("horizon", [0, -2])
+def test_where_no_step_is_left_nothing_is_planned(planner: str, horizon: int) -> None:
+    """A horizon that counts areas may have come to nothing, or below."""
+    task = replace(from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED), horizon=horizon)
+    plan = planned(planner, task, samples=50)
+    assert (plan.actions, plan.value) == ((), 0)
+
+
 # ---- what is expected of a step
 
 
@@ -158,6 +169,18 @@ def test_rules_and_results_come_likeliest_first_and_of_equals_the_first() -> Non
     chances = [result.probability for result in step.results]
     assert chances == pytest.approx([0.25 + 0.125 + 0.2, 0.25 + 0.125, 0.05])
     assert step.covered == pytest.approx(1)
+
+
+@pytest.mark.parametrize("weights", sorted(set(itertools.permutations((1, 3, 3, 3, 3)))))
+def test_what_is_certain_has_the_probability_1_whatever_is_rounded(weights: tuple[int, ...]) -> None:
+    task = two_ways()
+    outcomes = tuple(
+        GroundOutcome(Fraction(n, 13), OutcomeKind.CHANGE, ((1, i % 3), (0, i // 3)))
+        for i, n in enumerate(weights)
+    )
+    always = tuple(GroundRule(i, i, (), outcomes) for i in range(2))
+    for step in forecast(prepare(replace(task, rules=always)), [0, 1], 1).steps:
+        assert 1 - 1e-12 < step.covered <= 1
 
 
 def test_what_is_impossible_is_no_result() -> None:

@@ -13,10 +13,19 @@ import pytest
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import covering_rule, exact_value, progress, reward, successors
-from cleancli.compiler.task import GroundCondition, GroundState, Task
+from cleancli.compiler.task import (
+    GroundCondition,
+    GroundOutcome,
+    GroundRule,
+    GroundState,
+    StateVariable,
+    Task,
+)
+from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
 from cleancli.planning.plan import Plan, TooManyStatesError
+from cleancli.planning.planners import exact as known_states
 from cleancli.planning.planners import rational
 from support import from_text, optimal, small_tasks
 from support.planned import planned
@@ -85,6 +94,24 @@ def test_too_many_states_are_none_and_room_grows() -> None:
     assert np.array_equal(graph(task, 0).states, [task.initial])
 
 
+@pytest.mark.parametrize("first", range(0, 600, 20))
+def test_every_state_is_found_once_wherever_its_hash_leads(first: int) -> None:
+    """Of 600 states, some have a place in the table that another one holds, be it the first one."""
+    number = 600
+    outcomes = tuple(
+        GroundOutcome(Fraction(1, number), OutcomeKind.CHANGE, ((0, value),)) for value in range(number)
+    )
+    task = replace(
+        small_tasks.random_task(0),
+        variables=(StateVariable("v", ("0",), tuple(range(number))),),
+        initial=(first,),
+        rules=(GroundRule(0, 0, (), outcomes),),
+        rewards=(),
+        counted=None,
+    )
+    assert sorted(graph(task, 1).states[:, 0].tolist()) == list(range(number))
+
+
 def exact(task: Task, **options: Any) -> Plan:
     return planned("exact", task, **options)
 
@@ -123,6 +150,14 @@ def test_fractions_have_no_rounding() -> None:
         + Fraction(5, 10) * Fraction(1, 2)
     )
     assert value == max(clean, join)
+
+
+@pytest.mark.parametrize("horizon", [1, 0, -1])
+def test_the_optimum_counts_the_steps_that_are_left(horizon: int) -> None:
+    """A horizon that counts areas may have come below nothing."""
+    task = replace(small_tasks.weighted_task(2), horizon=horizon)
+    value, _ = known_states.optimum(prepare(task), 1000)
+    assert value == pytest.approx(optimum(task)(task.initial, max(horizon, 0)))
 
 
 def test_the_example_of_section_4_seen_through() -> None:

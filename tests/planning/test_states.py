@@ -18,8 +18,11 @@ from cleancli.compiler.semantics import (
     successors,
 )
 from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, holds, lasting
+from cleancli.language.diagnostics.diagnostic import Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.kernels import transitions, uct_tree
+from cleancli.planning.refusal import planning_refused
 from support import reference_prada, small_tasks
 
 SEEDS = range(12)
@@ -117,6 +120,15 @@ def test_time_needs_durations() -> None:
     assert by_time(nothing) == nothing, "a domain without actions has nothing to discount"
     with pytest.raises(NoDurationError, match="act0"):
         by_time(small_tasks.random_task(0))
+
+
+def test_each_action_that_is_said_to_lack_a_duration_is_a_mistake_where_it_is_declared() -> None:
+    text = "domain d { types { area } actions { rub(?a - area) wipe(?a - area) dry(?a - area) } }"
+    sources = [Source("d.nid", text)] * 2
+    with pytest.raises(Refused) as refused, planning_refused(sources):
+        raise NoDurationError(["wipe"])
+    (mistake,) = refused.value.diagnostics
+    assert (mistake.code, mistake.span) == ("E902", Span("d.nid", text.index("wipe"), text.index("wipe") + 4))
 
 
 def test_an_action_lasts_as_long_as_it_does_on_its_objects() -> None:
