@@ -16,6 +16,7 @@ from cleancli.motion.pace import LIFT
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scattered, Scene
 from cleancli.world import constants as par
+from cleancli.world.furniture import container_space
 from cleancli.world.robot import Status, finish
 from cleancli.world.robots import constants
 from cleancli.world.robots.gantry import resting_pose
@@ -130,6 +131,34 @@ def test_a_path_out_of_reach_fails_without_moving() -> None:
         assert table.clock == 0
         table.withdraw()
         assert table.poll() is not Status.FAILED
+
+
+def test_a_tool_that_is_held_back_fails_with_its_reason() -> None:
+    with closing(PybulletTable(scene(), 1)) as table:
+        start = Waypoint(-0.3, 0.0, 0.05, 0.0, 0.2)
+        table.start(ToolPath((start, replace(start, x=0.3)), Interpolation.STRAIGHT))
+        assert table.poll() is Status.RUNNING
+        for joint in range(4):  # what it has run into holds all of it
+            engine, body = table._engine, table._drive._body  # type: ignore[attr-defined]
+            engine.resetJointState(body, joint, engine.getJointState(body, joint)[0] - 0.1)
+        assert table.poll() is Status.FAILED
+        assert table.failure == "something holds the tool back"
+        clock = table.clock
+        assert table.poll() is Status.FAILED
+        assert table.clock == clock
+
+
+@pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
+def test_the_container_stands_below_its_edge(edge: str) -> None:
+    """As wide as its mouth, and outside but for the overlap (docs/world.md)."""
+    setting = scene(edge=edge)
+    low, high = (np.array(corner[:2]) for corner in container_space(setting.container, setting.surface))
+    (a, b) = np.sort(np.array(setting.mouth()), axis=0)
+    outward = {"north": (0, 1), "east": (1, 0), "south": (0, -1), "west": (-1, 0)}[edge]
+    reach = sorted(float(np.dot(corner - a, outward)) for corner in (low, high))
+    assert reach == pytest.approx([-par.CONTAINER_OVERLAP, setting.container.depth])
+    along = np.abs(outward[::-1])
+    assert (low @ along, high @ along) == pytest.approx((a @ along, b @ along))
 
 
 def test_the_gantry_goes_without_a_jump_to_where_the_stroke_is_moved() -> None:
