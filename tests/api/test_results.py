@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import pickle
 import re
 from concurrent.futures import ThreadPoolExecutor
@@ -14,7 +16,9 @@ from xml.etree import ElementTree
 import pytest
 
 import cleancli
+from cleancli.api.runs import carry_out, inputs_of, new_run
 from cleancli.api.tables import TextTable
+from cleancli.execution.setup import EpisodeOptions
 from cleancli.resources import shipped
 
 EVIL = '<script>alert("&")</script>\x1b[31m'
@@ -156,3 +160,55 @@ def test_who_asked_for_a_planner_that_there_is_not_is_told(tmp_path: Path) -> No
     )
     with pytest.raises(ValueError, match=r"^the problem asks for the planner `prado`; there is"):
         cleancli.plan("cleaning", tmp_path / "p.nid")
+
+
+def test_a_record_that_cannot_be_written_is_told_with_how_to_go_on(tmp_path: Path) -> None:
+    """The tool is raised, and the run can go on from its folder when there is room again."""
+    seen: list[object] = []
+    stopped: list[str] = []
+
+    def full(event: object) -> None:
+        seen.append(event)
+        if len(seen) == 7:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    given = cleancli.load_problem("three_areas", "cleaning")
+    inputs = inputs_of(given, EpisodeOptions(samples=50), seed=5, objective=None, job=None)
+    with new_run(inputs, tmp_path, video=False) as begun:
+        run = replace(begun, session=replace(begun.session, stop=lambda: stopped.append("raised")))
+        with pytest.raises(OSError, match="No space") as failed:
+            carry_out(run, full)
+    assert stopped == ["raised"]
+    assert failed.value.__notes__ == [f"go on later with `cleancli execute --resume {begun.folder}`"]
+    assert cleancli.resume(begun.folder).clean
+
+
+@pytest.mark.parametrize(
+    ("truth", "told"),
+    [
+        ({}, ["10 of 10 particles in the container, 0 on the table, 0 on the floor"]),
+        (
+            {"in_container": 8, "on_table": 1, "on_floor": 1, "left_on_table_at": [[0.1, -0.2]]},
+            [
+                "8 of 10 particles in the container, 1 on the table, 1 on the floor",
+                "left on the table at (m): [[0.1, -0.2]]",
+            ],
+        ),
+        ({"in_container": 7, "in_dustpan": 3}, ["7 of 10", "on the floor, 3 in the dustpan"]),
+        ({"ink_left": 0.25, "particles": 0}, ["truly: 25.0% of the ink left"]),
+    ],
+)
+def test_a_run_tells_where_the_dirt_truly_is(
+    truth: dict[str, object], told: list[str], results: dict[str, Any]
+) -> None:
+    nowhere: dict[str, object] = {
+        "on_table": 0,
+        "in_dustpan": 0,
+        "on_floor": 0,
+        "ink_left": None,
+        "left_on_table_at": [],
+    }
+    run = replace(results["execute"], truth={"particles": 10, "in_container": 10, **nowhere, **truth})
+    said = [line for line in str(run).splitlines() if line.startswith(("truly", "left"))]
+    assert len(said) == 1 + bool(run.truth["on_table"])
+    assert all(words in "\n".join(said) for words in told)

@@ -36,7 +36,9 @@ from cleancli.language.model import Fact
 from cleancli.learning.experience import Transition
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
+from support import small_tasks
 from support.golden import check_golden
+from support.planned import planned
 from support.shipped import shipped_scene
 
 SCENE = shipped_scene("two_groups")
@@ -240,6 +242,21 @@ def test_what_takes_its_time_is_told_in_a_terminal_unless_it_is_to_be_quiet(
     with progress.working("thinking hard", **quiet):
         pass
     assert ("thinking hard" in out.getvalue()) == shown
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("seconds", [0.1, 40.0])
+def test_the_time_to_compile_is_told_where_it_is_long_and_is_not_called_loading(
+    compiled: bool, seconds: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cleancli.cli.kernels.has_compiled", lambda: compiled)
+    plan = replace(planned("prada", small_tasks.random_task(0), samples=5), seconds={"compile": seconds})
+    out = io.StringIO()
+    with show(False, SCENE, console=Console(file=out, width=100)) as view:
+        view.write(Decided(situation(A1), MOVES, plan, 1.5))
+    what = "compiling the planner, once after installation" if compiled else "loading the planner"
+    assert ("the planner" in out.getvalue()) == (seconds > 1)
+    assert (f"(and 40 s for {what})" in out.getvalue()) == (seconds > 1)
 
 
 @pytest.mark.parametrize(

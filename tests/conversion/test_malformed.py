@@ -21,6 +21,13 @@ MALFORMED = {
         "rules.dat:13:3: error[E911]",
         "expected `:`",
     ),
+    "words before the first rule": (
+        "rules.dat",
+        "#rules = 9\n",
+        "#rules = 9\nversion 2\n",
+        "rules.dat:2:1: error[E911]",
+        "expected `ACTION:`",
+    ),
     "no context": ("rules.dat", "CONTEXT:\n  -running()\n", "", "rules.dat:48:1: error[E911]", "`CONTEXT:`"),
     "no outcomes": (
         "rules.dat",

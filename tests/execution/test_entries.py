@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as some
 
+from cleancli.compiler.fluents import Fluent
+from cleancli.execution.episode_state import Move, Situation
+from cleancli.execution.events import Acted
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, symbolic_session
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job
 from cleancli.execution.table_cell import TableCell
+from cleancli.language.model import Fact, Value
+from cleancli.learning.experience import Transition
 from cleancli.recording import journal
 from cleancli.recording.journal_writer import Entries, expected, likely_course
 from cleancli.world.robot import Status
@@ -51,6 +58,36 @@ def test_every_action_is_begun_with_what_is_expected_and_then_over(symbolic: lis
         happened = start.expected.outcomes[end.outcome]
         if happened.kind == "change":
             assert set(end.changed) <= set(happened.effects)
+
+
+STATES = some.dictionaries(
+    some.sampled_from([("dirt", ("a1",)), ("dirt", ("a2",)), ("scattered", ("a1",)), ("size", ("a2",))]),
+    some.booleans() | some.sampled_from(["small", "big"]),
+).map(
+    lambda values: {
+        key: value if key[0] == "size" else True
+        for key, value in values.items()
+        if isinstance(value, bool) is (key[0] != "size")
+    }
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(STATES, STATES)
+def test_what_changed_makes_the_state_after_of_the_one_before(
+    before: dict[Fluent, Value], after: dict[Fluent, Value]
+) -> None:
+    """And nothing is told that was so before (docs/runs.md: the facts whose value differs)."""
+    states = (frozenset(Fact(*key, value) for key, value in state.items()) for state in (before, after))
+    transition = Transition("moveToContainerFast", ("a1",), PROBLEM.objects, *states)
+    told = Acted(
+        1, Move("moveToContainerFast", ("a1",)), transition, True, 0.0, 1.0, Situation((), (), frozenset())
+    )
+    (entry,) = [e for e in Entries(DOMAIN, lambda: 0.0).of(told) if isinstance(e, journal.Acted)]
+    changes = {(e.symbol, e.objects): e.value for e in entry.changed}
+    nothing: tuple[object, ...] = (None, False)
+    assert {key: v for key, v in {**before, **changes}.items() if v not in nothing} == after
+    assert all(before.get(key) != value and (value or key in before) for key, value in changes.items())
 
 
 def test_a_plan_expects_of_each_step_what_the_likeliest_ones_before_leave() -> None:

@@ -99,5 +99,15 @@ def test_what_is_no_run_is_refused(text: str | None, tmp_path: Path) -> None:
         read_run(tmp_path)
 
 
+@pytest.mark.parametrize(("number", "reason"), [(0, "there is no format 0"), (2, "was written in format 2")])
+def test_other_formats_are_refused_with_their_number(number: int, reason: str, tmp_path: Path) -> None:
+    (tmp_path / "run.json").write_text(json.dumps({**header(), "format": number}), encoding="utf-8")
+    with pytest.raises(Refused) as refused:
+        read_run(tmp_path)
+    (mistake,) = refused.value.diagnostics
+    assert mistake.code == "E705"
+    assert reason in mistake.message
+
+
 def test_begun_means_started() -> None:
     assert sum(isinstance(record, Started) for record in RECORDS) == len(steps_of(RECORDS))
