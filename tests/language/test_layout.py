@@ -79,7 +79,7 @@ def test_small_cases(before: str, after: str) -> None:
     assert layout(after) == after
 
 
-@pytest.mark.parametrize("text", [SHORT, *(text for text in TEXTS if "rule " in text)])
+@pytest.mark.parametrize("text", [SHORT, TEXTS[-1]])
 def test_rules_are_never_on_one_line(text: str) -> None:
     """docs/commands.md; whatever line it was all written on."""
     words = " ".join(re.sub(r"#[^\r\n]*", "", text).split())
