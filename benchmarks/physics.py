@@ -306,7 +306,12 @@ def main() -> None:
         "path": lambda: paths(run if options.quick else replace(run, repeat=3 * repeat), kinds),
         "ink": lambda: ink(run, grasps[:1] if options.quick else grasps),
     }
-    for part in [options.part] if options.part else parts:
+    show(parts, options.part)
+
+
+def show(parts: Mapping[str, Callable[[], Iterator[str]]], asked: str | None) -> None:
+    """Print the tables of one part, or of all, a line as soon as it is known."""
+    for part in [asked] if asked else parts:
         for line in parts[part]():
             print(line, flush=True)
         print(flush=True)

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from kept import Kept, Row
-from physics import BASE, Run
+from physics import BASE, Run, show
 from scipy.optimize import minimize
 from scipy.stats import norm
 from strategies import interval, moving, rows
@@ -170,14 +170,11 @@ def episodes(
 
 
 def _compared(pairs: Sequence[tuple[Row, Row]]) -> str:
-    moving = np.array([[moving(dict(row)) for row in pair] for pair in pairs]).reshape(-1, 2)
-    times = [
-        *(interval(column) for column in moving.T.tolist()),
-        interval((moving[:, 0] - moving[:, 1]).tolist()),
-    ]
+    times = np.array([[moving(dict(row)) for row in pair] for pair in pairs]).reshape(-1, 2)
+    told = [interval(column.tolist()) for column in (*times.T, times[:, 0] - times[:, 1])]
     actions = [f"{np.mean([pair[k]['actions'] for pair in pairs]):.1f}" for k in (0, 1)]
     left = [str(sum(pair[k]["left"] + pair[k]["lost"] for pair in pairs)) for k in (0, 1)]
-    return " | ".join((*times, *actions, *left))
+    return " | ".join((*told, *actions, *left))
 
 
 def main() -> None:
@@ -203,10 +200,7 @@ def main() -> None:
         "turn": lambda: turns(run),
         "episodes": lambda: episodes(seeds, scene, strategies, whole),
     }
-    for part in [options.part] if options.part else parts:
-        for line in parts[part]():
-            print(line, flush=True)
-        print(flush=True)
+    show(parts, options.part)
 
 
 if __name__ == "__main__":

@@ -133,6 +133,29 @@ def test_the_numbers_of_the_stand_in_are_found_in_what_it_does(monkeypatch: pyte
     assert 0 < spread < 3 * stand_in.SLIPS_SPREAD
 
 
+def test_both_worlds_are_compared_seed_by_seed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two episodes that were kept: the physics moves 3 s longer in each, and loses a lentil in one."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    rows = [
+        {
+            "job": ["cleaning", "two_groups", "reactive", seed],
+            "stand_in": stand_in,
+            "seconds": {"transits": 10.0, "actions": 20.0 + seed - 3 * stand_in},
+            **{"actions": 4, "left": 0, "lost": int(seed == 2 and not stand_in), "clean": True},
+        }
+        for stand_in in (True, False)
+        for seed in (1, 2)
+    ]
+    kept = "".join(json.dumps(row) + "\n" for row in rows)
+    (tmp_path / "episodes.jsonl").write_text(kept, encoding="utf-8")
+    _main("stand_in", monkeypatch, "--quick", "--part", "episodes", "--keep", str(tmp_path))
+    cells = [cell.strip() for cell in capsys.readouterr().out.strip().splitlines()[-1].split("|")[1:-1]]
+    assert cells[2:6] == ["2 of 2", "31.5 ± 6.4", "28.5 ± 6.4", "3.0 ± 0.0"]
+    assert cells[6:] == ["4.0", "4.0", "1", "0"]
+
+
 def test_no_mutated_text_crashes_or_stalls(tmp_path: Path) -> None:
     result = _run("fuzz.py", "2000", "--keep", str(tmp_path / "kept"), cwd=tmp_path)
     assert result.returncode == 0, result.stdout
