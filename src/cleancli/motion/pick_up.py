@@ -22,7 +22,7 @@ TIP_HEIGHT = 0.12  # of the held end, while it is tipped
 CARRY_HEIGHT = 0.06  # and when it is lifted
 TIP_BEYOND = 0.03  # the tipped lip is so far past the table's edge
 TIP = -1.0  # rad: lentils slide down
-TURNS = (0.0, 30.0, 60.0, 90.0)  # degrees from left towards the robot at which the dustpan waits
+TURNS = (30.0, 60.0, 90.0)  # degrees from left towards the robot at which the dustpan waits, if not there
 
 
 def pick_ups(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
@@ -31,10 +31,10 @@ def pick_ups(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
 
     Left and right are those of the robot, which looks at the surface from behind the container.
     """
-    first, *others = (pick_up(area, scene, np.radians(turn)) for turn in TURNS)
-    yield first
+    yield pick_up(area, scene)
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
-    for path in others:
+    for turn in TURNS:
+        path = pick_up(area, scene, np.radians(turn))
         lip = path.waypoints[2]
         if (np.abs((lip.x, lip.y)) < half).all():
             yield path
