@@ -18,7 +18,7 @@ from cleancli.compiler.fluents import (
     parameters_of,
     values_of,
 )
-from cleancli.compiler.lifted_state import ObjectsByType
+from cleancli.compiler.objects_by_type import ObjectsByType
 from cleancli.compiler.paths import Paths
 from cleancli.language.model import (
     Condition,
