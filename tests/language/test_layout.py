@@ -79,6 +79,28 @@ def test_small_cases(before: str, after: str) -> None:
     assert layout(after) == after
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("2*decrease(n)-0.5*m", "2 * decrease(n) - 0.5 * m"),
+        ("decrease(n) - m + 10*goal - cost", "decrease(n) - m + 10 * goal - cost"),
+        ("-2*m\t+  decrease(n)", "-2 * m + decrease(n)"),
+    ],
+)
+def test_the_terms_of_a_reward_stand_one_blank_from_their_signs(before: str, after: str) -> None:
+    """As docs/language.md writes them."""
+    assert layout(f"domain d {{ reward {{ {before} }} }}") == f"domain d {{\n  reward {{ {after} }}\n}}\n"
+
+
+def test_a_reward_that_is_too_wide_has_a_term_to_a_line_with_its_sign() -> None:
+    terms = [f"{n} * count_number_{n}_of_many" for n in range(1, 6)]
+    tidy = layout(f"domain d {{ reward {{ -{' - '.join(terms)} }} }}")
+    first, *others = tidy.splitlines()[2:7]
+    assert first == f"    -{terms[0]}"
+    assert others == [f"    - {term}" for term in terms[1:]]
+    assert layout(tidy) == tidy
+
+
 @pytest.mark.parametrize("text", [SHORT, TEXTS[-1]])
 def test_rules_are_never_on_one_line(text: str) -> None:
     """docs/commands.md; whatever line it was all written on."""

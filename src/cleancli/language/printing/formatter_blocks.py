@@ -22,6 +22,7 @@ _CLAUSES = frozenset({"WHEN", "WITH", "THEN"})
 _CLOSE_BEFORE = frozenset({",", ";", ":", ")", "]", ".."})
 _CLOSE_AFTER = frozenset({"(", "[", ".."})
 _SEPARATORS = frozenset({",", ";", "{"})
+_SIGNS = frozenset({"+", "-"})
 
 
 class Blocks:
@@ -59,7 +60,7 @@ class Blocks:
         if before.type in _CLAUSES:
             return " "
         if number in self.items and before.text not in _SEPARATORS:
-            return "  "
+            return " " if token.text in _SIGNS else "  "
         applied = token.text == "(" and re.match(r"[A-Za-z_]", before.text)
         return "" if applied or self._is_sign(number - 1) else " "
 
@@ -91,10 +92,14 @@ class Blocks:
         for part, is_listed in _parts_of(node):
             number = numbers[part.span.start]
             if is_listed and self.depth[number] == inside:
-                self.items.add(number)
+                self.items.add(self._with_sign(number))
             if isinstance(part, OutcomeNode):
                 self.outcomes.add(number)
             self._find_items(part, numbers)
+
+    def _with_sign(self, number: int) -> int:
+        """The first token of an item: a term of a sum begins with the sign before it."""
+        return number - 1 if self.tokens[number - 1].text in _SIGNS else number
 
     def _is_tall(self, opening: int) -> bool:
         """Whether a block takes several lines: was so written, is a rule or the whole file, is too wide."""
