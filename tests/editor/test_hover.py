@@ -55,6 +55,16 @@ def test_a_probability_tells_what_was_learned() -> None:
     assert text == "now `0.65`; before anything was learned `0.6`; seen 14 times"
 
 
+@pytest.mark.parametrize(
+    ("said", "told"), [("1", "seen 1 time"), ("12.40", "seen 12.4 times"), ("0.5", "seen 0.5 times")]
+)
+def test_a_count_may_be_a_fraction_and_that_of_the_rest_is_told_too(said: str, told: str) -> None:
+    asked, offset, library = marked("tables.nid", DOMAIN.replace("rest:", f"|rest [seen {said}]:"))
+    found = hover(asked, offset, library)
+    assert found is not None
+    assert found.text == f"now `rest`; {told}"
+
+
 def test_there_is_nothing_to_say_about_blanks_and_unlearned_numbers() -> None:
     asked, offset = at("tables.nid", "|0.9: not")
     assert hover(asked, offset, OPEN) is None

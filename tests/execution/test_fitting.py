@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -32,7 +33,7 @@ STATE = EpisodeState(
     queue=(PUSH, Move("wipe", (), PATH)),
     rest=(GroundAction("join2", ("a1", "a2"), 7.5),),
     vain=(FailedAttempt(PUSH.key, (AREA,), FACTS, 2),),
-    examples=((0, 2), (len(DOMAIN.rules) - 1, 1)),
+    examples=((0, Fraction(5, 2)), (len(DOMAIN.rules) - 1, Fraction(1))),
     spent=Account(planning=0.5, transits=3.0),
 )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -13,7 +14,7 @@ from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
-from cleancli.language.model import Domain
+from cleancli.language.model import Domain, Rule
 from cleancli.scene.model import Scene
 from cleancli.world.robot import Status
 from support.scripted_robot import STROKE, WITHDRAWAL, Points, Scripted
@@ -222,6 +223,23 @@ def test_unknown_actions_are_looked_at_with_the_arm_away(
     assert [event.seen for event in acted] == [True, True, False, False, False]
     learning = end_of(events).spent.learning
     assert learning == pytest.approx(2 * WITHDRAWAL + looked(events, Purpose.LEARNING))
+
+
+def test_what_the_file_counts_of_all_outcomes_makes_an_action_known(
+    run: Callable[..., list[Event]], domain: Domain, scene: Scene
+) -> None:
+    """docs/execution.md: `--known` is compared with what all outcomes of a rule were seen, parts included."""
+    counts = (Fraction(3, 5), Fraction(2, 5))
+
+    def counted(rule: Rule) -> Rule:
+        first, second, *others = rule.outcomes
+        seen = [replace(o, seen=count) for o, count in zip((first, second), counts, strict=True)]
+        return replace(rule, outcomes=(*seen, *others))
+
+    rules = replace(domain, rules=tuple(map(counted, domain.rules)))
+    events = run(hiding(scene, until(5)), rules, strategy="reactive", known=2)
+    looks = [event.purpose for event in events if isinstance(event, Looked)][1:6]
+    assert looks == [Purpose.LEARNING] + [Purpose.AFTER] * 4
 
 
 def test_looks_between_two_moves_of_one_decision_cost_no_time(

@@ -150,7 +150,7 @@ EPISODES: dict[str, Callable[[dict[str, Any]], object]] = {
     "the domain has no 'haunted'": lambda e: e["situation"]["state"].append(
         {"symbol": "haunted", "objects": ["a1"], "value": True}
     ),
-    "rules that the domain has not": lambda e: e.update(examples=[[99, 1]]),
+    "rules that the domain has not": lambda e: e.update(examples=[[99, "1"]]),
     "the domain has no action 'fly'": lambda e: e.update(queue=[{"action": "fly", "objects": []}]),
     "about what the problem has not": lambda e: e.update(
         queue=[{"action": "moveToContainerFast", "objects": ["zz"]}]

@@ -65,6 +65,11 @@ def _effects() -> st.SearchStrategy[tuple[Assign | ForAll, ...]]:
     return st.lists(single, min_size=1, max_size=4, unique=True).map(tuple)
 
 
+def _counts() -> st.SearchStrategy[Fraction]:
+    """What a transition that several outcomes share leaves of whole numbers: four digits after the point."""
+    return st.integers(0, 10**6).map(lambda count: Fraction(count, 10**4))
+
+
 @st.composite
 def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
     results: list[tuple[OutcomeKind, tuple[Assign | ForAll, ...]]] = [(OutcomeKind.NOISE, ())]
@@ -75,9 +80,9 @@ def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
     probabilities[-1] += 1 - sum(probabilities)
     outcomes = []
     for number, (kind, effects) in enumerate(results):
-        prior = draw(st.none() | st.fractions(0, 1, max_denominator=1000))
-        seen = draw(st.none() | st.integers(0, 99))
         rest = number == len(results) - 1 and draw(st.booleans())
+        prior = None if rest else draw(st.none() | st.fractions(0, 1, max_denominator=1000))
+        seen = draw(st.none() | _counts())
         outcomes.append(Outcome(probabilities[number], kind, effects, prior, seen, rest))
     return tuple(outcomes)
 

@@ -40,6 +40,8 @@ def test_the_domain_that_is_changed_is_right() -> None:
     [
         ("[prior 0.5, seen 1]", "[prior 0.5, prior 0.4, seen 1]", "E311", "a second `prior`"),
         ("[prior 0.5, seen 1]", "[prior 0.5, seen 1, seen 2]", "E311", "a second `seen`"),
+        ("[prior 0.5, seen 1]", "[seen 1000000000.5]", "E311", "`seen` counts at most 1000000000 times"),
+        ("rest: nothing", "rest [prior 0.5]: nothing", "E311", "`rest` has no prior of its own"),
         ("[prior 0.5, seen 1]", "[fixed, fixed]", "E311", "a second `fixed`"),
         ("[symmetric]", "[symmetric = 3]", "E213", "`symmetric` takes no value"),
         ("[symmetric]", "[symmetric, symmetric]", "E213", "a second `symmetric`"),

@@ -107,6 +107,18 @@ def test_only_the_learned_rule_changes_and_only_its_numbers(domain: Domain) -> N
     )
 
 
+def test_a_count_with_a_point_is_replaced_whole(domain: Domain) -> None:
+    before = TEXT.replace("seen  3", "seen  12.4375").replace("rest: noise", "rest [seen 3.5]: noise")
+    counted = load_domain(Source("tidy.nid", before))
+    assert [outcome.seen for outcome in counted.rules[1].outcomes] == [Fraction(199, 16), 1, 0]
+    assert counted.rules[0].outcomes[3].seen == Fraction(7, 2)
+    small = state("b1", small=("b1",))
+    learned = learn(counted, [wiped(state(small=("b1",)), small)])
+    after = apply_edits(before, edits(counted, [Source("tidy.nid", before)], learned))
+    assert "[prior 0.7,  seen  1]: not dirty(?b)" in after
+    assert "rest [seen 3.5]: noise" in after
+
+
 def test_learning_again_from_the_same_experience_changes_nothing(domain: Domain) -> None:
     experience = [wiped(state("b3"))] * 3 + [wiped(state("b1", "b2", "b3", wet=("b1",)))] * 2
     once = apply_edits(TEXT, edits(domain, [Source("tidy.nid", TEXT)], learn(domain, experience)))

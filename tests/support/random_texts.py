@@ -193,7 +193,7 @@ def _derived(world: World, rng: Random) -> list[str]:
 def _shared(rng: Random) -> list[str]:
     tokens = ["parameters", "{"]
     for name, value in SHARED:
-        marks = rng.choice(([], ["fixed"], ["prior", "0.25"], ["seen", "12", ",", "prior", "1/3"]))
+        marks = rng.choice(([], ["fixed"], ["prior", "0.25"], ["seen", "12.4375", ",", "prior", "1/3"]))
         tokens += [
             name,
             "=",
@@ -406,8 +406,10 @@ def _chances(
         decimal = whole in (10, 1000) and rng.random() < 0.8
         tokens.append("rest" if place == rest else str(share / whole) if decimal else f"{share}/{whole}")
         marks = rng.choice(
-            ([], [["prior", "0.25"]], [["seen", "12"], ["prior", "1/3"]], [["seen", "0"]], [["fixed"]])
+            ([], [["prior", "0.25"]], [["seen", "12.4"], ["prior", "1/3"]], [["seen", "0"]], [["fixed"]])
         )
+        if place == rest:  # which has no prior of its own
+            marks = [mark for mark in marks if mark[0] != "prior"]
         tokens += ["[", *_joined(marks, ","), "]"] if marks else []
         tokens += [":", *result]
     return tokens

@@ -230,8 +230,8 @@ def _learned(asked: Document, offset: int) -> Hover | None:
             parts.append(f"before anything was learned `{print_fraction(mark.probability.value)}`")
         elif isinstance(mark, syntax.Fixed):
             parts.append("fixed: learning leaves it alone")
-        elif isinstance(mark, syntax.Seen) and mark.count.is_whole:
-            parts.append(f"seen {plural(int(mark.count.value), 'time')}")
+        elif isinstance(mark, syntax.Seen):
+            parts.append(f"seen {plural(print_fraction(mark.count.value), 'time')}")
     return Hover("; ".join(parts), weight.span)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
+from fractions import Fraction
 from math import dist
 from typing import Any
 
@@ -126,8 +127,8 @@ class EpisodeState:
     `situation` is None before the first look. `looks` taken and areas `named` so far; `actions` begun.
     `clear_looks`: looks in a row since the last move for which the tool was out of view. `queue`: moves
     decided upon and not yet begun; `rest`: what is left of the plan beyond them. `examples`: pairs (rule's
-    index, times it was carried out and seen), sorted. `loading`: seconds that numba took to load, once.
-    `reason`: why the episode is over, empty while it is not.
+    index, times it was carried out and seen, with those that the domain's text counts), sorted. `loading`:
+    seconds that numba took to load, once. `reason`: why the episode is over, empty while it is not.
     """
 
     situation: Situation | None = None
@@ -138,7 +139,7 @@ class EpisodeState:
     queue: tuple[Move, ...] = ()
     rest: tuple[GroundAction, ...] = ()
     vain: tuple[FailedAttempt, ...] = ()
-    examples: tuple[tuple[int, int], ...] = ()
+    examples: tuple[tuple[int, Fraction], ...] = ()
     spent: Account = Account()
     loading: float = 0.0
     reason: str = ""

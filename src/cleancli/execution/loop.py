@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 
 from cleancli.compiler.lifted_state import StateView
@@ -217,7 +218,7 @@ def _concluded(
     state = replace(state, vain=_tried(state.vain, move, before, after, motions.failure))
     if seen and rule is not None:
         counts = dict(state.examples)
-        counts[rule] = counts.get(rule, 0) + 1
+        counts[rule] = counts.get(rule, Fraction(0)) + 1
         state = replace(state, examples=tuple(sorted(counts.items())))
     is_action = move.path is None
     transition = _transition(move, before, after) if is_action else None
@@ -257,9 +258,12 @@ def _transition(move: Move, before: Situation, after: Situation) -> Transition:
     )
 
 
-def _seen_before(domain: Domain) -> tuple[tuple[int, int], ...]:
+def _seen_before(domain: Domain) -> tuple[tuple[int, Fraction], ...]:
     """How often each rule was seen, by what its text says of its outcomes."""
-    counts = ((i, sum(o.seen or 0 for o in rule.outcomes)) for i, rule in enumerate(domain.rules))
+    counts = (
+        (index, sum((outcome.seen or Fraction(0) for outcome in rule.outcomes), start=Fraction(0)))
+        for index, rule in enumerate(domain.rules)
+    )
     return tuple((index, count) for index, count in counts if count)
 
 

@@ -155,17 +155,18 @@ class OutcomeKind(enum.Enum):
 class Outcome(Record):
     """One possible result of a rule.
 
-    `probability_span` covers the probability's own token, `weight_span` that token with its
-    `[prior p, seen n]`, if it has one; `is_rest` means that the text says `rest` and no number. `parameter`
-    names the shared parameter that the text says instead of a number; its marks are then the parameter's. The
-    learner does not touch what is `fixed`.
+    `seen` may be no whole number, since one transition may count for several outcomes in part. `is_rest`
+    means that the text says `rest` and no number; it has no `prior`, which is what the others leave.
+    `parameter` names the shared parameter that the text says instead of a number; its marks are then the
+    parameter's. The learner does not touch what is `fixed`. `probability_span` covers the probability's own
+    token, `weight_span` that token with its `[prior p, seen n]`, if it has one.
     """
 
     probability: Fraction
     kind: OutcomeKind
     effects: tuple[Assign | Shift | ForAll, ...] = ()
     prior: Fraction | None = None
-    seen: int | None = None
+    seen: Fraction | None = None
     is_rest: bool = False
     parameter: str | None = None
     fixed: bool = False
@@ -191,7 +192,7 @@ class Parameter(Record):
     name: str
     probability: Fraction
     prior: Fraction | None = None
-    seen: int | None = None
+    seen: Fraction | None = None
     fixed: bool = False
     probability_span: Span | None = field(default=None, compare=False)
     weight_span: Span | None = field(default=None, compare=False)

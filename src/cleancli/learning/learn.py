@@ -154,7 +154,7 @@ def _first_edits(
 
 def _seen_span(text: str, weight: Span) -> Span:
     """The digits after `seen` inside an outcome's weight."""
-    found = re.search(r"\bseen\s+(\d+)", text[weight.start : weight.end])
+    found = re.search(r"\bseen\s+(\d+(?:\.\d+)?)", text[weight.start : weight.end])
     assert found is not None, "the parser has found it there before"
     return Span(weight.path, weight.start + found.start(1), weight.start + found.end(1))
 

@@ -427,7 +427,7 @@ def draw(seed: int) -> tuple[Domain, Problem]:
         (
             (),
             (("slip", "0.1", ""),),
-            (("slip", "1/6", "prior 0.25, seen 3"), ("spill", "0.05", "fixed")),
+            (("slip", "1/6", "prior 0.25, seen 3.125"), ("spill", "0.05", "fixed")),
         )
     )
     actions = drawer.actions()
@@ -444,7 +444,7 @@ def draw(seed: int) -> tuple[Domain, Problem]:
         actions=actions,
         rules=rules,
         default=random.choice(
-            (None, None, "1: nothing", "1: noise", "0.9: nothing  0.1: noise", "rest: noise")
+            (None, None, "1: nothing", "1: noise", "0.9 [seen 12.4]: nothing  0.1: noise", "rest: noise")
         ),
         reward=drawer.reward(counts),
         included=random.randint(1, len(rules)) if rules and random.random() < 0.1 else 0,

@@ -21,7 +21,8 @@ from support.differential.writing import number
 if TYPE_CHECKING:
     from support.differential.drawing import Drawer
 
-MARKS = ("", "", "", "", "prior 0.3, seen 4", "seen 2", "fixed", "prior 1/7")
+MARKS = ("", "", "", "", "prior 0.3, seen 4.25", "seen 2", "fixed", "prior 1/7")
+REST_MARKS = ("", "", "seen 3.5", "fixed")
 Said = tuple[Fraction, str, str]
 """A probability, how it is written, and the marks beside it."""
 
@@ -73,7 +74,7 @@ class OutcomeDrawer:
             parts[-1] = left - sum(parts[:-1])
         said += [(part, number(part, random), random.choice(MARKS)) for part in parts]
         if self.drawer.often(0.3):
-            said[-1] = (parts[-1], "rest", "")
+            said[-1] = (parts[-1], "rest", random.choice(REST_MARKS))
         random.shuffle(said)
         return said
 

@@ -9,9 +9,10 @@ from fractions import Fraction
 
 from cleancli.language import syntax
 from cleancli.language.checking.conditions import Scope
-from cleancli.language.checking.declarations import Once, sections_of, without_point
+from cleancli.language.checking.declarations import Once, sections_of
 from cleancli.language.checking.effects import check_effects
 from cleancli.language.checking.equivalence import Asked, asked_by, doing, idle_because
+from cleancli.language.checking.notes import is_fixed, mark_of, times_seen
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import (
     Assign,
@@ -148,34 +149,17 @@ def _outcome(
             )  # fmt: skip
 
 
-def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, int | None, bool]:
-    prior: Fraction | None = None
-    seen: int | None = None
-    fixed = False
-    for mark in weight.marks:
-        match mark:
-            case syntax.Prior():
-                _refuse_second("prior", mark, prior is not None, scope)
-                prior = _probability(mark.probability, scope)
-            case syntax.Seen():
-                _refuse_second("seen", mark, seen is not None, scope)
-                seen = _times(mark.count, scope)
-            case syntax.Fixed():
-                _refuse_second("fixed", mark, fixed, scope)
-                fixed = True
-    return prior, seen, fixed
-
-
-def _refuse_second(name: str, mark: syntax.Node, is_second: bool, scope: Scope) -> None:
-    if is_second:
-        scope.findings.error("E311", f"a second `{name}`", mark.span)
-
-
-def _times(count: syntax.Number, scope: Scope) -> int:
-    if not count.is_whole:
-        message = "`seen` counts outcomes: a whole number"
-        scope.findings.error("E311", message, count.span, help=without_point(count))
-    return int(count.value)
+def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, Fraction | None, bool]:
+    """The prior, how often the outcome was seen, and whether the learner leaves it alone."""
+    prior = mark_of(syntax.Prior, weight.marks, scope.findings)
+    if prior is not None and isinstance(weight.chance, syntax.Rest):
+        help = "remove it: what the priors of the others leave is the prior of `rest`"
+        scope.findings.error("E311", "`rest` has no prior of its own", prior.span, help=help)
+    return (
+        None if prior is None else _probability(prior.probability, scope),
+        times_seen(weight.marks, scope.findings),
+        is_fixed(weight.marks, scope.findings),
+    )
 
 
 def _result(

@@ -177,9 +177,9 @@ def print_outcome(outcome: Outcome, symbols: Symbols, say_fixed: bool = True) ->
     return f"{chance}{marks}: {print_result(outcome, symbols)}"
 
 
-def _noted(prior: Fraction | None, seen: int | None, fixed: bool) -> str:
+def _noted(prior: Fraction | None, seen: Fraction | None, fixed: bool) -> str:
     marks = [] if prior is None else [f"prior {print_fraction(prior)}"]
-    marks += [] if seen is None else [f"seen {seen}"]
+    marks += [] if seen is None else [f"seen {print_fraction(seen)}"]
     return _marks([*marks, "fixed"] if fixed else marks)
 
 

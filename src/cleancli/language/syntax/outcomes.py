@@ -59,13 +59,13 @@ class Rest(Node):
 
 
 class Prior(Node):
-    """`prior p`."""
+    """`prior p`, of a probability."""
 
     probability: Number
 
 
 class Seen(Node):
-    """`seen n`."""
+    """`seen n`; `n` may have a point."""
 
     count: Number
 
