@@ -11,6 +11,7 @@ from __future__ import annotations
 from cleancli.language.syntax.conditions import *
 from cleancli.language.syntax.domain import *
 from cleancli.language.syntax.domain import DomainNode
+from cleancli.language.syntax.marks import *
 from cleancli.language.syntax.node import *
 from cleancli.language.syntax.outcomes import *
 from cleancli.language.syntax.problem import *

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from cleancli.language.syntax.conditions import ConditionNode
+from cleancli.language.syntax.marks import Attribute
 from cleancli.language.syntax.node import Node
 from cleancli.language.syntax.outcomes import OutcomeNode, Weight
-from cleancli.language.syntax.words import Attribute, Group, Name, Number, TermNode
+from cleancli.language.syntax.words import Group, Name, Number, TermNode
 
 
 class Include(Node):

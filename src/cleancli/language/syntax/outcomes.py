@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cleancli.language.syntax.conditions import ConditionNode
+from cleancli.language.syntax.marks import Fixed, Prior, Seen
 from cleancli.language.syntax.node import Node
 from cleancli.language.syntax.words import Application, Group, Name, Number
 
@@ -56,22 +57,6 @@ class Effects(Node):
 
 class Rest(Node):
     """The word `rest` in the place of a probability."""
-
-
-class Prior(Node):
-    """`prior p`, of a probability."""
-
-    probability: Number
-
-
-class Seen(Node):
-    """`seen n`; `n` may have a point."""
-
-    count: Number
-
-
-class Fixed(Node):
-    """The mark `fixed`."""
 
 
 class Share(Node):

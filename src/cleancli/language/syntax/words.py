@@ -36,13 +36,6 @@ class Group(Node):
     type: Name | None
 
 
-class Attribute(Node):
-    """`name` or `name = value` between brackets."""
-
-    name: Name
-    value: Quantity | None
-
-
 class TermNode(Node):
     """A variable (`name` without `?`) or the name of an object."""
 
