@@ -160,7 +160,7 @@ def test_no_import_cycle_between_modules() -> None:
     [
         ("import cleancli.cli.main", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.cli.commands.check", HEAVY - {"click", "lark"} | {"numpy"}),
-        ("import cleancli.cli.commands.learn", {"numba", "cv2", "pybullet", "numpy"}),
+        ("import cleancli.cli.commands.learn", {"numba", "cv2", "pybullet", "scipy"}),
         ("import cleancli.cli.commands.plan", {"numba", "scipy", "matplotlib", "cv2", "av", "pybullet"}),
         ("import cleancli.cli.commands.lsp", HEAVY - {"click"} | {"numpy"}),
         ("import cleancli.editor.completion", HEAVY - {"lark"} | {"numpy"}),

@@ -18,8 +18,9 @@ from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.printing.printer import print_domain
+from cleancli.learning.edits import edits
 from cleancli.learning.experience import read_experience
-from cleancli.learning.learn import edits, learn
+from cleancli.learning.learn import learn
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
@@ -62,7 +63,7 @@ def test_plan(domain: Domain, problem: Problem) -> None:
 
 def test_learn(domain: Domain) -> None:
     text = source("domain.nid").text
-    learned = learn(domain, tuple(read_experience(GOLDEN / "experience.jsonl", domain)))
+    learned = learn(domain, tuple(read_experience(GOLDEN / "experience.jsonl", domain))).rules
     new = apply_edits(text, edits(domain, [source("domain.nid")], learned))
     difference = difflib.unified_diff(text.splitlines(), new.splitlines(), "domain", "learned", lineterm="")
     check_golden("domain.learned.txt", "\n".join(difference) + "\n")

@@ -17,6 +17,7 @@ from cleancli.cli.views import dashboard as views
 from cleancli.cli.views.dashboard import Shown, came_of, dashboard, updated
 from cleancli.cli.views.live import show
 from cleancli.cli.views.table_map import rows_for, table_map
+from cleancli.compiler.fluents import values_of
 from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation
 from cleancli.execution.events import (
     Acted,
@@ -178,7 +179,9 @@ def test_what_came_of_an_action() -> None:
     assert "a20, a21, a22 and 7 more gone" in came_of(many | {"a2", "a9", "a10"}, acted)
     assert came_of(frozenset({"a2", "a9", "a10"}), acted).endswith("no area came or went")
     kept, gone, new = Fact("door", ("d",)), Fact("open", ("d",)), Fact("shut", ("d",))
-    pushed = Transition("push", ("d",), (), frozenset({kept, gone}), frozenset({kept, new}))
+    pushed = Transition(
+        "push", ("d",), (), values_of(frozenset({kept, gone})), values_of(frozenset({kept, new}))
+    )
     nowhere = Situation((), (), frozenset({kept, new}))
     assert came_of(frozenset(), replace(acted, transition=pushed, situation=nowhere)).endswith(
         "2 facts changed"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 from cleancli.compiler.explain import FactChange, Failure, UnclearReference, explain
-from cleancli.language.model import DerivedPredicate, Fact, Quantified
+from cleancli.language.model import DerivedPredicate, Fact, Outcome, OutcomeKind, Quantified
 from support.handmade import JOIN_DRAGS, A, B, M, drags_problem, true
 
 
@@ -44,7 +45,8 @@ def test_every_literal_that_fails_is_shown_with_its_value() -> None:
 def test_quantified_parts_show_their_witnesses_and_derived_ones_what_they_lack() -> None:
     blocked = Quantified(False, (M,), (true("traversal", A, B, M), true("dirt", M)))
     derived = DerivedPredicate("free", (A, B), (true("dirt", A), blocked))
-    rule = replace(JOIN_DRAGS.rules[0], condition=(true("free", A, B),), references=())
+    idle = Outcome(Fraction(1), OutcomeKind.NOTHING)
+    rule = replace(JOIN_DRAGS.rules[0], condition=(true("free", A, B),), references=(), outcomes=(idle,))
     domain = replace(JOIN_DRAGS, rules=(rule,), derived=(derived,))
     (failure,) = explain(domain, drags_problem("m", "n"), "join2", ("a", "b")).attempts[0].failures
     assert (failure.part, failure.objects, failure.actual) == (true("free", A, B), ("a", "b"), False)

@@ -41,10 +41,10 @@ def lifted_successors(
     if found is None:
         return None, {state: Fraction(1)}
     after: dict[State, Fraction] = {}
-    for outcome in domain.rules[found[0]].outcomes:
+    for outcome, changes in zip(domain.rules[found[0]].outcomes, view.rules[found[0]].changes, strict=True):
         if outcome.probability:
             values = {(fact.symbol, fact.objects): fact.value for fact in state}
-            values |= view.changes(outcome, found[1])
+            values |= changes(view.state, tuple(found[1].values()))
             next_state = frozenset(Fact(*key, value) for key, value in values.items() if value is not False)
             after[next_state] = after.get(next_state, Fraction(0)) + outcome.probability
     return found[0], after

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from cleancli.compiler.fluents import Fluent
+from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import Acted
 from cleancli.execution.loop import clean
@@ -79,7 +79,7 @@ def test_what_changed_makes_the_state_after_of_the_one_before(
 ) -> None:
     """And nothing is told that was so before (docs/runs.md: the facts whose value differs)."""
     states = (frozenset(Fact(*key, value) for key, value in state.items()) for state in (before, after))
-    transition = Transition("moveToContainerFast", ("a1",), PROBLEM.objects, *states)
+    transition = Transition("moveToContainerFast", ("a1",), PROBLEM.objects, *map(values_of, states))
     told = Acted(
         1, Move("moveToContainerFast", ("a1",)), transition, True, 0.0, 1.0, Situation((), (), frozenset())
     )

@@ -17,6 +17,7 @@ import pytest
 
 from cleancli.api.resuming import unfinished
 from cleancli.cli.main import run
+from cleancli.compiler.fluents import values_of
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.learning.experience import Transition, encode
 from cleancli.recording import run_folder
@@ -455,7 +456,7 @@ def test_experience_of_a_run_is_learned_from_where_it_is_one(
 ) -> None:
     assert run(["learn", "cleaning", str(folder)]) == 0
     (folder / "experience.jsonl").write_text(
-        encode(Transition("fly", (), (), frozenset(), frozenset()), {}) + "\n"
+        encode(Transition("fly", (), (), values_of(frozenset()), values_of(frozenset())), {}) + "\n"
     )
     refused(["learn", "cleaning", str(folder)], folder, capsys, "E701")
 

@@ -13,7 +13,8 @@ from random import Random
 import pytest
 
 from cleancli.compiler.fluents import Fluent
-from cleancli.compiler.lifted_state import ConflictError, StateView
+from cleancli.compiler.lifted import ConflictError
+from cleancli.compiler.lifted_state import StateView
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, load_domain
@@ -193,7 +194,7 @@ def does(domain: Domain, state: State, arguments: tuple[str, str]) -> dict[Fluen
     if found is None:
         return "does not apply"
     try:
-        changes = view.changes(domain.rules[0].outcomes[0], found[1])
+        changes = view.rules[0].changes[0](view.state, tuple(found[1].values()))
     except ConflictError:
         return "conflict"
     return {key: value for key, value in changes.items() if view.value(key) != value}

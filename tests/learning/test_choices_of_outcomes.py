@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from cleancli.compiler.fluents import values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
+from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import edits, learn
-from cleancli.learning.match import Match, matched
+from cleancli.learning.learn import Method, learn
 
 TEXT = """domain tidy {
   types { box }
@@ -35,7 +36,7 @@ def state(*facts: str) -> State:
 
 
 def wiped(*after: str) -> Transition:
-    return Transition("wipe", ("b1",), BOXES, state("dirty"), state(*after))
+    return Transition("wipe", ("b1",), BOXES, values_of(state("dirty")), values_of(state(*after)))
 
 
 @pytest.mark.parametrize(
@@ -51,22 +52,22 @@ def wiped(*after: str) -> Transition:
 def test_of_outcomes_that_fit_the_likeliest_before_learning_counts_and_of_equals_the_first(
     outcomes: str, chosen: int
 ) -> None:
-    assert matched(tidy(outcomes), wiped()) == Match(0, chosen)
+    (found,) = learn(tidy(outcomes), [wiped()], Method(match="strict")).rules
+    assert [index for index, seen in enumerate(found.seen) if seen] == [chosen]
 
 
 def test_without_noise_what_no_outcome_explains_counts_as_none() -> None:
     domain = tidy(f"0.6: {BOTH} 0.4: nothing")
-    assert matched(domain, wiped("dirty", "wet")) == Match(0, None)
-    (found,) = learn(domain, [wiped("dirty", "wet")] * 3 + [wiped("wet")] * 2)
-    assert (found.seen, found.unexplained) == ((2, 0), 3)
-    (found,) = learn(domain, [wiped("wet")] * 2)
-    assert (found.seen, found.unexplained) == ((2, 0), 0)
+    (found,) = learn(domain, [wiped("dirty", "wet")] * 3 + [wiped("wet")] * 2).rules
+    assert (tuple(map(float, found.seen)), found.unexplained) == ((2, 0), 3)
+    (found,) = learn(domain, [wiped("wet")] * 2).rules
+    assert (tuple(map(float, found.seen)), found.unexplained) == ((2, 0), 0)
 
 
 def learned(outcomes: str, *transitions: Transition) -> str:
     text = TEXT % outcomes
     domain = load_domain(Source("tidy.nid", text))
-    return apply_edits(text, edits(domain, [Source("tidy.nid", text)], learn(domain, transitions)))
+    return apply_edits(text, edits(domain, [Source("tidy.nid", text)], learn(domain, transitions).rules))
 
 
 def test_a_rule_whose_examples_nothing_explains_is_noted_as_seen_never() -> None:

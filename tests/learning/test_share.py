@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,13 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cleancli.compiler.fluents import values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import checked_domain, load_domain, read_source
 from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
+from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import edits, learn
-from cleancli.learning.share import probabilities_of
+from cleancli.learning.learn import learn
+from cleancli.learning.share import exactly, shared_out
 
 TEXT = """\
 domain mop {
@@ -53,14 +56,14 @@ def _state(*true: str, load: int = 0) -> State:
 
 
 def _transition(action: str, after: State, before: State | None = None) -> Transition:
-    return Transition(action, ("a",), ROOM, before or _state("dirt"), after)
+    return Transition(action, ("a",), ROOM, values_of(before or _state("dirt")), values_of(after))
 
 
 def test_a_parameter_pools_the_examples_of_its_rules() -> None:
     domain = load_domain(Source("mop.nid", TEXT))
     wet, gone = _state("dirt", "wet"), _state()
     experience = [_transition("wipe", wet), _transition("rinse", wet), _transition("rinse", gone)]
-    wipe, rinse = learn(domain, experience)
+    wipe, rinse = learn(domain, experience).rules
     # Eq. 5 with 2 of 3: m / sqrt(3) = 5.7735.
     spill = (2 + 5.7735 * 0.2) / (3 + 5.7735)
     assert float(wipe.probabilities[1]) == pytest.approx(spill, abs=1e-4)
@@ -71,12 +74,12 @@ def test_a_parameter_pools_the_examples_of_its_rules() -> None:
     assert "spill = 0.3596 [prior 0.2, seen 2]" in text
     assert "0.6404 [prior 0.8, seen 1]: not dirt(?a)" in text
     again = load_domain(Source("mop.nid", text))
-    assert apply_edits(text, edits(again, [Source("mop.nid", text)], learn(again, experience))) == text
+    assert apply_edits(text, edits(again, [Source("mop.nid", text)], learn(again, experience).rules)) == text
 
 
 def test_a_rule_without_examples_makes_room_for_its_parameter() -> None:
     domain = load_domain(Source("mop.nid", TEXT))
-    learned = learn(domain, [_transition("wipe", _state("dirt", "wet"))])
+    learned = learn(domain, [_transition("wipe", _state("dirt", "wet"))]).rules
     text = apply_edits(TEXT, edits(domain, [Source("mop.nid", TEXT)], learned))
     rinse = load_domain(Source("mop.nid", text)).rules[1]
     assert rinse.outcomes[0].probability > Fraction(1, 5)
@@ -86,8 +89,8 @@ def test_a_rule_without_examples_makes_room_for_its_parameter() -> None:
 def test_what_is_fixed_stays_and_a_shift_is_explained() -> None:
     domain = load_domain(Source("mop.nid", TEXT))
     saturated = _transition("drop", _state("dirt", load=3), _state("dirt", load=2))
-    (learned,) = learn(domain, [saturated] * 5)
-    assert learned.seen == (0, 5, 0)
+    (learned,) = learn(domain, [saturated] * 5).rules
+    assert tuple(map(float, learned.seen)) == (0, 5, 0)
     assert learned.probabilities[0] == Fraction(1, 3)
     assert learned.probabilities[1] > Fraction(1, 2)
     assert sum(learned.probabilities) == 1
@@ -106,10 +109,18 @@ def test_each_number_goes_to_the_file_that_holds_it(tmp_path: Path) -> None:
     )
     checked = checked_domain(read_source(top))
     domain = checked.get()
-    found = edits(domain, checked.sources, learn(domain, [_transition("wipe", _state("dirt", "wet"))]))
+    found = edits(domain, checked.sources, learn(domain, [_transition("wipe", _state("dirt", "wet"))]).rules)
     in_base = [edit for edit in found if edit.span.path == str(base)]
     assert "[prior 0.2, seen 1]" in apply_edits(base.read_text(), in_base)
     assert {edit.span.path for edit in found} == {str(base), str(top)}
+
+
+def shared_exactly(
+    outcomes: Sequence[Outcome], estimates: Sequence[float], shared: Mapping[str, Fraction]
+) -> tuple[Fraction, ...]:
+    """What outcomes get, as the text says it."""
+    found = shared_out(outcomes, estimates, {name: float(value) for name, value in shared.items()})
+    return exactly(outcomes, found, shared)
 
 
 @given(
@@ -131,7 +142,7 @@ def test_a_rule_always_sums_to_one(parts: list[tuple[str, int]], has_rest: bool,
     outcomes.append(Outcome(Fraction(last, total), OutcomeKind.NOISE, is_rest=has_rest))
     shared = {o.parameter: o.probability for o in outcomes if o.parameter is not None}
     estimates = [1 / len(outcomes)] * len(outcomes)
-    result = probabilities_of(outcomes, estimates, shared)
+    result = shared_exactly(outcomes, estimates, shared)
     assert sum(result) == 1
     assert all(0 <= p <= 1 for p in result)
     assert all(p == o.probability for p, o in zip(result, outcomes, strict=True) if o.fixed)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 import pytest
 
+from cleancli.compiler.fluents import values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import load_domain
 from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
+from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import edits, learn
-from cleancli.learning.share import probabilities_of
+from cleancli.learning.learn import learn
+from cleancli.learning.share import exactly, shared_out
 
 TEXT = """\
 domain mop {
@@ -39,8 +41,8 @@ def learned(parameters: str, outcomes: str, *after: State) -> str:
     """The text after learning from the first state's changes to each of these."""
     text = TEXT % (parameters, outcomes)
     domain = load_domain(Source("mop.nid", text))
-    experience = [Transition("wipe", ("a",), ROOM, DIRTY, state) for state in after]
-    new = apply_edits(text, edits(domain, [Source("mop.nid", text)], learn(domain, experience)))
+    experience = [Transition("wipe", ("a",), ROOM, values_of(DIRTY), values_of(state)) for state in after]
+    new = apply_edits(text, edits(domain, [Source("mop.nid", text)], learn(domain, experience).rules))
     rule = load_domain(Source("mop.nid", new)).rules[0]
     assert sum(outcome.probability for outcome in rule.outcomes) == 1
     return new
@@ -79,7 +81,7 @@ def test_a_rest_alone_makes_up_for_what_parameters_leave() -> None:
     assert float(spill) == pytest.approx((2 + 5.7735 * 0.2) / 8.7735, abs=1e-4)
     assert float(gone) == pytest.approx((1 + 5.7735 * 0.3) / 8.7735, abs=1e-4)
     assert rest == 1 - spill - gone
-    assert "rest: noise" in text
+    assert "rest [seen 0]: noise" in text
 
 
 def outcome(held: str) -> Outcome:
@@ -92,6 +94,14 @@ def outcome(held: str) -> Outcome:
             return Outcome(Fraction(0), OutcomeKind.NOISE, is_rest=True)
         case _:
             return Outcome(Fraction(0), OutcomeKind.NOTHING)
+
+
+def shared_exactly(
+    outcomes: Sequence[Outcome], estimates: Sequence[float], shared: Mapping[str, Fraction]
+) -> tuple[Fraction, ...]:
+    """What outcomes get, as the text says it."""
+    found = shared_out(outcomes, estimates, {name: float(value) for name, value in shared.items()})
+    return exactly(outcomes, found, shared)
 
 
 THIRD = Fraction(1, 3)
@@ -120,7 +130,7 @@ THIRD = Fraction(1, 3)
 def test_what_is_left_is_shared_in_proportion(
     outcomes: Sequence[str], estimates: Sequence[float], expected: Sequence[float]
 ) -> None:
-    found = probabilities_of([outcome(held) for held in outcomes], estimates, {"p": Fraction(1, 5)})
+    found = shared_exactly([outcome(held) for held in outcomes], estimates, {"p": Fraction(1, 5)})
     assert sum(found) == 1
     assert [float(value) for value in found] == pytest.approx([float(value) for value in expected], abs=1e-4)
     zeros = [value for value, wanted in zip(found, expected, strict=True) if wanted == 0]
@@ -132,7 +142,7 @@ def test_what_is_left_is_shared_in_proportion(
 def test_rounding_keeps_the_order_and_the_sum(free: int, total: str) -> None:
     estimates = [1 / (index + 2) for index in range(free)]
     outcomes = [*(outcome("free") for _ in estimates), outcome(f"fixed {1 - Fraction(total)}")]
-    found = probabilities_of(outcomes, [*estimates, 0.0], {})
+    found = shared_exactly(outcomes, [*estimates, 0.0], {})
     assert sum(found) == 1
     assert list(found[:-1]) == sorted(found[:-1], reverse=True)
     share = float(Fraction(total)) / sum(estimates)

@@ -17,9 +17,10 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
 from cleancli.language.model import Domain
+from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import Transition, read_experience
-from cleancli.learning.learn import Learned, edits, is_written
+from cleancli.learning.learn import MATCHES, Learned, Method
 from cleancli.learning.learn import learn as learned_from
 from cleancli.learning.match import outcomes_of
 from cleancli.planning.plan import BadOption
@@ -31,12 +32,13 @@ _NO_FILE = "`{}` ships with cleancli or is a text: copy it to a file, and learn 
 
 @dataclass(frozen=True, slots=True)
 class LearnedOutcome:
-    """An outcome's probability before anything was learned and now, and the examples of it."""
+    """An outcome's probability before anything was learned and now, and its examples, of which several
+    outcomes may share one."""
 
     kind: str
     prior: float
     probability: float
-    seen: int
+    seen: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +113,7 @@ class LearningResult:
         """A row for each outcome of each rule that something was learned of."""
         heads = ("rule", "outcome", "prior", "probability", "seen")
         rows = (
-            (rule.rule, outcome.kind, f"{outcome.prior:g}", f"{outcome.probability:g}", str(outcome.seen))
+            (rule.rule, outcome.kind, f"{outcome.prior:g}", f"{outcome.probability:g}", f"{outcome.seen:g}")
             for rule in self.rules
             for outcome in rule.outcomes
         )
@@ -123,22 +125,27 @@ def learn(
     *experience: str | Path,
     estimator: str = "decreasing-m",
     m: float = DEFAULT_M,
+    match: str = "shared",
     write: bool = False,
 ) -> LearningResult:
     """Learn a domain's probabilities from experience files or run folders. Nothing is written unless asked
     for: by `write`, or by the result's method of that name.
 
+    `match` says what a transition counts for that several outcomes may have made: "shared", for each as much
+    as it is likely to have; "strict", for the likeliest, which must be right about all objects (§5).
+
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
     """
     check_one_of("estimator", estimator, tuple(ESTIMATORS))
+    check_one_of("match", match, MATCHES)
     check_seconds("m", m, none_of_it=True)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
     if write and not is_writable:
         raise BadOption(_NO_FILE.format(loaded.sources[0].path))
-    result = lessons(loaded, [Path(each) for each in experience], estimator, m, is_writable)
+    result = lessons(loaded, [Path(each) for each in experience], Method(estimator, m, match), is_writable)
     if write:
         result.write()
     return result
@@ -155,8 +162,7 @@ def is_own_file(domain: GivenDomain) -> bool:
 def lessons(
     domain: LoadedDomain,
     experience: Sequence[Path],
-    estimator: str,
-    m: float,
+    method: Method,
     is_writable: bool,
     include_outside: bool = False,
 ) -> LearningResult:
@@ -164,7 +170,7 @@ def lessons(
     model, sources = domain.model, domain.sources
     transitions = _Transitions(experience, model)
     with located_in(*sources):
-        learned = learned_from(model, transitions.each(), ESTIMATORS[estimator], m)
+        learned = learned_from(model, transitions.each(), method).rules
     texts = _edited(sources, edits(model, sources, learned))
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
     return LearningResult(
@@ -213,14 +219,14 @@ def _notes(model: Domain, learned: Sequence[Learned], transitions: int) -> Itera
     """What the estimates rest on, and what no rule or outcome accounts for."""
     has_default = all(map(is_written, model.default))
     of_rules = [entry for entry in learned if entry.rule is not None or has_default]
-    examples = sum(sum(entry.seen) + entry.unexplained for entry in of_rules)
+    examples = sum(_examples(entry) + entry.unexplained for entry in of_rules)
     yield (
         f"{plural(transitions, 'transition')}, {plural(examples, 'example')}"
         f" for {len(of_rules)} of {plural(len(model.rules) + has_default, 'rule')}"
     )
     for entry in learned:
         if entry.rule is None and not has_default:
-            uncovered = sum(entry.seen) + entry.unexplained
+            uncovered = _examples(entry) + entry.unexplained
             yield (
                 f"{plural(uncovered, 'transition')} that no rule covers: the domain has no `default`, and so"
                 " expects nothing to happen there"
@@ -236,15 +242,20 @@ def _rule(model: Domain, entry: Learned) -> LearnedRule:
     outcomes = outcomes_of(model, entry.rule)
     return LearnedRule(
         _rule_name(model, entry),
-        sum(entry.seen),
+        _examples(entry),
         entry.unexplained,
         tuple(
-            LearnedOutcome(outcome.kind.value, float(prior), float(probability), seen)
+            LearnedOutcome(outcome.kind.value, float(prior), float(probability), float(seen))
             for outcome, prior, probability, seen in zip(
                 outcomes, entry.priors, entry.probabilities, entry.seen, strict=True
             )
         ),
     )
+
+
+def _examples(entry: Learned) -> int:
+    """Those that outcomes explain."""
+    return int(sum(entry.seen))
 
 
 def _rule_name(model: Domain, entry: Learned) -> str:

@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from cleancli.compiler.fluents import Binding, Fluent
-from cleancli.compiler.lifted_state import ConflictError, StateView
+from cleancli.compiler.lifted import ConflictError, LiftedState, Names
+from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
     Assign,
-    Domain,
     ForAll,
     Outcome,
     Rule,
@@ -30,21 +30,23 @@ from cleancli.language.printing.printer import print_term
 
 
 def results(
-    domain: Domain, view: StateView, rule: int, binding: Binding
+    rules: LiftedRules, state: LiftedState, number: int, names: Names
 ) -> tuple[Mapping[Fluent, Value], ...]:
-    """What each outcome of the rule (an index) sets in a state. Raises `Refused` (E602).
+    """What each outcome of a rule sets in a state; `names` are what its variables stand for.
 
     An outcome of probability 0 never happens: where it would give something two values, it sets nothing.
+    Raises `Refused` (E602).
     """
+    rule, lifted = rules.domain.rules[number], rules[number]
     found: list[Mapping[Fluent, Value]] = []
-    for outcome in domain.rules[rule].outcomes:
+    for outcome, changes in zip(rule.outcomes, lifted.changes, strict=True):
         try:
-            found.append(view.changes(outcome, binding))
+            found.append(changes(state, names))
         except ConflictError as error:
             if outcome.probability:
-                symbols = {symbol.name: symbol for symbol in domain.symbols}
-                refused = conflicting_effects(domain.rules[rule], outcome, binding, error.key, symbols)
-                raise Refused([refused]) from None
+                binding = dict(zip(lifted.variables, names, strict=True))
+                symbols = {symbol.name: symbol for symbol in rules.domain.symbols}
+                raise Refused([conflicting_effects(rule, outcome, binding, error.key, symbols)]) from None
             found.append({})
     return tuple(found)
 

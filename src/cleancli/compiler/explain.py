@@ -122,7 +122,7 @@ def explain(domain: Domain, problem: Problem, action: str, arguments: Sequence[s
     covering = None
     if found is not None:
         rule = domain.rules[found[0]]
-        changes = results(domain, view, *found)
+        changes = results(view.rules, view.state, found[0], tuple(found[1].values()))
         outcomes = tuple(map(_outcome_here, itertools.repeat(view), rule.outcomes, changes))
         covering = Covering(found[0], rule.name, _bound(found[1]), outcomes)
     attempts = tuple(

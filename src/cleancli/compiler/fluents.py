@@ -25,8 +25,12 @@ Fluent = tuple[str, tuple[str, ...]]
 """A symbol for some objects, in canonical order: what has a value in a state."""
 
 
+Values = Mapping[Fluent, Value]
+"""A state as a lookup; a predicate that is missing is false."""
+
+
 def values_of(state: State) -> dict[Fluent, Value]:
-    """The state as a lookup; a predicate that is missing is false."""
+    """The state as a lookup."""
     return {(fact.symbol, fact.objects): fact.value for fact in state}
 
 

@@ -8,170 +8,119 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from cleancli.compiler.fluents import (
-    Binding,
-    Fluent,
-    bind,
-    name_of,
-    names_of,
-    parameters_of,
-    shifted,
-    values_of,
-)
+from cleancli.compiler.fluents import Binding, Fluent, Values, names_of, values_of
+from cleancli.compiler.lifted import Changes, Extender, Lifted, LiftedState, Names, Test, further
 from cleancli.compiler.objects_by_type import ObjectsByType
-from cleancli.language.model import (
-    Assign,
-    Condition,
-    DerivedPredicate,
-    Domain,
-    Equality,
-    ForAll,
-    Literal,
-    Object,
-    Outcome,
-    Quantified,
-    Rule,
-    Shift,
-    State,
-    Symbol,
-    Term,
-    Value,
-    Variable,
-)
+from cleancli.language.model import Condition, Domain, Literal, Object, Rule, State, Value, Variable
+
+
+@dataclass(frozen=True, slots=True)
+class LiftedRule:
+    """A rule as functions of a state; `variables` are its own and then those of its references."""
+
+    variables: tuple[Variable, ...]
+    condition: Test
+    references: tuple[Extender, ...]
+    changes: tuple[Changes, ...]
+
+    def covers(self, state: LiftedState, names: Names) -> Names | None:
+        """The objects that all variables stand for; None where the rule does not cover these arguments."""
+        if not self.condition(state, names):
+            return None
+        for extended in self.references:
+            found = list(itertools.islice(extended(state, names), 2))
+            if len(found) != 1:
+                return None
+            (names,) = found
+        return names
+
+
+class LiftedRules:
+    """A domain's rules, each made into functions when it is first asked for."""
+
+    def __init__(self, domain: Domain) -> None:
+        self.domain = domain
+        self.meaning = Lifted(domain)
+        # Of the state before: the next one mostly has the same objects.
+        self._objects: tuple[Object, ...] = ()
+        self._by_type = ObjectsByType(domain, domain.constants)
+        self._lifted: dict[int, LiftedRule] = {}
+        self._numbers: dict[str, list[int]] = {}
+        for number, rule in enumerate(domain.rules):
+            self._numbers.setdefault(rule.action, []).append(number)
+
+    def state(self, objects: tuple[Object, ...], values: Values) -> LiftedState:
+        """A state of the domain; the objects are those beside its constants."""
+        if objects is not self._objects:
+            self._by_type = ObjectsByType(self.domain, (*self.domain.constants, *objects))
+            self._objects = objects
+        return LiftedState(values, self._by_type)
+
+    def covering(self, state: LiftedState, action: str, arguments: Names) -> tuple[int, Names] | None:
+        """The one rule that covers these arguments (§3.3.2), and what its variables stand for; or None."""
+        for number in self._numbers.get(action, ()):
+            names = self[number].covers(state, arguments)
+            if names is not None:
+                return number, names
+        return None
+
+    def __getitem__(self, number: int) -> LiftedRule:
+        if number not in self._lifted:
+            self._lifted[number] = _lifted(self.meaning, self.domain.rules[number])
+        return self._lifted[number]
+
+
+def _lifted(meaning: Lifted, rule: Rule) -> LiftedRule:
+    slots = further({}, rule.variables)
+    condition, references = meaning.test(rule.condition, slots), []
+    for reference in rule.references:
+        references.append(meaning.extender(reference.variables, reference.condition, slots))
+        slots = further(slots, reference.variables)
+    changes = tuple(meaning.changes(outcome, slots) for outcome in rule.outcomes)
+    return LiftedRule(tuple(slots), condition, tuple(references), changes)
 
 
 class StateView:
     """A domain's symbols over one complete state, for asking what holds."""
 
     def __init__(self, domain: Domain, objects: Sequence[Object], state: State) -> None:
-        self._rules = domain.rules
-        self._symbols: dict[str, Symbol] = {symbol.name: symbol for symbol in domain.symbols}
-        self._derived = {derived.name: derived for derived in domain.derived}
-        everything = (*domain.constants, *objects)
-        self._objects = ObjectsByType(domain, everything)
-        self._values = values_of(state)
-
-    def key(self, symbol: str, terms: Sequence[Term], binding: Binding) -> Fluent:
-        """The symbol for the objects that `terms` stand for."""
-        names = names_of(terms, binding)
-        return symbol, self._symbols[symbol].canonical(names)
+        self.rules = LiftedRules(domain)
+        self.state = self.rules.state(tuple(objects), values_of(state))
 
     def value(self, key: Fluent) -> Value | None:
         """The value now; None for a function that the state gives no value."""
-        default = False if self._symbols[key[0]].is_predicate else None
-        return self._values.get(key, default)
+        return self.state.values.get(key, self.rules.meaning.missing(key[0]))
 
     def actual(self, literal: Literal, binding: Binding) -> Value | None:
         """The value of the literal's symbol, which may be a derived predicate."""
-        derived = self._derived.get(literal.symbol)
-        if derived is not None:
-            return self._follows(derived, names_of(literal.terms, binding))
-        return self.value(self.key(literal.symbol, literal.terms, binding))
+        meaning, names = self.rules.meaning, names_of(literal.terms, binding)
+        if meaning.is_derived(literal.symbol):
+            return meaning.follows(literal.symbol)(self.state, names)
+        return self.value(meaning.fluent(literal.symbol, names))
 
     def holds(self, condition: Condition, binding: Binding) -> bool:
         """Whether every part of a condition holds, whose own variables are all bound."""
-        return all(self._holds(part, binding) for part in condition)
-
-    def _holds(self, part: Literal | Equality | Quantified, binding: Binding) -> bool:
-        match part:
-            case Equality(left, right, equal):
-                return (name_of(left, binding) == name_of(right, binding)) is equal
-            case Literal():
-                return self.actual(part, binding) in part.values
-            case Quantified(exists, variables, condition):
-                found = next(self.extensions(variables, condition, binding), None)
-                return (found is not None) is exists
+        test = self.rules.meaning.test(condition, further({}, tuple(binding)))
+        return test(self.state, tuple(binding.values()))
 
     def extensions(
         self, variables: Sequence[Variable], condition: Condition, binding: Binding
     ) -> Iterator[Binding]:
         """Every extension of `binding` by the variables that satisfies the condition, in order of objects."""
-        for names in itertools.product(*(self._objects[variable.type] for variable in variables)):
-            extended = {**binding, **dict(zip(variables, names, strict=True))}
-            if self.holds(condition, extended):
-                yield extended
-
-    def _follows(self, derived: DerivedPredicate, objects: tuple[str, ...]) -> bool:
-        if derived.closure is None:
-            binding = dict(zip(derived.parameters, objects, strict=True))
-            return self.holds(derived.condition, binding)
-        start, goal = objects
-        return goal in self._reached(derived.closure, start)
-
-    def _reached(self, predicate: str, start: str) -> set[str]:
-        """The objects that one or more steps of a predicate of two parameters lead to."""
-        source, target = parameters_of(predicate, self._symbols, self._derived)
-        reached: set[str] = set()
-        frontier = [start]
-        while frontier:
-            one = frontier.pop()
-            if one in self._objects[source.type]:
-                binding = {source: one}
-                step = (Literal(predicate, (source, target), frozenset({True})),)
-                steps = {extended[target] for extended in self.extensions((target,), step, binding)}
-                frontier += sorted(steps - reached)
-                reached |= steps
-        return reached
+        slots = further({}, tuple(binding))
+        extended = self.rules.meaning.extender(variables, condition, slots)
+        for names in extended(self.state, tuple(binding.values())):
+            yield {**binding, **dict(zip(variables, names[len(slots) :], strict=True))}
 
     def covering(self, action: str, arguments: Sequence[str]) -> tuple[int, Binding] | None:
         """Index and binding of the one rule that covers these arguments here (§3.3.2); None for none.
 
         The binding includes the variables of the rule's deictic references.
         """
-        for index, rule in enumerate(self._rules):
-            if rule.action == action:
-                binding = self._covers(rule, bind(rule, arguments))
-                if binding is not None:
-                    return index, binding
-        return None
-
-    def _covers(self, rule: Rule, binding: Binding) -> Binding | None:
-        if not self.holds(rule.condition, binding):
+        found = self.rules.covering(self.state, action, tuple(arguments))
+        if found is None:
             return None
-        for reference in rule.references:
-            found = list(
-                itertools.islice(self.extensions(reference.variables, reference.condition, binding), 2)
-            )
-            if len(found) != 1:
-                return None
-            binding = found[0]
-        return binding
-
-    def changes(self, outcome: Outcome, binding: Binding) -> dict[Fluent, Value]:
-        """What the outcome sets when its rule is applied in this state; a number without value stays so.
-
-        Shifts of one number add up, and stop at its bounds after that. Raises `ConflictError`.
-        """
-        changes: dict[Fluent, Value] = {}
-        amounts: dict[Fluent, int] = {}
-        for effect, bound in self._happening(outcome, binding):
-            key = self.key(effect.symbol, effect.terms, bound)
-            if isinstance(effect, Shift):
-                amounts[key] = amounts.get(key, 0) + effect.amount
-            elif changes.setdefault(key, effect.value) != effect.value:
-                raise ConflictError(key)
-        for key, amount in amounts.items():
-            if key in changes:
-                raise ConflictError(key)
-            if (before := self.value(key)) is not None:
-                changes[key] = shifted(self._symbols[key[0]], before, amount)
-        return changes
-
-    def _happening(self, outcome: Outcome, binding: Binding) -> Iterator[tuple[Assign | Shift, Binding]]:
-        """The outcome's effects, those of a `forall` for each binding that fits."""
-        for effect in outcome.effects:
-            match effect:
-                case ForAll(variables, condition, effects):
-                    for inner in self.extensions(variables, condition, binding):
-                        yield from ((each, inner) for each in effects)
-                case _:
-                    yield effect, binding
-
-
-class ConflictError(ValueError):
-    """An outcome gives `key` two values, or sets and shifts it."""
-
-    def __init__(self, key: Fluent) -> None:
-        super().__init__(f"{key[0]}({', '.join(key[1])})")
-        self.key = key
+        number, names = found
+        return number, dict(zip(self.rules[number].variables, names, strict=True))

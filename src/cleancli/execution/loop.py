@@ -12,6 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
+from cleancli.compiler.fluents import values_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
 from cleancli.execution.episode_state import (
@@ -253,9 +254,8 @@ def _transition(move: Move, before: Situation, after: Situation) -> Transition:
     """What was believed before and after, over all objects of both; those gone are remembered as clean."""
     objects = tuple(sorted({*before.objects, *after.objects}))
     gone = {o.name for o in before.objects} - {o.name for o in after.objects}
-    return Transition(
-        move.action, move.objects, objects, before.state, after.state | remembered(before.state, gone)
-    )
+    state = after.state | remembered(before.state, gone)
+    return Transition(move.action, move.objects, objects, values_of(before.state), values_of(state))
 
 
 def _seen_before(domain: Domain) -> tuple[tuple[int, Fraction], ...]:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, TypeVar
 
 import msgspec
 
-from cleancli.compiler.fluents import canonical_state
+from cleancli.compiler.fluents import Fluent, Values
 from cleancli.files.plain import in_units, open_plain
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Domain, Fact, Object, State
+from cleancli.language.model import Domain, Object, Value
 from cleancli.language.parsing.read import refused_as
 
 LONGEST = 8 << 20
@@ -25,7 +25,13 @@ MOST = 1000
 SHOWN = 2000
 """Bytes of a line that are shown."""
 
+REMEMBERED = 1 << 16
+"""Facts, and lists of objects, that are remembered as they were read."""
+
 _Fact = tuple[str, tuple[str, ...], bool | int | str]
+_FALSE: Fluent = ("", ())
+_Key = TypeVar("_Key")
+_Read = TypeVar("_Read")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +45,14 @@ class Transition:
     action: str
     arguments: tuple[str, ...]
     objects: tuple[Object, ...]
-    before: State
-    after: State
+    before: Values
+    after: Values
+
+    @property
+    def changed(self) -> set[Fluent]:
+        """What has another value after it."""
+        keys = self.before.keys() | self.after.keys()
+        return {key for key in keys if self.before.get(key) != self.after.get(key)}
 
 
 def encode(transition: Transition, extra: Mapping[str, object]) -> str:
@@ -70,7 +82,7 @@ def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
     crash cut short and is passed over. Raises Refused at the end, for the first `MOST` other lines that are
     no transitions of the domain, and the number of those that follow; at once for a line that is too long.
     """
-    wrong = _Wrong(name, domain.name)
+    wrong, reader = _Wrong(name, domain.name), _Reader(domain)
     while line := file.readline(LONGEST + 1):
         if len(line) > LONGEST:
             where = f"line {wrong.lines + 1} of `{name}`"
@@ -80,7 +92,7 @@ def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
             continue
         try:
             _refuse_no_text(line)
-            transition = _decode_line(line, domain)
+            transition = reader.transition(line)
         except ValueError as error:
             wrong.add(line, str(error))
         else:
@@ -135,12 +147,8 @@ class _Wrong:
             raise Refused(self._mistakes, (Source(self._name, "".join(self._parts)),))
 
 
-def _encode_state(state: State) -> list[list[object]]:
-    return [[fact.symbol, list(fact.objects), fact.value] for fact in sorted(state, key=_order)]
-
-
-def _order(fact: Fact) -> tuple[str, tuple[str, ...]]:
-    return fact.symbol, fact.objects
+def _encode_state(values: Values) -> list[list[object]]:
+    return [[symbol, list(objects), values[symbol, objects]] for symbol, objects in sorted(values)]
 
 
 class _Line(msgspec.Struct):
@@ -156,25 +164,74 @@ class _Line(msgspec.Struct):
 _DECODER = msgspec.json.Decoder(_Line)
 
 
-def _decode_line(line: bytes, domain: Domain) -> Transition:
-    """Raises ValueError, with the reason, for anything that is not a transition."""
-    record = _parsed(line)
-    arity = {a.name: len(a.parameters) for a in domain.actions}
-    if record.action not in arity:
-        raise ValueError(f"the domain has no action {record.action!r}")
-    if len(record.arguments) != arity[record.action]:
-        taken = plural(arity[record.action], "argument")
-        raise ValueError(f"{record.action} takes {taken}, not {len(record.arguments)}")
-    types = {t.name for t in domain.types}
-    if unknown := [name for name in record.objects.values() if name not in types]:
-        raise ValueError(f"the domain has no type {unknown[0]!r}")
-    objects = tuple(Object(name, type_name) for name, type_name in record.objects.items())
-    known = {o.name for o in (*objects, *domain.constants)}
-    if unknown := [name for name in record.arguments if name not in known]:
-        raise ValueError(f"{unknown[0]!r} is not among its objects")
-    before = _state(record.before, "before", domain, known)
-    after = _state(record.after, "after", domain, known)
-    return Transition(record.action, record.arguments, objects, before, after)
+class _Reader:
+    """Makes transitions of lines. Facts and objects that were read before are the same ones again: making and
+    checking them takes most of the time."""
+
+    def __init__(self, domain: Domain) -> None:
+        self._symbols = {symbol.name: symbol for symbol in domain.symbols}
+        self._arity = {action.name: len(action.parameters) for action in domain.actions}
+        self._types = {each.name for each in domain.types}
+        self._constants = frozenset(constant.name for constant in domain.constants)
+        # By the type of the value too, since 1 and true are equal.
+        self._facts: dict[type, dict[_Fact, tuple[Fluent, Value]]] = {}
+        self._objects: dict[tuple[tuple[str, str], ...], tuple[Object, ...]] = {}
+
+    def transition(self, line: bytes) -> Transition:
+        """Raises ValueError, with the reason, for anything that is not a transition."""
+        record = _parsed(line)
+        if record.action not in self._arity:
+            raise ValueError(f"the domain has no action {record.action!r}")
+        if len(record.arguments) != self._arity[record.action]:
+            taken = plural(self._arity[record.action], "argument")
+            raise ValueError(f"{record.action} takes {taken}, not {len(record.arguments)}")
+        objects = self._objects_of(record.objects)
+        known = self._constants.union(record.objects)
+        if unknown := [name for name in record.arguments if name not in known]:
+            raise ValueError(f"{unknown[0]!r} is not among its objects")
+        before = self._values(record.before, "before", known)
+        after = self._values(record.after, "after", known)
+        return Transition(record.action, record.arguments, objects, before, after)
+
+    def _objects_of(self, types: Mapping[str, str]) -> tuple[Object, ...]:
+        key = tuple(types.items())
+        if key not in self._objects:
+            if unknown := [each for each in types.values() if each not in self._types]:
+                raise ValueError(f"the domain has no type {unknown[0]!r}")
+            _remember(self._objects, key, tuple(Object(*each) for each in key))
+        return self._objects[key]
+
+    def _values(self, listed: tuple[_Fact, ...], key: str, known: Set[str]) -> Values:
+        facts = self._facts
+        try:
+            values = dict([facts[type(each[2])][each] for each in listed])
+        except KeyError:
+            values = dict([self._remembered(each) for each in listed])
+        if not known >= set().union(*[each[1] for each in listed]):
+            raise ValueError(f"{key} names an object that is not listed")
+        values.pop(_FALSE, None)
+        return values
+
+    def _remembered(self, listed: _Fact) -> tuple[Fluent, Value]:
+        known = self._facts.setdefault(type(listed[2]), {})
+        if listed not in known:
+            _remember(known, listed, self._fact(*listed))
+        return known[listed]
+
+    def _fact(self, name: str, objects: tuple[str, ...], value: Value) -> tuple[Fluent, Value]:
+        """A fluent and its value; `_FALSE` in place of the fluent for what a state leaves out."""
+        symbol = self._symbols.get(name)
+        if symbol is None or len(symbol.parameters) != len(objects):
+            raise ValueError(f"the domain has no symbol {name!r} for {plural(len(objects), 'object')}")
+        if type(value) is not type(symbol.values[0]) or value not in symbol.values:
+            raise ValueError(f"{name} cannot be {value!r}")
+        return _FALSE if value is False else (name, symbol.canonical(objects)), value
+
+
+def _remember(known: dict[_Key, _Read], key: _Key, value: _Read) -> None:
+    if len(known) >= REMEMBERED:
+        known.clear()
+    known[key] = value
 
 
 def _parsed(line: bytes) -> _Line:
@@ -186,18 +243,3 @@ def _parsed(line: bytes) -> _Line:
         raise ValueError(f"it is no JSON ({error})") from None
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
-
-
-def _state(listed: Iterable[_Fact], key: str, domain: Domain, known: set[str]) -> State:
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
-    facts = []
-    for name, objects, value in listed:
-        symbol = symbols.get(name)
-        if symbol is None or len(symbol.parameters) != len(objects):
-            raise ValueError(f"the domain has no symbol {name!r} for {plural(len(objects), 'object')}")
-        if type(value) is not type(symbol.values[0]) or value not in symbol.values:
-            raise ValueError(f"{name} cannot be {value!r}")
-        if not known.issuperset(objects):
-            raise ValueError(f"{key} names an object that is not listed")
-        facts.append(Fact(name, objects, value))
-    return canonical_state(domain, facts)

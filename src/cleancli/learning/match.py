@@ -1,54 +1,131 @@
-"""Matches a transition with the outcome of a rule that explains it (§5)."""
+"""Which outcomes of a rule may have made a transition, and where each is wrong about other objects (§5)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Fluent, changeable_symbols
-from cleancli.compiler.lifted_state import StateView
-from cleancli.language.model import Domain, Outcome, OutcomeKind
+from cleancli.compiler.fluents import Fluent, Values, changeable_symbols
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.model import Domain, Outcome, OutcomeKind, Value
 from cleancli.learning.experience import Transition
+
+_Changes = Mapping[Fluent, Value | None]
+
+
+class Fit(NamedTuple):
+    """What an outcome says of objects that its rule does not name, against what was seen of them.
+
+    Of the changes that it announces, `hits` happened and `misses` did not; `strays` happened although it does
+    not announce them, and `quiet` facts stayed as it says.
+    """
+
+    hits: int = 0
+    misses: int = 0
+    strays: int = 0
+    quiet: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """`rule` is the covering rule's index in the domain, None for the default rule. `outcome` is an index
-    into its outcomes: the noise outcome where no other fits, None where there is no noise outcome either."""
+    """The outcomes of a rule beside a transition: `rule` is the covering rule's index in the domain, None for
+    the default rule; `fits` has an entry per outcome, None where it cannot have made the transition."""
 
     rule: int | None
-    outcome: int | None
+    fits: tuple[Fit | None, ...]
 
 
-def matched(domain: Domain, transition: Transition) -> Match:
-    """The rule that covered the state before, and its likeliest outcome that predicts the state after.
+class Matcher:
+    """Matches transitions with the outcomes of a domain's rules.
 
-    Prediction and observation are compared on the symbols that rules can change, over the objects that the
-    rule binds or changes: an area elsewhere that happens to look different explains nothing. Raises `Refused`
-    (E602) where an outcome of the rule gives something two values in the state before.
+    An outcome is judged by what it would change beyond what held already, on the symbols that rules can
+    change. What becomes of the objects that the rule names, as the action's arguments, in its references or
+    as constants, decides strictly. Other objects count where an outcome of the rule would set something of
+    them, and there an outcome may slip; where `strict`, it may not. What changes elsewhere explains nothing.
+
+    Noise fits what no other outcome fits. It fits as well where nothing changed, since that is how it is
+    planned for and simulated; where `strict`, it does not.
     """
-    before = StateView(domain, transition.objects, transition.before)
-    after = StateView(domain, transition.objects, transition.after)
-    rule, binding = before.covering(transition.action, transition.arguments) or (None, {})
-    outcomes = outcomes_of(domain, rule)
-    priors = prior_probabilities(outcomes)
-    changes = [{} for _ in outcomes] if rule is None else results(domain, before, rule, binding)
-    scope = {*transition.arguments, *binding.values()}.union(
-        *(key[1] for change in changes for key in change)
-    )
-    keys = _keys_within(domain, transition, scope).union(*changes)
-    fitting = [
-        index
-        for index, outcome in enumerate(outcomes)
-        if outcome.kind is not OutcomeKind.NOISE
-        and all(after.value(key) == changes[index].get(key, before.value(key)) for key in keys)
-    ]
-    if fitting:
-        return Match(rule, max(fitting, key=lambda index: priors[index]))
-    noise = [index for index, outcome in enumerate(outcomes) if outcome.kind is OutcomeKind.NOISE]
-    return Match(rule, noise[0] if noise else None)
+
+    def __init__(self, domain: Domain, strict: bool = False) -> None:
+        self._domain, self._strict = domain, strict
+        self._changeable = changeable_symbols(domain)
+        self._constants = frozenset(constant.name for constant in domain.constants)
+        self._rules = LiftedRules(domain)
+
+    def match(self, transition: Transition) -> Match:
+        """The rule that covered the state before, and how its outcomes fit the state after.
+
+        Raises `Refused` (E602) where an outcome of the rule gives something two values in the state before.
+        """
+        state, after = self._rules.state(transition.objects, transition.before), transition.after
+        rule, names = self._rules.covering(state, transition.action, transition.arguments) or (
+            None,
+            transition.arguments,
+        )
+        outcomes, before = outcomes_of(self._domain, rule), state.values
+        sets: Sequence[_Changes] = ({},) * len(outcomes)
+        if rule is not None:
+            sets = results(self._rules, state, rule, names)
+        scope = {*names}.union(*[key[1] for each in sets for key in each])
+        own = scope if self._strict else {*names, *self._constants}
+        seen = self._seen(before, after, scope, own)
+        fits = [_fit(self._announced(each, before), seen, own) for each in sets]
+        return Match(rule, self._with_noise(outcomes, fits))
+
+    def _seen(self, before: Values, after: Values, scope: set[str], own: set[str]) -> _Seen:
+        """What became of the changeable fluents of the objects in scope."""
+        changeable = self._changeable
+        seen = _Seen({}, {}, set())
+        for key in before.keys() | after.keys():
+            if key[0] in changeable and scope.issuperset(key[1]):
+                changed = before.get(key) != after.get(key)
+                if own.issuperset(key[1]):
+                    if changed:
+                        seen.own[key] = self._value(after, key)
+                elif changed:
+                    seen.others[key] = self._value(after, key)
+                else:
+                    seen.quiet.add(key)
+        return seen
+
+    def _announced(self, sets: _Changes, before: Values) -> _Changes:
+        """What an outcome would change beyond what holds already."""
+        return {key: value for key, value in sets.items() if value != self._value(before, key)}
+
+    def _value(self, values: Values, key: Fluent) -> Value | None:
+        return values.get(key, self._rules.meaning.missing(key[0]))
+
+    def _with_noise(self, outcomes: Sequence[Outcome], fits: Sequence[Fit | None]) -> tuple[Fit | None, ...]:
+        """The fits, those of noise being what noise may have made."""
+        is_noise = [outcome.kind is OutcomeKind.NOISE for outcome in outcomes]
+        others = [None if noise else fit for noise, fit in zip(is_noise, fits, strict=True)]
+        if all(fit is None for fit in others):
+            return tuple(Fit() if noise else None for noise in is_noise)
+        return tuple(others if self._strict else fits)
+
+
+class _Seen(NamedTuple):
+    """The new values of fluents that changed, of the rule's own objects and of others, and which fluents of
+    others stayed."""
+
+    own: dict[Fluent, Value | None]
+    others: dict[Fluent, Value | None]
+    quiet: set[Fluent]
+
+
+def _fit(announced: _Changes, seen: _Seen, own: set[str]) -> Fit | None:
+    """What was seen of what was announced; None where the rule's own objects contradict it."""
+    of_own = {key: value for key, value in announced.items() if own.issuperset(key[1])}
+    if of_own != seen.own:
+        return None
+    of_others = {key: value for key, value in announced.items() if key not in of_own}
+    hits = len(of_others.items() & seen.others.items())
+    strays = len(seen.others.keys() - of_others.keys())
+    return Fit(hits, len(of_others) - hits, strays, len(seen.quiet - of_others.keys()))
 
 
 def outcomes_of(domain: Domain, rule: int | None) -> tuple[Outcome, ...]:
@@ -64,13 +141,3 @@ def prior_probabilities(outcomes: Sequence[Outcome]) -> tuple[Fraction, ...]:
     ]
     left = 1 - sum(stated, start=Fraction(0))
     return tuple(left if o.is_rest else prior for o, prior in zip(outcomes, stated, strict=True))
-
-
-def _keys_within(domain: Domain, transition: Transition, scope: set[str]) -> set[Fluent]:
-    """What to compare: changeable symbols for objects of the scope, wherever either state says something."""
-    changeable = changeable_symbols(domain)
-    return {
-        (fact.symbol, fact.objects)
-        for fact in transition.before | transition.after
-        if fact.symbol in changeable and scope.issuperset(fact.objects)
-    }

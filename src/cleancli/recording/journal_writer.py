@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent, values_of
-from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.execution import events
 from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value
+from cleancli.learning.expectation import likeliest_outcome, prior_beliefs
 from cleancli.learning.experience import Transition
-from cleancli.learning.match import matched, outcomes_of
+from cleancli.learning.match import Matcher, outcomes_of
 from cleancli.recording import journal
 from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
 
@@ -25,6 +26,7 @@ class Entries:
 
     def __init__(self, domain: Domain, clock: Callable[[], float], spent: Account | None = None) -> None:
         self._domain, self._clock = domain, clock
+        self._matcher, self._beliefs = Matcher(domain), prior_beliefs(domain)
         self._situation: Situation | None = None
         self._failure = ""
         self._spent = Account() if spent is None else spent
@@ -76,9 +78,9 @@ class Entries:
             )
         rule, outcome, changed = None, None, tuple[FactEntry, ...]()
         if event.transition is not None:
-            found = matched(self._domain, event.transition)
+            found = self._matcher.match(event.transition)
             rule = None if found.rule is None else self._domain.rules[found.rule].name
-            outcome, changed = found.outcome, _changed(event.transition)
+            outcome, changed = likeliest_outcome(found, self._beliefs), _changed(event.transition)
         return journal.Acted(
             event.number, move.action, move.objects, self._clock(), seconds, rule, outcome, changed
         )
@@ -95,11 +97,12 @@ def expected(
     domain: Domain, objects: Sequence[Object], state: State, action: str, arguments: tuple[str, ...]
 ) -> Expected:
     """What an action does in a state, by the rule that covers it or by the default rule."""
-    view = StateView(domain, objects, state)
-    found = view.covering(action, arguments)
+    rules = LiftedRules(domain)
+    now = rules.state(tuple(objects), values_of(state))
+    found = rules.covering(now, action, arguments)
     rule = None if found is None else found[0]
     outcomes = outcomes_of(domain, rule)
-    changes = [{} for _ in outcomes] if found is None else results(domain, view, *found)
+    changes = [{} for _ in outcomes] if found is None else results(rules, now, *found)
     chances = tuple(
         Chance(float(outcome.probability), outcome.kind.value, _entries(change))
         for outcome, change in zip(outcomes, changes, strict=True)
@@ -150,8 +153,8 @@ def _looked(situation: Situation, clock: float, seconds: float, purpose: events.
 
 def _changed(transition: Transition) -> tuple[FactEntry, ...]:
     """The facts whose value differs from before, with the value now."""
-    before, after = values_of(transition.before), values_of(transition.after)
-    keys = sorted(key for key in {*before, *after} if before.get(key, False) != after.get(key, False))
+    before, after = transition.before, transition.after
+    keys = sorted(transition.changed)
     functions = {key for key in keys if not isinstance(before.get(key, after.get(key)), bool)}
     return tuple(FactEntry(*key, after.get(key, None if key in functions else False)) for key in keys)
 

@@ -25,7 +25,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode
-from cleancli.learning.learn import learn
+from cleancli.learning.learn import Method, learn
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
@@ -182,12 +182,12 @@ def grounded(loaded: Loaded) -> Grounded | tuple[str, ...]:
     return Grounded(loaded, task, world, numbers)
 
 
-def learned(loaded: Loaded, experience: str) -> dict[tuple[str, int], int]:
+def learned(loaded: Loaded, experience: str) -> dict[tuple[str, int], Fraction]:
     """How often each outcome of each rule was seen; those of the default rule are left out."""
     transitions = decode(io.BytesIO(experience.encode()), "experience.jsonl", loaded.domain)
     return {
         (loaded.domain.rules[each.rule].name, index): seen
-        for each in learn(loaded.domain, transitions)
+        for each in learn(loaded.domain, transitions, Method(match="strict")).rules
         if each.rule is not None
         for index, seen in enumerate(each.seen)
     }

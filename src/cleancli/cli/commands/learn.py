@@ -16,6 +16,7 @@ from cleancli.cli.inputs import may_include_outside, open_loaded
 from cleancli.cli.progress import working
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
+from cleancli.learning.learn import MATCHES, Method
 
 
 @command_of("learn")
@@ -24,7 +25,7 @@ from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
     type=click.Choice(list(ESTIMATORS)),
     default="decreasing-m",
     show_default=True,
-    help="How counts and prior are combined: eq. 5 or eq. 4.",
+    help="How counts and prior are combined: eq. 5, eq. 4, or not at all.",
 )
 @click.option(
     "--m",
@@ -34,11 +35,24 @@ from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
     help="Weight of the prior, in examples.",
 )
 @click.option(
+    "--match",
+    type=click.Choice(MATCHES),
+    default="shared",
+    show_default=True,
+    help="What a transition counts for that several outcomes may have made: each of them, or the likeliest.",
+)
+@click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
 @options.as_json("Print what was learned as JSON.")
 def command(
-    domain: str, experience: tuple[Path, ...], estimator: str, m: float, write: bool, as_data: bool
+    domain: str,
+    experience: tuple[Path, ...],
+    estimator: str,
+    m: float,
+    match: str,
+    write: bool,
+    as_data: bool,
 ) -> None:
     """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, or run folders.
 
@@ -50,7 +64,7 @@ def command(
         path = loaded.sources[0].path
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     with working("learning"):
-        learned = lessons(loaded, experience, estimator, m, is_own, may_include_outside())
+        learned = lessons(loaded, experience, Method(estimator, m, match), is_own, may_include_outside())
     if as_data:
         click.echo(json.dumps(learned.to_dict()["rules"], indent=2))
     else:

@@ -125,7 +125,7 @@ def came_of(before: frozenset[str], event: Acted) -> str:
     gone, new = sorted(before - after, key=_number), sorted(after - before, key=_number)
     parts = [f"{_listed(gone)} gone"] * bool(gone) + [f"{_listed(new)} new"] * bool(new)
     if not before and not after and event.transition is not None:
-        changed = len({(f.symbol, f.objects) for f in event.transition.before ^ event.transition.after})
+        changed = len(event.transition.changed)
         return f"{event.number}. {event.move}: {plural(changed, 'fact') if changed else 'no fact'} changed"
     return f"{event.number}. {event.move}: {', '.join(parts) or 'no area came or went'}"
 

@@ -1,0 +1,188 @@
+"""How often each outcome happened, where several may have made a transition (§5).
+
+Expectation and maximisation: each transition is shared among the outcomes that fit it, in proportion to how
+likely each makes it, and the shares are counted as examples are; what they make of the probabilities and of
+the rates of slips gives the next shares, until nothing changes. Without a prior this climbs to the greatest
+likelihood, with the m-estimate to the greatest posterior under a Dirichlet prior of that weight (Dempster,
+Laird and Rubin 1977).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats
+from cleancli.language.model import Domain
+from cleancli.learning.estimate import Estimator
+from cleancli.learning.match import Fit, Match, outcomes_of, prior_probabilities
+from cleancli.learning.share import Counts, estimated, learn_parameters, shared_out
+
+SLIPS_BEFORE = (0.5, 10.0)
+"""Slips of each kind, and chances of one, that count beside what was seen: about one in twenty. Chosen; a few
+dozen transitions outweigh it."""
+
+TOLERANCE = 1e-8
+"""Change of a probability below which nothing changes."""
+
+ROUNDS = 5000
+"""Chosen: far more than the slowest of the shipped domains needs."""
+
+_NEVER = 1e-300
+"""In place of probability 0, so that what nothing else explains still goes somewhere."""
+
+
+@dataclass(frozen=True, slots=True)
+class SlipRates:
+    """How often a change of other objects that an outcome announces does not happen, and how often a fact of
+    theirs changes that it does not announce."""
+
+    missed: float = SLIPS_BEFORE[0] / SLIPS_BEFORE[1]
+    stray: float = SLIPS_BEFORE[0] / SLIPS_BEFORE[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Beliefs:
+    """What is believed of a domain: probabilities per rule (None: the default rule), the values of its shared
+    parameters, and how often outcomes slip."""
+
+    probabilities: Mapping[int | None, tuple[float, ...]]
+    parameters: Mapping[str, float]
+    slips: SlipRates
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """The transitions of a rule, alike ones together: how many there are of each (n,), which outcomes may
+    have made them (n, outcomes), and the parts of each `Fit` (n, outcomes, 4)."""
+
+    numbers: Floats
+    possible: Bools
+    fits: Floats
+
+
+Evidence = Counter[Match]
+"""How many transitions there were of each kind."""
+
+
+def prior_beliefs(domain: Domain) -> Beliefs:
+    """What is believed before any transition was seen."""
+    rules = (*range(len(domain.rules)), None)
+    priors = {rule: tuple(map(float, prior_probabilities(outcomes_of(domain, rule)))) for rule in rules}
+    return Beliefs(priors, {p.name: float(p.probability) for p in domain.parameters}, SlipRates())
+
+
+def shares(match: Match, beliefs: Beliefs) -> tuple[float, ...]:
+    """To how much of a transition each outcome is believed to have led; all 0 where none fits."""
+    (found,) = _shares(_group([(match, 1)]), beliefs.probabilities[match.rule], beliefs.slips)
+    return tuple(map(float, found))
+
+
+def likeliest_outcome(match: Match, beliefs: Beliefs) -> int | None:
+    """The outcome that a transition was most likely made by, of equals the first; None where none fits."""
+    found = shares(match, beliefs)
+    return max(range(len(found)), key=lambda index: found[index]) if any(found) else None
+
+
+def expected(domain: Domain, evidence: Evidence, estimator: Estimator, m: float) -> tuple[Counts, Beliefs]:
+    """How often each outcome is expected to have happened, and what that makes of the probabilities."""
+    groups = {rule: _group(found) for rule, found in _by_rule(evidence).items()}
+    beliefs = prior_beliefs(domain)
+    counts: Counts = {}
+    for _ in range(ROUNDS):
+        before = beliefs
+        counts, slips = _counted(domain, groups, before)
+        beliefs = maximised(domain, counts, slips, estimator, m)
+        if _difference(beliefs, before) < TOLERANCE:
+            break
+    return counts, beliefs
+
+
+def likeliest(domain: Domain, evidence: Evidence) -> Counts:
+    """The paper's strict reading: each transition counts for the one outcome that fits it and was the
+    likeliest before learning, of equals for the first."""
+    priors = prior_beliefs(domain).probabilities
+    counts = {rule: [0.0] * len(prior) for rule, prior in priors.items()}
+    for match, number in evidence.items():
+        fitting = [index for index, fit in enumerate(match.fits) if fit is not None]
+        if fitting:
+            counts[match.rule][max(fitting, key=lambda index: priors[match.rule][index])] += number
+    return {rule: tuple(found) for rule, found in counts.items()}
+
+
+def maximised(domain: Domain, counts: Counts, slips: SlipRates, estimator: Estimator, m: float) -> Beliefs:
+    """What counts make of the probabilities, with the estimator's prior."""
+    parameters = learn_parameters(domain, counts, estimator, m)
+    probabilities = {}
+    for rule, seen in counts.items():
+        outcomes = outcomes_of(domain, rule)
+        probabilities[rule] = shared_out(outcomes, estimated(outcomes, seen, estimator, m), parameters)
+    return Beliefs(probabilities, parameters, slips)
+
+
+def _by_rule(evidence: Evidence) -> dict[int | None, list[tuple[Match, int]]]:
+    """Always in the same order, whichever came first, so that sums are the same to the last digit."""
+    found: dict[int | None, list[tuple[Match, int]]] = {}
+    for match in sorted(evidence, key=_order):
+        found.setdefault(match.rule, []).append((match, evidence[match]))
+    return found
+
+
+def _order(match: Match) -> tuple[int, tuple[tuple[int, ...], ...]]:
+    return -1 if match.rule is None else match.rule, tuple(fit or () for fit in match.fits)
+
+
+def _group(found: Sequence[tuple[Match, int]]) -> _Group:
+    fits = [[fit or Fit() for fit in match.fits] for match, _ in found]
+    possible = [[fit is not None for fit in match.fits] for match, _ in found]
+    return _Group(
+        np.array([number for _, number in found], dtype=float),
+        np.array(possible, dtype=bool),
+        np.array(fits, dtype=float),
+    )
+
+
+def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
+    """To how much of each transition each outcome led (n, outcomes); a row sums to 1, or 0 if none fits."""
+    rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
+    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)
+    logs = np.where(group.possible, logs, -np.inf)
+    highest = logs.max(axis=1, keepdims=True)
+    weights = np.where(group.possible, np.exp(logs - np.where(np.isfinite(highest), highest, 0)), 0)
+    total = weights.sum(axis=1, keepdims=True)
+    shared: Floats = np.divide(weights, total, out=np.zeros_like(weights), where=total > 0)
+    return shared
+
+
+def _counted(
+    domain: Domain, groups: Mapping[int | None, _Group], beliefs: Beliefs
+) -> tuple[Counts, SlipRates]:
+    """Expected counts of all rules, and the rates of slips that are expected with them."""
+    counts = {rule: (0.0,) * len(known) for rule, known in beliefs.probabilities.items()}
+    parts = np.zeros(len(Fit._fields))
+    for rule, group in groups.items():
+        seen = _shares(group, beliefs.probabilities[rule], beliefs.slips) * group.numbers[:, None]
+        counts[rule] = tuple(map(float, seen.sum(axis=0)))
+        parts += np.einsum("no,nof->f", seen, group.fits)
+    hits, misses, strays, quiet = map(float, parts)
+    return counts, SlipRates(_rate(misses, hits + misses), _rate(strays, strays + quiet))
+
+
+def _rate(slips: float, chances: float) -> float:
+    before, chances_before = SLIPS_BEFORE
+    return (slips + before) / (chances + chances_before)
+
+
+def _difference(one: Beliefs, other: Beliefs) -> float:
+    """By how much any probability or rate differs."""
+    changes = [
+        abs(now - was)
+        for rule, now_all in one.probabilities.items()
+        for now, was in zip(now_all, other.probabilities[rule], strict=True)
+    ]
+    changes.append(abs(one.slips.missed - other.slips.missed))
+    changes.append(abs(one.slips.stray - other.slips.stray))
+    return max(changes)
