@@ -1,0 +1,272 @@
+"""How well probabilities are learned: python benchmarks/learning.py [--part PART ...] [--keep FILE] ...
+
+Transitions are drawn from rules whose probabilities are hidden: those of `cleaning` and of
+benchmarks/domains/coins.nid with probabilities drawn at random. Learned are the shipped numbers. What is
+learned is compared with the hidden rules by the total variation of next states: half of what the two
+distributions over the states after an action differ by, in the mean over actions and states that are drawn
+anew.
+
+`recovery`: after 5,000 transitions, beside a learner that is told which outcome each transition was; and
+starting from the hidden probabilities themselves, which more transitions should not spoil.
+`curves`: the three estimators after 3 to 1,000 examples of each rule, from a wrong prior and from the right
+one.
+
+About four minutes of CPU for five seeds. With --keep each seed is a line of FILE, and not drawn again.
+`--quick` draws 300 transitions of one seed, in about ten seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from statistics import mean, stdev
+
+import numpy as np
+from instances import Rng, shipped
+from kept import Kept, Row
+
+from cleancli.compiler.conflict import results
+from cleancli.compiler.fluents import Fluent, Values, values_of
+from cleancli.compiler.ground import ground
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.load import load_domain, read_source
+from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule, Value
+from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.expectation import Beliefs, SlipRates, maximised
+from cleancli.learning.experience import Transition
+from cleancli.learning.learn import DEFAULT, Method, learn
+
+FOLDER = Path(__file__).parent / "domains"
+STEPS = 12
+"""Actions of a walk, after which another problem is drawn."""
+TESTED = 300
+"""Actions and states on which rules are compared."""
+CURVE = (3, 6, 12, 25, 50, 100, 300, 1000)
+"""Examples of a rule."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A transition, and which outcome of which rule it was."""
+
+    transition: Transition
+    rule: int
+    outcome: int
+
+
+# ---- hidden rules, and what they do
+
+
+def coins(rng: Rng) -> tuple[Domain, Problem]:
+    """Two to five coins, each as likely heads as not."""
+    domain = load_domain(read_source(FOLDER / "coins.nid"))
+    names = [f"c{number}" for number in range(1, int(rng.integers(3, 7)))]
+    facts = frozenset(Fact("heads", (name,)) for name in names if rng.random() < 0.5)
+    return domain, Problem("coins", domain.name, tuple(Object(name, "coin") for name in names), facts)
+
+
+DRAW: Mapping[str, Callable[[Rng], tuple[Domain, Problem]]] = {"cleaning": shipped, "coins": coins}
+
+
+def hidden(domain: Domain, rng: Rng) -> Domain:
+    """The domain with probabilities drawn uniformly from all that there are."""
+    return replace(domain, rules=tuple(_hidden(rule, rng) for rule in domain.rules))
+
+
+def _hidden(rule: Rule, rng: Rng) -> Rule:
+    chances = rng.dirichlet([1.0] * len(rule.outcomes))
+    return replace(rule, outcomes=_with(rule.outcomes, [Fraction(float(chance)) for chance in chances]))
+
+
+def _with(outcomes: Sequence[Outcome], chances: Sequence[Fraction]) -> tuple[Outcome, ...]:
+    return tuple(
+        replace(outcome, probability=chance / sum(chances), prior=None, is_rest=False)
+        for outcome, chance in zip(outcomes, chances, strict=True)
+    )
+
+
+def taught(domain: Domain, beliefs: Beliefs) -> Domain:
+    """The domain with the probabilities that are believed."""
+    rules = []
+    for number, rule in enumerate(domain.rules):
+        chances = [Fraction(chance) for chance in beliefs.probabilities[number]]
+        rules.append(replace(rule, outcomes=_with(rule.outcomes, chances)))
+    return replace(domain, rules=tuple(rules))
+
+
+def draw(name: str, truth: Domain, rng: Rng) -> Iterator[Drawn]:
+    """Transitions without end, of actions that a rule covers, on walks from random states."""
+    rules = LiftedRules(truth)
+    while True:
+        _, problem = DRAW[name](rng)
+        task = ground(truth, problem)
+        values: Values = values_of(problem.state)
+        asked = [(action.name, action.objects) for action in task.actions]
+        for _ in range(STEPS):
+            state = rules.state(problem.objects, values)
+            covered = [(a, found) for a in asked if (found := rules.covering(state, *a)) is not None]
+            if not covered:
+                break
+            (action, arguments), (rule, names) = covered[int(rng.integers(len(covered)))]
+            outcomes = truth.rules[rule].outcomes
+            outcome = int(rng.choice(len(outcomes), p=[float(o.probability) for o in outcomes]))
+            after = changed(values, results(rules, state, rule, names)[outcome])
+            yield Drawn(Transition(action, arguments, problem.objects, values, after), rule, outcome)
+            values = after
+
+
+def changed(values: Values, sets: Mapping[Fluent, Value]) -> Values:
+    """The values after an outcome set some."""
+    return {key: value for key, value in {**values, **sets}.items() if value is not False}
+
+
+def difference(one: Domain, other: Domain, asked: Sequence[Drawn]) -> float:
+    """The total variation of next states, in the mean."""
+    rules = LiftedRules(one)
+    return mean(_difference(rules, one, other, each) for each in asked)
+
+
+def _difference(rules: LiftedRules, one: Domain, other: Domain, asked: Drawn) -> float:
+    given = asked.transition
+    state = rules.state(given.objects, given.before)
+    covering = rules.covering(state, given.action, given.arguments)
+    assert covering is not None
+    more: dict[frozenset[tuple[Fluent, Value]], float] = {}
+    outcomes = zip(one.rules[asked.rule].outcomes, other.rules[asked.rule].outcomes, strict=True)
+    for sets, (p, q) in zip(results(rules, state, *covering), outcomes, strict=True):
+        after = frozenset(changed(given.before, sets).items())
+        more[after] = more.get(after, 0.0) + float(p.probability - q.probability)
+    return sum(map(abs, more.values())) / 2
+
+
+# ---- the parts
+
+
+def recovery(name: str, seed: int, transitions: int) -> Row:
+    """Differences from the hidden rules: of what is learned, of what is learned when told the outcomes, of
+    what is learned from the right rules, before learning, and by the strict reading."""
+    rng = np.random.default_rng([seed, 1])
+    given = DRAW[name](rng)[0]
+    truth = hidden(given, rng)
+    source = draw(name, truth, rng)
+    seen, asked = ([next(source) for _ in range(number)] for number in (transitions, TESTED))
+    experience = [each.transition for each in seen]
+    found = {
+        "before": given,
+        "learned": taught(given, learn(given, experience).beliefs),
+        "told": taught(given, _told(given, seen)),
+        "strict": taught(given, learn(given, experience, Method(match="strict")).beliefs),
+        "from right": taught(truth, learn(truth, experience).beliefs),
+        "right and told": taught(truth, _told(truth, seen)),
+    }
+    return {key: difference(truth, domain, asked) for key, domain in found.items()}
+
+
+def _told(domain: Domain, seen: Sequence[Drawn]) -> Beliefs:
+    """What is believed by who knows which outcome each transition was."""
+    numbers = Counter((each.rule, each.outcome) for each in seen)
+    counts: dict[int | None, tuple[float, ...]] = {
+        number: tuple(float(numbers[number, index]) for index in range(len(rule.outcomes)))
+        for number, rule in enumerate(domain.rules)
+    }
+    return maximised(domain, counts, SlipRates(), ESTIMATORS[DEFAULT.estimator], DEFAULT.m)
+
+
+def curves(name: str, seed: int, most: int) -> Row:
+    """Differences by the estimator, how right its prior was, and how many examples each rule had."""
+    rng = np.random.default_rng([seed, 2])
+    given = DRAW[name](rng)[0]
+    truth = hidden(given, rng)
+    source = draw(name, truth, rng)
+    asked = [next(source) for _ in range(TESTED)]
+    by_rule: dict[int, list[Transition]] = {number: [] for number in {each.rule for each in asked}}
+    for _ in range(400 * most):
+        if all(len(found) >= most for found in by_rule.values()):
+            break
+        each = next(source)
+        if len(by_rule.get(each.rule, range(most))) < most:
+            by_rule[each.rule].append(each.transition)
+    asked = [each for each in asked if len(by_rule[each.rule]) >= most]
+    row: dict[str, float] = {}
+    for prior, start in (("wrong", given), ("right", truth)):
+        for number in (n for n in CURVE if n <= most):
+            experience = [each for found in by_rule.values() for each in found[:number]]
+            for estimator in ESTIMATORS:
+                beliefs = learn(start, experience, Method(estimator)).beliefs
+                row[f"{prior} {estimator} {number}"] = difference(truth, taught(start, beliefs), asked)
+    return row
+
+
+def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
+    yield "| domain | before | learned | told | share of told | strict | from right | more than told |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for name in DRAW:
+        rows = [found[name, seed] for seed in seeds]
+        shares = [row["learned"] / row["told"] for row in rows]
+        more = [row["from right"] - row["right and told"] for row in rows]
+        cells = [_mean([row[key] for row in rows]) for key in ("before", "learned", "told")]
+        cells += [_mean(shares, 2), _mean([row["strict"] for row in rows])]
+        yield f"| {name} | {' | '.join([*cells, _mean([row['from right'] for row in rows]), _mean(more)])} |"
+
+
+def _curve_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
+    numbers = sorted({int(key.split()[-1]) for key in found[next(iter(DRAW)), seeds[0]]})
+    yield f"| domain | prior | estimator | {' | '.join(map(str, numbers))} |"
+    yield f"|---|---|---|{'---|' * len(numbers)}"
+    for name in DRAW:
+        for prior in ("wrong", "right"):
+            for estimator in ESTIMATORS:
+                cells = [
+                    _mean([found[name, seed][f"{prior} {estimator} {number}"] for seed in seeds])
+                    for number in numbers
+                ]
+                yield f"| {name} | {prior} | {estimator} | {' | '.join(cells)} |"
+
+
+def _mean(values: Sequence[float], digits: int = 4) -> str:
+    """With the standard error, where there are several."""
+    error = stdev(values) / len(values) ** 0.5 if len(values) > 1 else 0.0
+    return f"{mean(values):.{digits}f} ± {error:.{digits}f}"
+
+
+def main() -> None:
+    """Draw what is missing, and print the tables."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--part", nargs="+", choices=["recovery", "curves"], default=["recovery", "curves"])
+    parser.add_argument("--seed", type=int, default=1, help="the first of the seeds")
+    parser.add_argument("--seeds", type=int, default=5, help="how many")
+    parser.add_argument("--transitions", type=int, default=5000)
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="what was drawn before is in it")
+    parser.add_argument("--quick", action="store_true")
+    options = parser.parse_args()
+    if options.quick:
+        options.seeds, options.transitions = 1, 300
+    seeds = range(options.seed, options.seed + options.seeds)
+    kept = Kept(options.keep)
+    most = CURVE[-1] if options.transitions >= CURVE[-1] else 12
+    for part in options.part:
+        number = options.transitions if part == "recovery" else most
+        found = {(name, seed): _row(kept, part, name, seed, number) for name in DRAW for seed in seeds}
+        print(*(_table if part == "recovery" else _curve_table)(found, seeds), sep="\n")
+
+
+def _row(kept: Kept, part: str, name: str, seed: int, number: int) -> Row:
+    job = [part, name, seed, number]
+    for row in kept.rows():
+        if row["job"] == job:
+            found: Row = row["found"]
+            return found
+    found = (recovery if part == "recovery" else curves)(name, seed, number)
+    kept.add({"job": job, "found": found})
+    print(f"{part}: {name}, seed {seed}", flush=True)
+    return found
+
+
+if __name__ == "__main__":
+    main()
