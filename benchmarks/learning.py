@@ -38,7 +38,8 @@ from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.expectation import Beliefs, SlipRates, maximised
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import DEFAULT, Method, learn
+from cleancli.learning.learn import learn
+from cleancli.learning.method import DEFAULT, Method
 
 FOLDER = Path(__file__).parent / "domains"
 STEPS = 12

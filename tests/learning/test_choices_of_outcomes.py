@@ -11,7 +11,8 @@ from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import Method, learn
+from cleancli.learning.learn import learn
+from cleancli.learning.method import Method
 
 TEXT = """domain tidy {
   types { box }

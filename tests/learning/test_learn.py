@@ -16,8 +16,9 @@ from cleancli.language.model import Domain, Fact, Object, State
 from cleancli.learning.edits import edits
 from cleancli.learning.expectation import likeliest_outcome, prior_beliefs
 from cleancli.learning.experience import Transition, decode, encode
-from cleancli.learning.learn import Method, learn
+from cleancli.learning.learn import learn
 from cleancli.learning.match import Matcher
+from cleancli.learning.method import Method
 
 TEXT = """\
 domain tidy {

@@ -15,8 +15,9 @@ from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Object
 from cleancli.learning.expectation import SLIPS_BEFORE, prior_beliefs, shares
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import Learned, Lesson, Method, learn
+from cleancli.learning.learn import Learned, Lesson, learn
 from cleancli.learning.match import Fit, Matcher
+from cleancli.learning.method import Method
 
 TEXT = """domain tidy {
   types { box }

@@ -20,9 +20,10 @@ from cleancli.language.model import Domain
 from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
 from cleancli.learning.experience import Transition, read_experience
-from cleancli.learning.learn import MATCHES, Learned, Method
+from cleancli.learning.learn import Learned
 from cleancli.learning.learn import learn as learned_from
 from cleancli.learning.match import outcomes_of
+from cleancli.learning.method import MATCHES, Method
 from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE, check_folder
 from cleancli.resources import shipped
@@ -86,17 +87,23 @@ class LearningResult:
         """What would change, as a unified diff."""
         return "\n".join(line for change in self.changes for line in change.lines)
 
-    def write(self) -> tuple[str, ...]:
+    def write(self, last: LearningResult | None = None) -> tuple[str, ...]:
         """Put the new probabilities into the files, all of them or none, and return which were written.
 
-        Raises Refused (E006) where one was edited meanwhile, ValueError for a domain that is no file of the
-        user's own, and OSError.
+        `last` is what was learned and written of the same domain before. Raises Refused (E006) where one was
+        edited meanwhile, ValueError for a domain that is no file of the user's own, and OSError.
         """
         if not self.is_writable:
             raise BadOption(_NO_FILE.format(self.changes[0].path))
-        changed = [change for change in self.changes if change.before != change.after]
-        write_all(Replacement(Path(change.path), change.after, change.before) for change in changed)
-        return tuple(change.path for change in changed)
+        written = self.changes if last is None else last.changes
+        stands = [change.before if last is None else change.after for change in written]
+        replaced = [
+            Replacement(Path(change.path), change.after, text)
+            for change, text in zip(self.changes, stands, strict=True)
+            if text != change.after
+        ]
+        write_all(replaced)
+        return tuple(str(each.path) for each in replaced)
 
     def to_dict(self) -> dict[str, object]:
         """`rules` is the same as `cleancli learn --json` prints."""
@@ -167,16 +174,27 @@ def lessons(
     include_outside: bool = False,
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
+    transitions = _Transitions(experience, domain.model)
+    with located_in(*domain.sources):
+        learned = learned_from(domain.model, transitions.each(), method).rules
+    return taught(domain, learned, transitions.number, is_writable, include_outside)
+
+
+def taught(
+    domain: LoadedDomain,
+    learned: Sequence[Learned],
+    transitions: int,
+    is_writable: bool,
+    include_outside: bool = False,
+) -> LearningResult:
+    """What so many transitions taught, after the new text was checked. Raises Refused, OSError."""
     model, sources = domain.model, domain.sources
-    transitions = _Transitions(experience, model)
-    with located_in(*sources):
-        learned = learned_from(model, transitions.each(), method).rules
     texts = _edited(sources, edits(model, sources, learned))
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
     return LearningResult(
         tuple(_rule(model, entry) for entry in learned),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in sources),
-        tuple(_notes(model, learned, transitions.number)),
+        tuple(_notes(model, learned, transitions)),
         is_writable,
     )
 

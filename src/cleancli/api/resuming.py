@@ -13,7 +13,7 @@ import msgspec
 from msgspec import Meta
 
 from cleancli import __version__
-from cleancli.api.run_session import LIBRARIES, Inputs, open_session, versions
+from cleancli.api.run_session import LIBRARIES, Inputs, World, open_session, versions
 from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
@@ -22,7 +22,9 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, kind_of, load_problem
-from cleancli.language.model import Problem
+from cleancli.language.model import Domain, Problem
+from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.method import MATCHES, Method
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording import checkpoint
@@ -45,6 +47,9 @@ class _Options(msgspec.Struct):
     known: Count
     max_actions: Count
     max_seconds: Seconds
+    estimator: str | None = None
+    m: Annotated[float, Meta(ge=0, le=MOST)] = 0.0
+    match: str = MATCHES[0]
 
 
 class _Begun(msgspec.Struct):
@@ -137,11 +142,17 @@ def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:
         raise Refused(
             [Diagnostic("E705", f"`{run.folder}` does not hold the files that went in", None, help=help)]
         )
-    domain = checked_domain(sources[0], True, lambda path: _included(path, sources)).get()
-    last = sources[-1]
+    domain, last = _domain(sources), sources[-1]
     if kind_of(last) == "scene":
         return Inputs(domain, load_scene(last, lambda _: _calibration(run)), sources, options, job)
-    return Inputs(domain, load_problem(last, domain), sources, options, job)
+    acting = tuple(_text(run, file) for file in run.header.world)
+    world = World(_domain(acting), acting) if acting else None
+    return Inputs(domain, load_problem(last, domain), sources, options, job, world=world)
+
+
+def _domain(sources: Sequence[Source]) -> Domain:
+    """The domain that the first of the texts is. Raises Refused."""
+    return checked_domain(sources[0], True, lambda path: _included(path, sources)).get()
 
 
 def _included(path: Path, sources: Sequence[Source]) -> Source:
@@ -181,10 +192,12 @@ def _copy(run: Run, file: InputFile) -> bytes:
 
 
 def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
-    """Raises Refused (E705) for a strategy or a planner that there is not."""
+    """Raises Refused (E705) for a strategy, a planner or a way of learning that there is not."""
     for name, chosen, known in (
         ("strategy", given.strategy, STRATEGIES),
         ("planner", given.planner, PLANNERS),
+        ("estimator", given.estimator, ESTIMATORS),
+        ("match", given.match, MATCHES),
     ):
         if chosen is not None and chosen not in known:
             message = f"`{source.path}` tells of a {name} that there is not: {chosen!r}"
@@ -198,6 +211,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         header.seed,
         given.objective == "time",
         given.known,
+        None if given.estimator is None else Method(given.estimator, given.m, given.match),
     )
 
 

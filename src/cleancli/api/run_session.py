@@ -9,12 +9,13 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cleancli import __version__
-from cleancli.execution.episode_state import World
+from cleancli.execution.believed import Evidence
+from cleancli.execution.episode_state import World as SavedWorld
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
@@ -28,20 +29,33 @@ from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
+from cleancli.simulation.compatibility import refuse_unlike
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 """Those that results depend on."""
 
 
 @dataclass(frozen=True, slots=True)
+class World:
+    """Rules of a symbolic world, and their texts."""
+
+    domain: Domain
+    sources: tuple[Source, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Inputs:
-    """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last."""
+    """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last.
+    `evidence`: what earlier runs have seen, to learn from. `world` has the rules by which the symbolic world
+    acts, where they are not those of the domain."""
 
     domain: Domain
     given: Problem | Scene
     sources: tuple[Source, ...]
     options: EpisodeOptions
     job: Job | None
+    evidence: Evidence = ()
+    world: World | None = None
 
 
 class OtherWorld(ValueError):
@@ -57,7 +71,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def open_session(inputs: Inputs, world: World | None = None) -> Session:
+def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
     """The table of a scene, or the symbolic world of a problem, as it was at a checkpoint if one is given.
 
     Raises BadOption for what it has not, OtherWorld where the checkpoint is another one's.
@@ -65,18 +79,30 @@ def open_session(inputs: Inputs, world: World | None = None) -> Session:
     given, options, job = inputs.given, inputs.options, inputs.job
     if isinstance(given, Problem) and STRATEGIES[options.strategy].needs_places:
         raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
+    if inputs.world is not None:
+        _check_world(inputs, inputs.world)
     if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
         raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
     with located_in(*inputs.sources), planning_refused(inputs.sources):
         try:
             if isinstance(given, Scene):
-                return table_session(inputs.domain, given, options, job, world)
-            return symbolic_session(inputs.domain, given, options, world)
+                session = table_session(inputs.domain, given, options, job, saved)
+            else:
+                acting = inputs.domain if inputs.world is None else inputs.world.domain
+                session = symbolic_session(inputs.domain, given, options, saved, acting)
+            return replace(session, setup=replace(session.setup, evidence=inputs.evidence))
         except (KeyError, TypeError, ValueError) as error:
-            if world is None:
+            if saved is None:
                 raise
             reason = f"it has no {error}" if isinstance(error, KeyError) else str(error)
             raise OtherWorld(f"it is not one of this world: {reason}") from None
+
+
+def _check_world(inputs: Inputs, world: World) -> None:
+    """Raises BadOption where a table is the world, and Refused (E901) where the rules are of other things."""
+    if isinstance(inputs.given, Scene):
+        raise BadOption("--world is for problems: what happens on the table of a scene is physics")
+    refuse_unlike(inputs.domain, world.domain, inputs.given, inputs.sources, world.sources)
 
 
 @contextmanager

@@ -7,15 +7,16 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cleancli.api.inputs import LoadedProblem
+from cleancli.api.inputs import LoadedDomain, LoadedProblem
 from cleancli.api.plain import plain
 from cleancli.api.resuming import Note, reopened, unfinished
 from cleancli.api.run_session import (
     Inputs,
+    World,
     alone_in,
     interruptions,
     none_left_where_refused,
@@ -25,8 +26,9 @@ from cleancli.api.run_session import (
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.task import NoDurationError
+from cleancli.execution.believed import Evidence
 from cleancli.execution.episode_state import EpisodeState
-from cleancli.execution.events import Ended, Event, Looked
+from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
 from cleancli.execution.setup import EpisodeOptions, Job
@@ -78,7 +80,8 @@ class OpenedRun:
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world."""
+    """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world.
+    `evidence`: what it and the runs before it have seen, to learn from."""
 
     folder: Path
     clean: bool
@@ -89,6 +92,7 @@ class RunResult:
     told: str
     video: bool
     record: Mapping[str, object]
+    evidence: Evidence = field(default=(), repr=False)
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""
@@ -151,7 +155,7 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     """
     inputs, cell, folder = run.inputs, run.session.cell, run.folder
     told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
-    last, event = "", None
+    last, event, evidence = "", None, inputs.evidence
     entries = Entries(inputs.domain, lambda: cell.clock, None if run.saved is None else run.saved.spent)
     with (
         located_in(*inputs.sources),
@@ -167,6 +171,8 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
                     follow(event)
                     if told is not None and isinstance(event, Looked):
                         last = told(event.situation)
+                    if isinstance(event, Checkpoint):
+                        evidence = event.state.evidence
                     if pressed:
                         raise KeyboardInterrupt
         except KeyboardInterrupt:
@@ -181,11 +187,17 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = run.session.truth()
     recorder.finish(truth)
-    return _result(run, event, truth, last)
+    return replace(_result(run, event, truth, last), evidence=evidence)
 
 
 def inputs_of(
-    given: LoadedProblem, asked: EpisodeOptions, *, seed: int | None, objective: str | None, job: str | None
+    given: LoadedProblem,
+    asked: EpisodeOptions,
+    *,
+    seed: int | None,
+    objective: str | None,
+    job: str | None,
+    world: LoadedDomain | None = None,
 ) -> Inputs:
     """What goes into a run: where it is not asked for, the problem's seed, and time as the objective if the
     domain says how long each action takes. Raises Refused (E902) where time is asked for and one is not
@@ -199,6 +211,7 @@ def inputs_of(
         given.sources,
         replace(asked, seed=chosen, by_time=by_time),
         None if job is None else Job(job),
+        world=None if world is None else World(world.model, world.sources),
     )
 
 
@@ -229,11 +242,13 @@ def _by_time(objective: str | None, domain: Domain) -> bool:
 def _copied(inputs: Inputs, folder: Path) -> dict[str, object]:
     """Copy what went in into the folder, and say which is which."""
     (folder / FILES).mkdir()
-    texts = [(source.path, source.text) for source in inputs.sources]
-    entries = [_copy(*each, number, folder) for number, each in enumerate(texts)]
+    of_world = () if inputs.world is None else inputs.world.sources
+    texts = [(source.path, source.text) for source in (*inputs.sources, *of_world)]
+    copies = [_copy(*each, number, folder) for number, each in enumerate(texts)]
+    entries, world = copies[: len(inputs.sources)], copies[len(inputs.sources) :]
     given = inputs.given
     if isinstance(given, Problem) or given.calibration is None:
-        return {"files": entries}
+        return {"files": entries, **({"world": world} if world else {})}
     path = Path(inputs.sources[-1].path).parent / given.calibration.path
     return {
         "files": entries,
@@ -254,7 +269,8 @@ def _copy(path: str, text: str, number: int, folder: Path) -> dict[str, str]:
 
 
 def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> dict[str, object]:
-    """What another person needs to run the same again."""
+    """What another person needs to run the same again; the estimator is null where nothing is learned."""
+    learning = options.learning
     return {
         "format": FORMAT,
         "versions": versions(),
@@ -266,6 +282,9 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
             "objective": "time" if options.by_time else "reward",
             "job": job.value,
             "known": options.known,
+            "estimator": learning.estimator if learning else None,
+            "m": learning.m if learning else 0,
+            "match": learning.match if learning else "shared",
             "max_actions": options.max_actions,
             "max_seconds": options.max_seconds,
         },

@@ -8,6 +8,9 @@ from typing import Any, Protocol, TypeVar
 
 import click
 
+from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.method import DEFAULT, MATCHES
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 FILE = click.Path(path_type=Path, dir_okay=False)
@@ -46,6 +49,34 @@ def objective(note: str = "", usual: str | None = "reward") -> Option:
         show_default=usual is not None,
         help=f"What discounts later rewards: the number of actions before, or their duration.{note}",
     )
+
+
+def learning() -> Option:
+    """How counts become probabilities, and what counts."""
+    given = (
+        click.option(
+            "--estimator",
+            type=click.Choice(list(ESTIMATORS)),
+            default=DEFAULT.estimator,
+            show_default=True,
+            help="How counts and prior are combined: eq. 5, eq. 4, or not at all.",
+        ),
+        click.option(
+            "--m",
+            type=click.FloatRange(min=0),
+            default=DEFAULT.m,
+            show_default=True,
+            help="Weight of the prior, in examples.",
+        ),
+        click.option(
+            "--match",
+            type=click.Choice(MATCHES),
+            default=DEFAULT.match,
+            show_default=True,
+            help="What a transition counts for that several outcomes may have made: each, or the likeliest.",
+        ),
+    )
+    return lambda function: given[0](given[1](given[2](function)))
 
 
 def max_actions(help: str, most: int | None = None) -> Option:

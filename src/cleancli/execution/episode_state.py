@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.task import GroundAction
 from cleancli.language.model import Object, State
+from cleancli.learning.match import Match
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 
@@ -140,6 +141,7 @@ class EpisodeState:
     rest: tuple[GroundAction, ...] = ()
     vain: tuple[FailedAttempt, ...] = ()
     examples: tuple[tuple[int, Fraction], ...] = ()
+    evidence: tuple[tuple[Match, int], ...] = ()
     spent: Account = Account()
     loading: float = 0.0
     reason: str = ""

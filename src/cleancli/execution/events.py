@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from cleancli.execution.episode_state import Account, EpisodeState, Move, Situation
 from cleancli.geometry.rgbd import Frame
+from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition
+from cleancli.learning.learn import Lesson
 from cleancli.motion.path import ToolPath
 from cleancli.planning.plan import Plan
 
@@ -95,6 +97,14 @@ class Acted:
 
 
 @dataclass(frozen=True, slots=True)
+class Learned:
+    """What an action and those before it teach, and the domain with the probabilities that are believed."""
+
+    lesson: Lesson
+    domain: Domain
+
+
+@dataclass(frozen=True, slots=True)
 class Checkpoint:
     """Between two moves: with `state`, and the workcell as it is now, the episode can go on later."""
 
@@ -114,4 +124,4 @@ class Ended:
     loading: float
 
 
-Event = Looked | Decided | Started | Moved | StrokeEnded | Failed | Acted | Checkpoint | Ended
+Event = Looked | Decided | Started | Moved | StrokeEnded | Failed | Acted | Learned | Checkpoint | Ended

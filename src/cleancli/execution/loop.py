@@ -15,6 +15,7 @@ from functools import partial
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
+from cleancli.execution.believed import believed, lesson, with_transition
 from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
@@ -33,16 +34,18 @@ from cleancli.execution.events import (
     Ended,
     Event,
     Failed,
+    Learned,
     Looked,
     Purpose,
     Started,
 )
-from cleancli.execution.setup import DecisionContext, EpisodeSetup
+from cleancli.execution.setup import DecisionContext, EpisodeSetup, within
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition
+from cleancli.learning.learn import revised
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered
 from cleancli.perception.tracking import Stroke
@@ -64,7 +67,7 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
     the limits on actions and time. An episode that goes on takes a look first, wherever the arm is.
     """
     if state is None:
-        state = EpisodeState(examples=_seen_before(setup.domain))
+        state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
     elif state.situation is not None and not state.reason:
         state = yield from _look(cell, replace(state, clear_looks=0), Purpose.AFTER, None)
     while not (reason := _over(setup, cell, state)):
@@ -105,7 +108,7 @@ def _decide(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation:
     options = setup.options
     started = time.perf_counter()
     now = DecisionContext(
-        setup.feasible,
+        within(setup.feasible, believed(setup, state.evidence)),
         cell.problem(situation),
         setup.scene,
         setup.job,
@@ -224,6 +227,11 @@ def _concluded(
     is_action = move.path is None
     transition = _transition(move, before, after) if is_action else None
     yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)
+    if seen and transition is not None:
+        state = replace(state, evidence=with_transition(setup, state.evidence, transition))
+        taught = lesson(setup, state.evidence)
+        if taught is not None:
+            yield Learned(taught, revised(setup.domain, taught))
     return state
 
 
@@ -258,13 +266,16 @@ def _transition(move: Move, before: Situation, after: Situation) -> Transition:
     return Transition(move.action, move.objects, objects, values_of(before.state), values_of(state))
 
 
-def _seen_before(domain: Domain) -> tuple[tuple[int, Fraction], ...]:
-    """How often each rule was seen, by what its text says of its outcomes."""
-    counts = (
-        (index, sum((outcome.seen or Fraction(0) for outcome in rule.outcomes), start=Fraction(0)))
-        for index, rule in enumerate(domain.rules)
-    )
-    return tuple((index, count) for index, count in counts if count)
+def _seen_before(setup: EpisodeSetup) -> tuple[tuple[int, Fraction], ...]:
+    """How often each rule was seen, by what its text says of its outcomes and in earlier episodes."""
+    counts = [
+        sum((outcome.seen or Fraction(0) for outcome in rule.outcomes), start=Fraction(0))
+        for rule in setup.domain.rules
+    ]
+    for match, number in setup.evidence:
+        if match.rule is not None:
+            counts[match.rule] += number
+    return tuple((index, count) for index, count in enumerate(counts) if count)
 
 
 def _with(spent: Account, purpose: Purpose, seconds: float, **otherwise: float) -> Account:

@@ -66,11 +66,18 @@ def table_session(
 
 
 def symbolic_session(
-    domain: Domain, problem: Problem, options: EpisodeOptions, world: World | None = None
+    domain: Domain,
+    problem: Problem,
+    options: EpisodeOptions,
+    world: World | None = None,
+    acting: Domain | None = None,
 ) -> Session:
-    """The symbolic world by the rules of `domain`. Raises `Refused` (E6xx), `NoDurationError` where time is
-    to discount, KeyError and ValueError where `world` is another one's."""
-    rules = world_of(domain, problem, options.by_time)
+    """The symbolic world by the rules of `acting`, or else of the domain itself.
+
+    Raises `Refused` (E6xx), `NoDurationError` where time is to discount, KeyError and ValueError where
+    `world` is another one's.
+    """
+    rules = world_of(acting or domain, problem, options.by_time)
     cell = SymbolicCell(rules, problem, options.seed)
     if world is not None:
         cell.assignment, cell.clock = _assignment(world["assignment"], rules.task), _clock(world["clock"])

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
+from cleancli.learning.match import Match
+from cleancli.learning.method import Method
 from cleancli.motion.actions import PICK_UP, SWEEPS, WIPES, can_execute
 from cleancli.planning.plan import Plan
 from cleancli.scene.model import Scene
@@ -46,7 +48,7 @@ class EpisodeOptions:
     how long actions take, not by their number. `max_seconds`: of all that is in the account.
 
     `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
-    view to learn from it (§5.2); 0: nothing is learned.
+    view to learn from it (§5.2). `learning`: how probabilities are learned from each action; None: they stay.
     """
 
     strategy: str = "plan-2"
@@ -57,18 +59,20 @@ class EpisodeOptions:
     seed: int = 1
     by_time: bool = False
     known: int = 0
+    learning: Method | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeSetup:
     """What an episode needs besides a workcell: `feasible` is the domain without what the robot has no skill
-    for, `scene` None in the symbolic world."""
+    for, `scene` None in the symbolic world. `evidence`: what earlier episodes have seen, to learn from."""
 
     domain: Domain
     feasible: Domain
     scene: Scene | None
     job: Job
     options: EpisodeOptions
+    evidence: tuple[tuple[Match, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +128,14 @@ def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
     )
     names = {action.name for action in actions}
     return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
+
+
+def within(feasible: Domain, domain: Domain) -> Domain:
+    """Of a domain the rules of the actions that the feasible one has."""
+    names = {action.name for action in feasible.actions}
+    return replace(
+        feasible, rules=tuple(rule for rule in domain.rules if rule.action in names), default=domain.default
+    )
 
 
 MOST = 10**9

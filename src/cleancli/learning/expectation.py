@@ -75,6 +75,11 @@ def prior_beliefs(domain: Domain) -> Beliefs:
     return Beliefs(priors, {p.name: float(p.probability) for p in domain.parameters}, SlipRates())
 
 
+def nothing_counted(domain: Domain) -> Counts:
+    """That no outcome was seen."""
+    return {rule: (0.0,) * len(known) for rule, known in prior_beliefs(domain).probabilities.items()}
+
+
 def shares(match: Match, beliefs: Beliefs) -> tuple[float, ...]:
     """To how much of a transition each outcome is believed to have led; all 0 where none fits."""
     (found,) = _shares(_group([(match, 1)]), beliefs.probabilities[match.rule], beliefs.slips)
@@ -87,25 +92,28 @@ def likeliest_outcome(match: Match, beliefs: Beliefs) -> int | None:
     return max(range(len(found)), key=lambda index: found[index]) if any(found) else None
 
 
-def expected(domain: Domain, evidence: Evidence, estimator: Estimator, m: float) -> tuple[Counts, Beliefs]:
-    """How often each outcome is expected to have happened, and what that makes of the probabilities."""
+def expected(
+    domain: Domain, evidence: Evidence, estimator: Estimator, m: float, before: Counts
+) -> tuple[Counts, Beliefs]:
+    """How often each outcome is expected to have happened, with what was counted before, and what that makes
+    of the probabilities."""
     groups = {rule: _group(found) for rule, found in _by_rule(evidence).items()}
     beliefs = prior_beliefs(domain)
     counts: Counts = {}
     for _ in range(ROUNDS):
-        before = beliefs
-        counts, slips = _counted(domain, groups, before)
+        last = beliefs
+        counts, slips = _counted(groups, last, before)
         beliefs = maximised(domain, counts, slips, estimator, m)
-        if _difference(beliefs, before) < TOLERANCE:
+        if _difference(beliefs, last) < TOLERANCE:
             break
     return counts, beliefs
 
 
-def likeliest(domain: Domain, evidence: Evidence) -> Counts:
+def likeliest(domain: Domain, evidence: Evidence, before: Counts) -> Counts:
     """The paper's strict reading: each transition counts for the one outcome that fits it and was the
-    likeliest before learning, of equals for the first."""
+    likeliest before learning, of equals for the first; with what was counted before."""
     priors = prior_beliefs(domain).probabilities
-    counts = {rule: [0.0] * len(prior) for rule, prior in priors.items()}
+    counts = {rule: list(found) for rule, found in before.items()}
     for match, number in evidence.items():
         fitting = [index for index, fit in enumerate(match.fits) if fit is not None]
         if fitting:
@@ -158,14 +166,14 @@ def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> 
 
 
 def _counted(
-    domain: Domain, groups: Mapping[int | None, _Group], beliefs: Beliefs
+    groups: Mapping[int | None, _Group], beliefs: Beliefs, before: Counts
 ) -> tuple[Counts, SlipRates]:
-    """Expected counts of all rules, and the rates of slips that are expected with them."""
-    counts = {rule: (0.0,) * len(known) for rule, known in beliefs.probabilities.items()}
+    """Expected counts of all rules beside those before, and the rates of slips that go with them."""
+    counts = dict(before)
     parts = np.zeros(len(Fit._fields))
     for rule, group in groups.items():
         seen = _shares(group, beliefs.probabilities[rule], beliefs.slips) * group.numbers[:, None]
-        counts[rule] = tuple(map(float, seen.sum(axis=0)))
+        counts[rule] = tuple(float(each) for each in seen.sum(axis=0) + np.array(before[rule]))
         parts += np.einsum("no,nof->f", seen, group.fits)
     hits, misses, strays, quiet = map(float, parts)
     return counts, SlipRates(_rate(misses, hits + misses), _rate(strays, strays + quiet))

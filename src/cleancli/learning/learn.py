@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cleancli.language.model import Domain
-from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
-from cleancli.learning.expectation import Beliefs, Evidence, SlipRates, expected, likeliest, maximised
+from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.expectation import (
+    Beliefs,
+    Evidence,
+    SlipRates,
+    expected,
+    likeliest,
+    maximised,
+    nothing_counted,
+)
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
+from cleancli.learning.method import DEFAULT, Method
 from cleancli.learning.share import Counts, exactly, in_units, rounded
 
 COUNTED = 100
@@ -42,40 +51,46 @@ class Lesson:
     beliefs: Beliefs
 
 
-MATCHES = ("shared", "strict")
-
-
-@dataclass(frozen=True, slots=True)
-class Method:
-    """How to learn: the estimator by its name, the weight of the prior in examples, and what a transition
-    counts for (see `Matcher`): for all outcomes that fit, or for the likeliest of those that fit strictly."""
-
-    estimator: str = "decreasing-m"
-    m: float = DEFAULT_M
-    match: str = "shared"
-
-    @property
-    def is_strict(self) -> bool:
-        return self.match == "strict"
-
-
-DEFAULT = Method()
-
-
 def learn(domain: Domain, transitions: Iterable[Transition], method: Method = DEFAULT) -> Lesson:
     """What transitions teach about a domain's probabilities. Raises `Refused` (E602)."""
     return learned_from(domain, Counter(map(Matcher(domain, method.is_strict).match, transitions)), method)
 
 
-def learned_from(domain: Domain, evidence: Evidence, method: Method) -> Lesson:
-    """The same of transitions that were matched already."""
+def learned_from(domain: Domain, evidence: Evidence, method: Method, before: Counts | None = None) -> Lesson:
+    """The same of transitions that were matched already, and of what was counted `before` them."""
     estimator = ESTIMATORS[method.estimator]
+    before = nothing_counted(domain) if before is None else before
     if method.is_strict:
-        counts = likeliest(domain, evidence)
+        counts = likeliest(domain, evidence, before)
         beliefs = maximised(domain, counts, SlipRates(), estimator, method.m)
     else:
-        counts, beliefs = expected(domain, evidence, estimator, method.m)
+        counts, beliefs = expected(domain, evidence, estimator, method.m, before)
     return Lesson(tuple(_rules(domain, evidence, counts, beliefs)), beliefs)
+
+
+def counted(domain: Domain) -> Counts:
+    """How often each outcome was seen, by what the domain's text says."""
+    return {
+        rule: tuple(float(outcome.seen or 0) for outcome in outcomes_of(domain, rule))
+        for rule in nothing_counted(domain)
+    }
+
+
+def revised(domain: Domain, lesson: Lesson) -> Domain:
+    """The domain with the probabilities that were learned; all else is as it was."""
+    rules, default = list(domain.rules), domain.default
+    for learned in lesson.rules:
+        outcomes = tuple(
+            replace(outcome, probability=probability)
+            for outcome, probability in zip(
+                outcomes_of(domain, learned.rule), learned.probabilities, strict=True
+            )
+        )
+        if learned.rule is None:
+            default = outcomes
+        else:
+            rules[learned.rule] = replace(rules[learned.rule], outcomes=outcomes)
+    return replace(domain, rules=tuple(rules), default=default)
 
 
 def _rules(domain: Domain, evidence: Evidence, counts: Counts, beliefs: Beliefs) -> Iterator[Learned]:

@@ -15,6 +15,7 @@ from cleancli.execution.episode_state import EpisodeState, Move, Situation
 from cleancli.execution.setup import MOST
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Object, State
+from cleancli.learning.match import outcomes_of
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 
@@ -35,6 +36,7 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
         raise ValueError("its counts or seconds are absurd")
     if any(not 0 <= rule < len(domain.rules) for rule, _ in episode.examples):
         raise ValueError("it has seen rules that the domain has not")
+    _check_evidence(episode, domain)
     situation = episode.situation
     if situation is not None:
         _check_situation(situation, domain, given)
@@ -47,6 +49,17 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
             raise ValueError(f"{action} would take {action.duration:g} seconds")
     for vain in episode.vain:
         _check_areas(vain.areas)
+
+
+def _check_evidence(episode: EpisodeState, domain: Domain) -> None:
+    """Of rules that there are, with an entry for each outcome."""
+    for match, number in episode.evidence:
+        if match.rule is not None and not 0 <= match.rule < len(domain.rules):
+            raise ValueError("it has learned of rules that the domain has not")
+        if len(match.fits) != len(outcomes_of(domain, match.rule)):
+            raise ValueError("it has learned of outcomes that the domain has not")
+        if not 0 <= number <= MOST or any(not 0 <= part <= MOST for fit in match.fits for part in fit or ()):
+            raise ValueError("what it has learned counts absurdly")
 
 
 def _counts(episode: EpisodeState) -> Iterable[float]:

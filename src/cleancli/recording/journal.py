@@ -27,6 +27,8 @@ Length = Annotated[float, Meta(ge=0, le=1e3)]
 SquareMetres = Annotated[float, Meta(ge=0, le=1e6)]
 Angle = Annotated[float, Meta(ge=-10, le=10)]
 Probability = Annotated[float, Meta(ge=0, le=1)]
+Times = Annotated[float, Meta(ge=0, le=MOST)]
+"""How often something was seen; one time may be shared among several."""
 """What numbers a file may tell: whatever a run can write lies well within."""
 
 
@@ -136,6 +138,22 @@ class Acted:
     changed: tuple[FactEntry, ...]
 
 
+class RuleEntry(NamedTuple):
+    """A rule by its name (null: the default rule), what is believed of its outcomes, and how often each was
+    seen."""
+
+    rule: str | None
+    probabilities: tuple[Probability, ...]
+    seen: tuple[Times, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What is believed since an action was learned from, of the `rules` of which that is something new."""
+
+    rules: tuple[RuleEntry, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Failed:
     """The robot could not carry out an action, for a `reason`: a checkpoint too."""
@@ -183,7 +201,7 @@ class Ended:
     seconds: Mapping[str, Seconds]
 
 
-Record = Looked | Planned | Started | Acted | Failed | Spent | Resumed | Interrupted | Ended
+Record = Looked | Planned | Started | Acted | Learned | Failed | Spent | Resumed | Interrupted | Ended
 
 EVENTS: Mapping[str, type[Record]] = {
     "looked": Looked,
@@ -192,6 +210,7 @@ EVENTS: Mapping[str, type[Record]] = {
     "acted": Acted,
     "failed": Failed,
     "spent": Spent,
+    "learned": Learned,
     "resumed": Resumed,
     "interrupted": Interrupted,
     "ended": Ended,

@@ -15,9 +15,10 @@ from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value
 from cleancli.learning.expectation import likeliest_outcome, prior_beliefs
 from cleancli.learning.experience import Transition
+from cleancli.learning.learn import Learned, Lesson
 from cleancli.learning.match import Matcher, outcomes_of
 from cleancli.recording import journal
-from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, StepEntry
+from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, RuleEntry, StepEntry
 
 
 class Entries:
@@ -27,6 +28,7 @@ class Entries:
     def __init__(self, domain: Domain, clock: Callable[[], float], spent: Account | None = None) -> None:
         self._domain, self._clock = domain, clock
         self._matcher, self._beliefs = Matcher(domain), prior_beliefs(domain)
+        self._learnt: list[RuleEntry] = []
         self._situation: Situation | None = None
         self._failure = ""
         self._spent = Account() if spent is None else spent
@@ -48,10 +50,19 @@ class Entries:
             case events.Acted():
                 yield self._acted(event)
                 self._failure = ""
+            case events.Learned(lesson, domain):
+                yield self._learned(lesson, domain)
             case events.Checkpoint(state):
                 yield from self._spent_since(state.spent)
             case events.Ended(reason, clean, actions, spent, clock):
                 yield journal.Ended(clock, reason, clean, actions, spent.by_kind())
+
+    def _learned(self, lesson: Lesson, domain: Domain) -> journal.Learned:
+        """What is new; from now on the domain is what is believed."""
+        entries = [_entry(domain, learned) for learned in lesson.rules]
+        new = tuple(entry for entry in entries if entry not in self._learnt)
+        self._domain, self._learnt = domain, entries
+        return journal.Learned(new)
 
     def _planned(self, event: events.Decided) -> journal.Planned:
         plan = event.plan
@@ -157,6 +168,11 @@ def _changed(transition: Transition) -> tuple[FactEntry, ...]:
     keys = sorted(transition.changed)
     functions = {key for key in keys if not isinstance(before.get(key, after.get(key)), bool)}
     return tuple(FactEntry(*key, after.get(key, None if key in functions else False)) for key in keys)
+
+
+def _entry(domain: Domain, learned: Learned) -> RuleEntry:
+    name = None if learned.rule is None else domain.rules[learned.rule].name
+    return RuleEntry(name, tuple(map(float, learned.probabilities)), tuple(map(float, learned.seen)))
 
 
 def _entries(changes: Mapping[Fluent, Value]) -> tuple[FactEntry, ...]:

@@ -24,6 +24,7 @@ from cleancli.execution.events import (
     Ended,
     Event,
     Failed,
+    Learned,
     Looked,
     Moved,
     Started,
@@ -125,7 +126,7 @@ class Recorder:
                 self._totals["episode"] = _totals(event)
             case Checkpoint(state):
                 self._checkpoint(state)
-            case Decided():
+            case Decided() | Learned():
                 pass
 
     def note(self, record: journal.Record) -> None:

@@ -69,13 +69,15 @@ class Truth:
 @dataclass(frozen=True, slots=True)
 class Header:
     """run.json, as far as a report tells it; `episode` and `truth` are None until the run has ended.
-    `calibration` is what the scene's camera was calibrated with, if it was."""
+    `calibration` is what the scene's camera was calibrated with, if it was; `world` are the texts of the
+    rules by which a symbolic world acted, where they were not the domain's."""
 
     versions: Mapping[str, str]
     seed: Annotated[int, Meta(ge=0)]
     options: Mapping[str, Scalar]
     files: tuple[InputFile, ...]
     calibration: InputFile | None = None
+    world: tuple[InputFile, ...] = ()
     episode: Episode | None = None
     truth: Truth | None = None
 

@@ -25,7 +25,8 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.learning.experience import decode
-from cleancli.learning.learn import Method, learn
+from cleancli.learning.learn import learn
+from cleancli.learning.method import Method
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -9,20 +10,23 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
+from cleancli.api.lessons import LearningResult, is_own_file
 from cleancli.api.runs import (
     OpenedRun,
+    RunResult,
     RunStopped,
     carry_out,
     inputs_of,
-    new_run,
     resumed_run,
 )
+from cleancli.api.series import SeriesResult, lesson_of
+from cleancli.api.series import episodes as carried_out
 from cleancli.api.symbolic import told_of
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
-from cleancli.cli.inputs import open_given
+from cleancli.cli.inputs import may_include_outside, open_given, open_loaded
 from cleancli.cli.progress import working
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
@@ -30,6 +34,7 @@ from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
+from cleancli.learning.method import KNOWN, Method
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import RUN
 from cleancli.report.page import PAGE, write_page
@@ -71,10 +76,32 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--known",
     type=click.IntRange(min=0, max=MOST),
-    default=0,
-    show_default=True,
     metavar="T",
-    help="Move the arm out of view after an action whose rule was seen less than T times (§5.2).",
+    help="Move the arm out of view after an action whose rule was seen less than T times (§5.2)."
+    "  [default: 12 with --learn, else 0]",
+)
+@click.option(
+    "--world",
+    metavar="FILE",
+    help="The rules by which the symbolic world acts, for problems that are no scenes. [default: DOMAIN's]",
+)
+@click.option(
+    "--learn",
+    is_flag=True,
+    help="Learn from each action, and plan with what was learned (§5).  [known: 12 unless said, as in §6.3]",
+)
+@options.learning()
+@click.option(
+    "--episodes",
+    type=click.IntRange(min=1, max=10_000),
+    default=1,
+    show_default=True,
+    help="Carry PROBLEM out so often, with one seed after the other.",
+)
+@click.option(
+    "--write",
+    is_flag=True,
+    help="With --learn, change the probabilities in DOMAIN's file after each episode.",
 )
 @options.max_actions("Stop after so many actions.", MOST)
 @click.option(
@@ -106,7 +133,14 @@ def command(
     samples: int,
     objective: str | None,
     job: str | None,
-    known: int,
+    known: int | None,
+    world: str | None,
+    learn: bool,
+    estimator: str,
+    m: float,
+    match: str,
+    episodes: int,
+    write: bool,
     max_actions: int,
     max_seconds: float,
     runs: Path,
@@ -128,14 +162,34 @@ def command(
             after = 0 if opened.resumed is None else opened.resumed.after
             if not said.silently:
                 echo(f"going on after {plural(after, 'action')}", err=True)
-            return _carry_out(opened, said)
+            result = _carry_out(opened, said)
+        if not said.silently:
+            echo(str(result))
+        return _tell(SeriesResult((result,), None), said)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
+    if write and not learn:
+        raise click.UsageError("--write writes what --learn has learned: ask for both")
     given = open_given(domain, problem)
-    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known)
-    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job)
-    with new_run(inputs, runs, video) as opened:
-        return _carry_out(opened, said)
+    if write and not is_own_file(domain):
+        path = given.domain.sources[0].path
+        raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
+    method = Method(estimator, m, match) if learn else None
+    known = (KNOWN if learn else 0) if known is None else known
+    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
+    acting = None if world is None else open_loaded(world)
+    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)
+    is_own, outside = is_own_file(domain), may_include_outside()
+    done: list[RunResult] = []
+    learned: LearningResult | None = None
+    for result in carried_out(inputs, episodes, runs, video, lambda opened: _carry_out(opened, said)):
+        done.append(result)
+        last, learned = learned, lesson_of(given, inputs, result.evidence, is_own, outside)
+        if write and learned is not None:
+            learned.write(last)
+        if not said.silently:
+            echo(str(result))
+    return _tell(SeriesResult(tuple(done), learned), said)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +216,7 @@ def _refuse_beside_resume() -> None:
             raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
 
 
-def _carry_out(opened: OpenedRun, said: _Said) -> int:
+def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     """The run to its end, shown while it lasts."""
     setup, cell, given = opened.session.setup, opened.session.cell, opened.inputs.given
     told = told_of(opened.inputs.domain, given) if isinstance(given, Problem) else None
@@ -178,8 +232,17 @@ def _carry_out(opened: OpenedRun, said: _Said) -> int:
         raise
     with working(f"writing {PAGE}", said.silently):
         write_page(opened.folder)
-    if said.as_data:
-        echo((opened.folder / RUN).read_text(encoding="utf-8"), nl=False)
-    elif not said.quiet:
+    return result
+
+
+def _tell(result: SeriesResult, said: _Said) -> int:
+    """What all episodes came to; each was told already where that is wanted. One episode in which nothing
+    was learned is told as its run.json."""
+    alone = len(result.runs) == 1 and result.learned is None
+    if said.as_data and alone:
+        echo((result.runs[0].folder / RUN).read_text(encoding="utf-8"), nl=False)
+    elif said.as_data:
+        click.echo(json.dumps(result.to_dict(), indent=2))
+    elif not said.quiet and not alone:
         echo(str(result))
-    return ExitCode.DONE if result.clean else ExitCode.NOT_CLEAN
+    return ExitCode.DONE if result.is_clean else ExitCode.NOT_CLEAN

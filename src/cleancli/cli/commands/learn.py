@@ -15,32 +15,11 @@ from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded
 from cleancli.cli.progress import working
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
-from cleancli.learning.learn import MATCHES, Method
+from cleancli.learning.method import Method
 
 
 @command_of("learn")
-@click.option(
-    "--estimator",
-    type=click.Choice(list(ESTIMATORS)),
-    default="decreasing-m",
-    show_default=True,
-    help="How counts and prior are combined: eq. 5, eq. 4, or not at all.",
-)
-@click.option(
-    "--m",
-    type=click.FloatRange(min=0),
-    default=DEFAULT_M,
-    show_default=True,
-    help="Weight of the prior, in examples.",
-)
-@click.option(
-    "--match",
-    type=click.Choice(MATCHES),
-    default="shared",
-    show_default=True,
-    help="What a transition counts for that several outcomes may have made: each of them, or the likeliest.",
-)
+@options.learning()
 @click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )

@@ -1,0 +1,30 @@
+"""How probabilities are learned, as a user asks for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cleancli.learning.estimate import DEFAULT_M
+
+MATCHES = ("shared", "strict")
+
+KNOWN = 12
+"""Examples after which a rule counts as known; the value used in §6.3."""
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """The `estimator` by its name, the weight of the prior in examples, and what a transition counts for (see
+    `match.Matcher`): for all outcomes that may have made it, or for the likeliest of those that fit strictly.
+    """
+
+    estimator: str = "decreasing-m"
+    m: float = DEFAULT_M
+    match: str = "shared"
+
+    @property
+    def is_strict(self) -> bool:
+        return self.match == "strict"
+
+
+DEFAULT = Method()

@@ -1,0 +1,139 @@
+"""Learning while working: what plans go by, what is recorded, and what going on takes (docs/learning.md)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from cleancli.api.executions import execute
+from cleancli.api.lessons import learn
+from cleancli.cli.main import run
+from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.events import Acted, Checkpoint, Decided, Event, Learned
+from cleancli.execution.loop import clean
+from cleancli.execution.session import symbolic_session
+from cleancli.execution.setup import EpisodeOptions
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import load_domain, load_problem
+from cleancli.learning.match import Fit, Match
+from cleancli.learning.method import Method
+from cleancli.recording import checkpoint
+from cleancli.recording.fitting import check_fits
+from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.journal import Learned as LearnedEntry
+from cleancli.recording.journal import read_journal
+
+TEXT = """domain doors {
+  types { door }
+  predicates { open(?d - door) }
+  derived { shut := count ?d - door: not open(?d) }
+  actions { push(?d - door) [duration = 1 s] pull(?d - door) [duration = 1 s] }
+  rule pushed: push(?d) { when not open(?d) then %s: open(?d) rest: nothing }
+  rule pulled: pull(?d) { when not open(?d) then 0.4: open(?d) rest: nothing }
+  reward { decrease(shut) }
+}"""
+BELIEVED, TRUE = (load_domain(Source("doors.nid", TEXT % chance)) for chance in ("0.8", "0.05"))
+DOORS = "problem p { domain = doors objects { a b c - door } init { } }"
+PROBLEM = load_problem(Source("p.nid", DOORS), BELIEVED)
+
+
+def events(learning: Method | None, most: int = 60) -> list[Event]:
+    """An episode in a world where pushing hardly ever opens a door."""
+    asked = EpisodeOptions(strategy="plan-1", samples=200, seed=3, max_actions=most, learning=learning)
+    session = symbolic_session(BELIEVED, PROBLEM, asked, acting=TRUE)
+    return list(clean(session.setup, session.cell))
+
+
+def actions(found: list[Event]) -> list[str]:
+    return [event.move.action for event in found if isinstance(event, Acted)]
+
+
+def test_plans_go_by_what_was_learned() -> None:
+    """Pushing is believed to be best, until it has failed; who does not learn goes on pushing."""
+    assert actions(events(None, most=4)) == ["push"] * 4
+    found = actions(events(Method("likelihood"), most=4))
+    assert (found[0], found[-1]) == ("push", "pull")
+
+
+def test_every_action_is_learned_from_and_told() -> None:
+    found = events(Method())
+    acted = [event for event in found if isinstance(event, Acted)]
+    learned = [event for event in found if isinstance(event, Learned)]
+    assert len(learned) == len(acted)
+    last = {each.rule: sum(each.seen) for each in learned[-1].lesson.rules}
+    done = Counter(event.move.action for event in acted)
+    assert last == {number: done[name] for number, name in enumerate(("push", "pull")) if done[name]}
+    chance = learned[-1].domain.rules[0].outcomes[0].probability
+    assert chance < BELIEVED.rules[0].outcomes[0].probability
+    plans = [event.plan for event in found if isinstance(event, Decided)]
+    assert len(plans) > 1
+
+
+def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
+    states = [event.state for event in events(Method()) if isinstance(event, Checkpoint)]
+    state = states[-1]
+    assert sum(number for _, number in state.evidence) == state.actions
+    for name in ("journal.jsonl", EXPERIENCE):
+        (tmp_path / name).touch()
+    checkpoint.save(tmp_path, state, {})
+    read = checkpoint.read(tmp_path, next((tmp_path / "state").iterdir())).episode
+    assert read.evidence == state.evidence
+    check_fits(read, BELIEVED, PROBLEM.objects)
+
+
+@pytest.mark.parametrize(
+    "evidence",
+    [
+        ((Match(7, (Fit(), None)), 1),),
+        ((Match(-1, (Fit(), None)), 1),),
+        ((Match(0, (Fit(),)), 1),),
+        ((Match(None, (Fit(), None, None)), 1),),
+        ((Match(0, (Fit(), None)), -1),),
+        ((Match(0, (Fit(misses=-2), None)), 1),),
+        ((Match(0, (Fit(quiet=10**12), None)), 1),),
+    ],
+)
+def test_evidence_that_no_episode_can_have_is_refused(evidence: tuple[tuple[Match, int], ...]) -> None:
+    with pytest.raises(ValueError, match="learned"):
+        check_fits(EpisodeState(evidence=evidence), BELIEVED, PROBLEM.objects)
+
+
+def test_a_series_writes_what_learning_offline_from_its_records_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Digit for digit, and each episode goes on from what those before have learned."""
+    monkeypatch.chdir(tmp_path)
+    own, other = tmp_path / "own.nid", tmp_path / "other.nid"
+    for path in (own, other):
+        path.write_text(TEXT % "0.8", encoding="utf-8")
+    (tmp_path / "true.nid").write_text(TEXT % "0.05", encoding="utf-8")
+    (tmp_path / "p.nid").write_text(DOORS)
+    words = (
+        "execute own.nid p.nid --world true.nid --learn --episodes 3 --write --quiet --seed 4 --samples 200"
+    )
+    assert run(words.split()) in {0, 3}
+    runs = sorted((tmp_path / "runs").iterdir())
+    assert [folder.name for folder in runs] == ["p-seed4-001", "p-seed5-001", "p-seed6-001"]
+    learn(other, *runs, write=True)
+    assert own.read_text() == other.read_text()
+    assert "[prior 0.8, seen " in own.read_text()
+    first, last = (told(folder) for folder in (runs[0], runs[-1]))
+    assert sum(first[0].rules[0].seen) == 1
+    assert sum(last[-1].rules[0].seen) > 1
+
+
+def told(folder: Path) -> list[LearnedEntry]:
+    """What a run's journal says was learned."""
+    return [record for record in read_journal(folder).records if isinstance(record, LearnedEntry)]
+
+
+def test_what_the_text_has_counted_counts_on(tmp_path: Path) -> None:
+    path = tmp_path / "own.nid"
+    counted = (TEXT % "0.8").replace("0.8:", "0.1 [prior 0.8, seen 2]:")
+    path.write_text(counted.replace("rest: n", "rest [seen 30]: n", 1), encoding="utf-8")
+    result = execute(path, DOORS, learn=True, seed=1, runs=tmp_path / "runs", video=False)
+    rules = {entry.rule: entry for record in told(result.folder) for entry in record.rules}
+    assert sum(rules["pushed"].seen) == 32, "it is told once, though nothing was pushed"
+    assert sum(rules["pulled"].seen) == result.actions
