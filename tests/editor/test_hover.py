@@ -65,6 +65,14 @@ def test_a_count_may_be_a_fraction_and_that_of_the_rest_is_told_too(said: str, t
     assert found.text == f"now `rest`; {told}"
 
 
+def test_a_duration_tells_what_was_learned() -> None:
+    text = DOMAIN.replace("[duration = 9 s]", "[cost = 2, duration = |5.8 s [prior 9 s, seen 12.5]]")
+    asked, offset, library = marked("tables.nid", text)
+    found = hover(asked, offset, library)
+    assert found is not None
+    assert found.text == "now `duration = 5.8 s`; before anything was learned `9 s`; seen 12.5 times"
+
+
 def test_there_is_nothing_to_say_about_blanks_and_unlearned_numbers() -> None:
     asked, offset = at("tables.nid", "|0.9: not")
     assert hover(asked, offset, OPEN) is None

@@ -87,6 +87,17 @@ def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
     return tuple(outcomes)
 
 
+def _moves(duration: float | None) -> st.SearchStrategy[Action]:
+    """An action, with what the learner noted of its duration if it has one."""
+    if duration is None:
+        return st.just(Action("move", (A, B)))
+    cost = st.sampled_from([Fraction(0), Fraction(1, 2)])
+    prior, seen = st.none() | st.floats(1e-6, 1e6), st.none() | _counts()
+    return st.builds(
+        Action, st.just("move"), st.just((A, B)), st.just(duration), cost, prior, seen, st.booleans()
+    )
+
+
 @st.composite
 def _domains(draw: st.DrawFn) -> Domain:
     extra: list[Literal | Equality] = [
@@ -108,7 +119,7 @@ def _domains(draw: st.DrawFn) -> Domain:
     return Domain(
         "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
         (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
-        (Action("move", (A, B), duration), Action("wait", ())),
+        (draw(_moves(duration)), Action("wait", ())),
         rules, (Outcome(Fraction(1), OutcomeKind.NOTHING),), REWARD,
     )  # fmt: skip
 

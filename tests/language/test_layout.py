@@ -92,6 +92,18 @@ def test_the_terms_of_a_reward_stand_one_blank_from_their_signs(before: str, aft
     assert layout(f"domain d {{ reward {{ {before} }} }}") == f"domain d {{\n  reward {{ {after} }}\n}}\n"
 
 
+def test_marks_stand_in_a_column_where_marks_stand_within_them() -> None:
+    tidy = (
+        "domain d {\n  actions {\n"
+        "    push(?a - area)    [duration = 5.8 s [prior 9 s, seen 12.5], cost = 2]\n"
+        "    wipe(?a ?b - area) [duration = 1 min [fixed]]\n"
+        "    look()             [duration = 3 s]\n  }\n}\n"
+    )
+    untidy = tidy.replace("  ", "").replace(", ", " ,").replace("[prior", "[  prior")
+    assert layout(untidy) == tidy
+    assert layout(tidy) == tidy
+
+
 def test_a_reward_that_is_too_wide_has_a_term_to_a_line_with_its_sign() -> None:
     terms = [f"{n} * count_number_{n}_of_many" for n in range(1, 6)]
     tidy = layout(f"domain d {{ reward {{ -{' - '.join(terms)} }} }}")

@@ -225,6 +225,10 @@ def _actions(world: World, rng: Random) -> list[str]:
         tokens += [name, "(", *_parameters("xyz"[: len(types)], types, rng), ")"]
         if rng.random() < 0.5:
             length = [rng.choice(("9", "0.25", "14.2", "100000.125")), rng.choice(("s", "min"))]
+            noted = rng.choice(
+                ([], [["prior", *length]], [["seen", "12.4"], ["prior", "9", "s"]], [["fixed"]])
+            )
+            length += ["[", *_joined(noted, ","), "]"] if noted else []
             marks = [["duration", "=", *length], ["cost", "=", rng.choice(("0", "2", "0.5"))]]
             tokens += ["[", *_joined(rng.sample(marks, rng.randint(1, 2)), ","), "]"]
     return [*tokens, "}"]

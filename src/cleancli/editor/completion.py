@@ -112,7 +112,7 @@ def _planner_keys(place: Context) -> Iterator[Completion]:
 
 def _marks(place: Context) -> Iterator[Completion]:
     """What a declaration may be marked with, where a mark may begin."""
-    if place.last in ("[", ","):
+    if place.last in ("[", ",") and place.takes("NAME"):
         for mark in MARKS.get(place.section, ()):
             yield Completion(mark, Kind.MARK, place.start, "mark")
 
@@ -246,9 +246,13 @@ def _ends_weight(word: Lexeme) -> bool:
 
 
 def _is_in_brackets(words: tuple[Lexeme, ...]) -> bool:
-    """Whether the last `[` is not closed yet."""
-    ends = (word.text for word in reversed(words) if word.text in ("[", "]", "{", "}"))
-    return next(ends, "") == "["
+    """Whether more `[` were opened than closed since the last brace."""
+    depth = 0
+    for word in words:
+        if word.text in ("{", "}"):
+            depth = 0
+        depth += {"[": 1, "]": -1}.get(word.text, 0)
+    return depth > 0
 
 
 def _open_call(words: tuple[Lexeme, ...]) -> tuple[str, int] | None:

@@ -215,11 +215,11 @@ def _groundings(counted: Groundings) -> str:
     return f"{most}{plural(counted.count, 'grounding')}"
 
 
-# ---- probabilities
+# ---- what was learned
 
 
 def _learned(asked: Document, offset: int) -> Hover | None:
-    """What the learner noted beside the probability at an offset."""
+    """What the learner noted beside the number at an offset."""
     weight = None if asked.root is None else _weight_at(asked.root, offset)
     if weight is None:
         return None
@@ -228,6 +228,9 @@ def _learned(asked: Document, offset: int) -> Hover | None:
     for _, mark in children(weight):
         if isinstance(mark, syntax.Prior):
             parts.append(f"before anything was learned `{print_fraction(mark.probability.value)}`")
+        elif isinstance(mark, syntax.QuantityPrior):
+            said = asked.source.text[mark.quantity.span.start : mark.quantity.span.end]
+            parts.append(f"before anything was learned `{said}`")
         elif isinstance(mark, syntax.Fixed):
             parts.append("fixed: learning leaves it alone")
         elif isinstance(mark, syntax.Seen):
@@ -238,7 +241,7 @@ def _learned(asked: Document, offset: int) -> Hover | None:
 def _weight_at(node: syntax.Node, offset: int) -> syntax.Node | None:
     """The node around an offset that holds the notes of the learner."""
     for _, child in children(node):
-        if isinstance(child, syntax.Prior | syntax.Seen | syntax.Fixed):
+        if isinstance(child, syntax.Prior | syntax.QuantityPrior | syntax.Seen | syntax.Fixed):
             return node
         if child.span.start <= offset <= child.span.end:
             found = _weight_at(child, offset)

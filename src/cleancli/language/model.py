@@ -2,8 +2,8 @@
 
 Guaranteed by the checker: every name is declared, arities and types fit, every variable is bound,
 the probabilities of each rule sum to exactly 1, and the facts of a problem are complete and canonical.
-Records hold plain names; spans stay only where a later pass writes back into the text (`Outcome`) or
-reports a mistake that needs objects to be seen (`Rule`), and equality ignores them.
+Records hold plain names; spans stay only where a later pass writes back into the text (`Outcome`, `Action`)
+or reports a mistake that needs objects to be seen (`Rule`), and equality ignores them.
 """
 
 from __future__ import annotations
@@ -200,12 +200,21 @@ class Parameter(Record):
 
 class Action(Record):
     """A declared action; `duration` in seconds of robot time, None where the file does not say; `cost` is in
-    units of reward."""
+    units of reward.
+
+    What the learner noted of the duration is as in `Outcome`, its prior in seconds. `duration_span` covers
+    the duration with its unit, `noted_span` that with its `[prior 9 s, seen n]`, if it has one.
+    """
 
     name: str
     parameters: tuple[Variable, ...]
     duration: float | None = None
     cost: Fraction = Fraction(0)
+    duration_prior: float | None = None
+    duration_seen: Fraction | None = None
+    duration_fixed: bool = False
+    duration_span: Span | None = field(default=None, compare=False)
+    noted_span: Span | None = field(default=None, compare=False)
 
 
 class Count(Record):

@@ -97,7 +97,8 @@ class Writer:
         return f"{count.name} := count {self.variables(count.variables)}: {self.condition(count.condition)}"
 
     def action(self, action: Action) -> str:
-        marks = [f"duration = {action.duration}"] if action.duration else []
+        noted = self.either("", " [prior 9 s, seen 12.5]", " [seen 3]", " [fixed]")
+        marks = [f"duration = {action.duration}{noted}"] if action.duration else []
         marks += [f"cost = {action.cost}"] if action.cost is not None else []
         tail = f" [{', '.join(marks)}]" if marks else ""
         return f"{action.name}({self.variables(action.parameters)}){tail}"

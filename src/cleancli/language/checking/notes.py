@@ -15,8 +15,13 @@ from cleancli.language.diagnostics.sink import Findings
 MOST_COUNTED = 1_000_000_000
 """Transitions that a count may speak of: more than any robot sees. Chosen."""
 
-_WORDS = {syntax.Prior: "prior", syntax.Seen: "seen", syntax.Fixed: "fixed"}
-_Mark = TypeVar("_Mark", syntax.Prior, syntax.Seen, syntax.Fixed)
+_WORDS = {
+    syntax.Prior: "prior",
+    syntax.QuantityPrior: "prior",
+    syntax.Seen: "seen",
+    syntax.Fixed: "fixed",
+}
+_Mark = TypeVar("_Mark", syntax.Prior, syntax.QuantityPrior, syntax.Seen, syntax.Fixed)
 
 
 def mark_of(kind: type[_Mark], marks: Iterable[syntax.Node], findings: Findings) -> _Mark | None:

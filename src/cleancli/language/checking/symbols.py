@@ -6,6 +6,7 @@ Guaranteed before: the tree of types.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 from cleancli.language import syntax
@@ -16,6 +17,8 @@ from cleancli.language.checking.declarations import (
     sections_of,
     without_point,
 )
+from cleancli.language.checking.notes import is_fixed, mark_of, times_seen
+from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Action, Symbol, Value, Variable
 
@@ -133,39 +136,56 @@ def read_actions(node: syntax.DomainNode, declared: Declarations, findings: Find
     once = Once(findings)
     actions = {}
     for section in sections_of(node.sections, syntax.Actions):
-        for action in section.actions:
-            parameters = read_variables(action.parameters, declared, findings)
-            duration, cost = _duration_and_cost(action, findings)
-            if once.admits(action.name, "action"):
-                actions[action.name.text] = Action(action.name.text, parameters, duration, cost)
+        for item in section.actions:
+            action = _action(item, declared, findings)
+            if once.admits(item.name, "action"):
+                actions[action.name] = action
     return actions
 
 
-def _duration_and_cost(action: syntax.ActionNode, findings: Findings) -> tuple[float | None, Fraction]:
-    duration: float | None = None
-    cost: Fraction | None = None
-    for attribute in action.attributes:
+def _action(node: syntax.ActionNode, declared: Declarations, findings: Findings) -> Action:
+    parameters = read_variables(node.parameters, declared, findings)
+    stated = _stated(node.attributes, findings)
+    cost, duration = stated.get("cost"), stated.get("duration")
+    price = Fraction(0) if cost is None else _cost(cost, findings)
+    action = Action(node.name.text, parameters, cost=price)
+    return action if duration is None else _timed(action, duration, findings)
+
+
+def _stated(attributes: Iterable[syntax.Attribute], findings: Findings) -> Mapping[str, syntax.Attribute]:
+    """What is said of an action, by name; E213 for unknown names, and for one that stands twice."""
+    stated: dict[str, syntax.Attribute] = {}
+    for attribute in attributes:
         name = attribute.name.text
         if name not in ("duration", "cost"):
             findings.unknown("E213", "mark", name, attribute.name.span, ["cost", "duration"])
-        elif (name == "duration" and duration is not None) or (name == "cost" and cost is not None):
+        elif name in stated:
             findings.error("E213", f"a second {name}", attribute.span)
-        elif name == "duration":
-            duration = _duration(attribute, findings)
         else:
-            cost = _cost(attribute, findings)
-    return duration, cost or Fraction(0)
+            stated[name] = attribute
+    return stated
 
 
-def _duration(attribute: syntax.Attribute, findings: Findings) -> float | None:
-    value = attribute.value
+def _timed(action: Action, attribute: syntax.Attribute, findings: Findings) -> Action:
+    """The action with its duration, and with what the learner noted of that."""
+    span, value, marks = attribute.span, attribute.value, attribute.marks
+    prior = mark_of(syntax.QuantityPrior, marks, findings)
+    return replace(
+        action,
+        duration=_seconds(value, span, "duration = 9 s", findings),
+        duration_prior=None if prior is None else _seconds(prior.quantity, prior.span, "prior 9 s", findings),
+        duration_seen=times_seen(marks, findings),
+        duration_fixed=is_fixed(marks, findings),
+        duration_span=None if value is None else value.span,
+        noted_span=None if value is None else replace(value.span, end=span.end),
+    )
+
+
+def _seconds(value: syntax.Quantity | None, whole: Span, example: str, findings: Findings) -> float | None:
+    """A duration in seconds; None, with E213 reported, for what is none. `whole`: what it stands in."""
     if value is None or value.unit not in _SECONDS:
-        findings.error(
-            "E213",
-            "a duration is a number of seconds or minutes",
-            attribute.span,
-            help="write for example `duration = 9 s`",
-        )
+        message = "a duration is a number of seconds or minutes"
+        findings.error("E213", message, whole, help=f"write for example `{example}`")
         return None
     if value.value <= 0:
         findings.error("E213", "a duration must be above 0 s", value.span)
@@ -177,8 +197,12 @@ def _duration(attribute: syntax.Attribute, findings: Findings) -> float | None:
     return float(seconds)
 
 
-def _cost(attribute: syntax.Attribute, findings: Findings) -> Fraction | None:
+def _cost(attribute: syntax.Attribute, findings: Findings) -> Fraction:
     value = attribute.value
+    if attribute.marks:
+        first, last = attribute.marks[0].span, attribute.marks[-1].span
+        help = "remove them: of what stands here only a duration is learned"
+        findings.error("E311", "a cost has no marks", replace(first, end=last.end), help=help)
     if value is None or value.unit is not None or value.value < 0:
         findings.error(
             "E213",
@@ -186,5 +210,5 @@ def _cost(attribute: syntax.Attribute, findings: Findings) -> Fraction | None:
             attribute.span,
             help="write for example `cost = 2`; the reward says what it takes away: `- cost`",
         )
-        return None
+        return Fraction(0)
     return value.value

@@ -133,7 +133,9 @@ class Builder:
         return tuple(c)
 
     def build_attribute(self, c: list[_Child], span: Span) -> syntax.Attribute:
-        return syntax.Attribute(self._name(c[0]), c[1], span=span)
+        name, value, *marks = c
+        noted = tuple(mark for mark in marks if mark is not None)
+        return syntax.Attribute(self._name(name), value, noted, span=span)
 
     def build_rule(self, c: list[_Child], span: Span) -> syntax.RuleNode:
         name, action, *others = c
@@ -238,6 +240,9 @@ class Builder:
 
     def build_prior(self, c: list[_Child], span: Span) -> syntax.Prior:
         return syntax.Prior(c[0], span=span)
+
+    def build_quantity_prior(self, c: list[_Child], span: Span) -> syntax.QuantityPrior:
+        return syntax.QuantityPrior(c[0], span=span)
 
     def build_seen(self, c: list[_Child], span: Span) -> syntax.Seen:
         return syntax.Seen(self._number(c[0]), span=span)

@@ -134,16 +134,26 @@ def _above(blocks: Blocks, number: int, indent: int) -> list[_Line]:
 def _line(blocks: Blocks, start: int, stop: int, indent: int) -> _Line:
     tokens = blocks.tokens[start:stop]
     rest = [blocks.gap(number) + blocks.tokens[number].text for number in range(start + 1, stop)]
-    code = "".join([tokens[0].text, *rest])
+    pieces = [tokens[0].text, *rest]
     has_head = len(tokens) > 1 and tokens[1].text in _HEAD_ENDS
     head = mark = None
     if start in blocks.items and start not in blocks.outcomes:
         if has_head and stop - 1 not in blocks.tall:
             head = len(tokens[0].text)
         if tokens[-1].text == "]" and not any(n in blocks.items for n in range(start + 1, stop)):
-            mark = code.rindex("[")
+            mark = len("".join(pieces[: _last_brackets(tokens) + 1])) - 1
     headless = start in blocks.items and not has_head
-    return _Line(code, indent, blocks.block[start], tokens[-1].remarks, head, mark, headless)
+    return _Line("".join(pieces), indent, blocks.block[start], tokens[-1].remarks, head, mark, headless)
+
+
+def _last_brackets(tokens: Sequence[Token]) -> int:
+    """The opening one of the brackets that a line ends in; brackets may stand in brackets."""
+    depth = 0
+    for number in range(len(tokens) - 1, -1, -1):
+        depth += {"]": 1, "[": -1}.get(tokens[number].text, 0)
+        if not depth:
+            return number
+    raise AssertionError("the parser has matched them")
 
 
 # ---- columns

@@ -173,12 +173,17 @@ def print_outcome(outcome: Outcome, symbols: Symbols, say_fixed: bool = True) ->
     if outcome.parameter is not None:
         return f"{outcome.parameter}: {print_result(outcome, symbols)}"
     chance = "rest" if outcome.is_rest else print_fraction(outcome.probability)
-    marks = _noted(outcome.prior, outcome.seen, outcome.fixed and say_fixed)
+    marks = _noted(_prior(outcome), outcome.seen, outcome.fixed and say_fixed)
     return f"{chance}{marks}: {print_result(outcome, symbols)}"
 
 
-def _noted(prior: Fraction | None, seen: Fraction | None, fixed: bool) -> str:
-    marks = [] if prior is None else [f"prior {print_fraction(prior)}"]
+def _prior(stated: Outcome | Parameter) -> str:
+    return "" if stated.prior is None else print_fraction(stated.prior)
+
+
+def _noted(prior: str, seen: Fraction | None, fixed: bool) -> str:
+    """What the learner noted of a number; an empty prior is none."""
+    marks = [f"prior {prior}"] if prior else []
     marks += [] if seen is None else [f"seen {print_fraction(seen)}"]
     return _marks([*marks, "fixed"] if fixed else marks)
 
@@ -255,7 +260,7 @@ def _derived(definition: DerivedPredicate, symbols: Symbols) -> str:
 
 
 def _parameter(parameter: Parameter) -> str:
-    marks = _noted(parameter.prior, parameter.seen, parameter.fixed)
+    marks = _noted(_prior(parameter), parameter.seen, parameter.fixed)
     return f"{parameter.name} = {print_fraction(parameter.probability)}{marks}"
 
 
@@ -283,9 +288,20 @@ def _count(count: Count, symbols: Symbols) -> str:
 
 
 def _action(action: Action) -> str:
-    marks = [] if action.duration is None else [f"duration = {print_float(action.duration)} s"]
+    marks = [] if action.duration is None else [_duration(action, action.duration)]
     marks += [] if action.cost == 0 else [f"cost = {print_fraction(action.cost)}"]
     return f"{action.name}({_variables(action.parameters)}){_marks(marks)}"
+
+
+def _duration(action: Action, seconds: float) -> str:
+    """`duration = 5.8 s [prior 9 s, seen 12]`."""
+    prior = "" if action.duration_prior is None else _seconds(action.duration_prior)
+    noted = _noted(prior, action.duration_seen, action.duration_fixed)
+    return f"duration = {_seconds(seconds)}{noted}"
+
+
+def _seconds(duration: float) -> str:
+    return f"{print_float(duration)} s"
 
 
 def _rule(rule: Rule, symbols: Symbols) -> str:

@@ -12,6 +12,12 @@ class Prior(Node):
     probability: Number
 
 
+class QuantityPrior(Node):
+    """`prior q`, of a quantity."""
+
+    quantity: Quantity
+
+
 class Seen(Node):
     """`seen n`; `n` may have a point."""
 
@@ -23,7 +29,8 @@ class Fixed(Node):
 
 
 class Attribute(Node):
-    """`name` or `name = value` between brackets."""
+    """`name`, `name = value` or `name = value [marks]` between brackets."""
 
     name: Name
     value: Quantity | None
+    marks: tuple[QuantityPrior | Seen | Fixed, ...] = ()

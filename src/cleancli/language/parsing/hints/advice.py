@@ -24,6 +24,7 @@ from cleancli.language.parsing.hints.sections import (
     declaration,
     function_or_count,
     header,
+    noted,
     part_of_rule,
     setting,
 )
@@ -44,6 +45,7 @@ _ADVICE: tuple[Callable[[Misplaced], str], ...] = (
     function_or_count,
     habit_word,
     setting,
+    noted,
     braces,
     denied_equality,
     group,

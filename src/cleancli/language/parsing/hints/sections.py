@@ -45,6 +45,17 @@ def setting(at: Misplaced) -> str:
     return ""
 
 
+def noted(at: Misplaced) -> str:
+    """Marks of the learner with a sign, or that stand beside a duration and not behind it."""
+    word = re.search(r"\b(?:prior|seen)$", at.before)
+    if at.token == "=" and word and "NUMBER" in at.accepted:
+        return f"no `=` stands behind `{word[0]}`: `[prior 0.2, seen 12]`"
+    beside = re.search(r"\bduration\s*=\s*[^\[\]{}]*(?:\]|,\s*(?:prior|seen))$", at.before)
+    if beside and (at.token == "[" or at.kind == "NUMBER"):
+        return "what was noted of a duration stands behind it: `[duration = 5.8 s [prior 9 s, seen 12]]`"
+    return ""
+
+
 def header(at: Misplaced) -> str:
     """What stands between a name and its parameters or terms."""
     if at.token == ":" and "LPAR" in at.accepted:
