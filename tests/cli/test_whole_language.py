@@ -58,11 +58,16 @@ def test_show_and_compile_know_all_of_it(capsys: pytest.CaptureFixture[str]) -> 
     for expected in ("under(?a - box, ?b - box) := closure below", "spill = 0.25", "[static]", "cost 0.5"):
         assert expected in shown
     assert "with ?s - shelf: at(?b, ?s)" in shown
+    assert "estimator decreasing_m, m 10, match shared" in shown
+    assert "3 transitions of runs/tower-1 (sha256 9f86d081884c7d65)" in shown
     data = json.loads(said(capsys, "show", "tower.nid", "--json"))
     lines = [line.strip() for line in shown.splitlines()]
     for name in ("symbols", "derived", "counts"):
         start = lines.index(name) + 1
         assert data[name] == lines[start : start + len(data[name])], "as people are shown it"
+    counted = [{"name": "runs/tower-1", "sha256": "9f86d081884c7d65", "transitions": 3}]
+    settings = {"estimator": "decreasing_m", "m": 10.0, "match": "shared"}
+    assert data["learned"] == {**settings, "experience": counted}
     compiled = said(capsys, "compile", "tower.nid", "two.nid")
     assert "action lift(b1)" in compiled
     assert json.loads(said(capsys, "compile", "tower.nid", "two.nid", "--format", "json"))["actions"]

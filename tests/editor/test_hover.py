@@ -73,6 +73,23 @@ def test_a_duration_tells_what_was_learned() -> None:
     assert found.text == "now `duration = 5.8 s`; before anything was learned `9 s`; seen 12.5 times"
 
 
+@pytest.mark.parametrize(
+    ("mark", "expected"),
+    [
+        ("|estimator = m", "`decreasing_m`, `m`, `likelihood`"),
+        ("|m = 10", "how many examples the prior weighs as much as"),
+        ("|match = shared", "`shared`, `strict`"),
+    ],
+)
+def test_the_settings_of_what_was_learned_are_explained(mark: str, expected: str) -> None:
+    block = "learned { estimator = m  m = 10  match = shared }".replace(mark.replace("|", ""), mark)
+    asked, offset, library = marked("tables.nid", f"{DOMAIN.rstrip()[:-1]}  {block}\n}}\n")
+    found = hover(asked, offset, library)
+    assert found is not None
+    assert found.text.startswith(f"**{mark[1:].split()[0]}**: ")
+    assert expected in found.text
+
+
 def test_there_is_nothing_to_say_about_blanks_and_unlearned_numbers() -> None:
     asked, offset = at("tables.nid", "|0.9: not")
     assert hover(asked, offset, OPEN) is None

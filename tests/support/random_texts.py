@@ -107,6 +107,7 @@ def domain(rng: Random) -> tuple[Generated, World]:
     blocks += [["derived", "{", *_derived(world, rng), *counts, "}"], _shared(rng)]
     blocks += [_rules(action, types, world, rng) for action, types in world.actions]
     blocks.append(_reward(world, rng))
+    blocks.append(_learned(rng))
     if rng.random() < 0.5:
         blocks.append(["default", "{", *_chances([["nothing"], ["noise"]], rng), "}"])
     rng.shuffle(blocks)
@@ -203,6 +204,25 @@ def _shared(rng: Random) -> list[str]:
     return [*tokens, "}"]
 
 
+def _learned(rng: Random) -> list[str]:
+    """What the counts rest on; settings and experience in any order."""
+    if rng.random() < 0.5:
+        return []
+    entries = [
+        ["estimator", "=", rng.choice(("decreasing_m", "m", "likelihood"))],
+        ["m", "=", rng.choice(("0", "10", "2.5", "1000000"))],
+        ["match", "=", rng.choice(("shared", "strict"))],
+    ]
+    for number, name in enumerate(
+        rng.sample(('"runs/one-001"', '"a {b} [c].jsonl"', '""'), rng.randint(0, 3))
+    ):
+        digest = f'"{number}{rng.randrange(16**15):015x}"'
+        lines = rng.choice(("1", "35", "1000000000"))
+        entries.append(["experience", name, "[", "sha256", "=", digest, ",", "transitions", "=", lines, "]"])
+    rng.shuffle(entries)
+    return ["learned", "{", *(token for entry in entries for token in entry), "}"]
+
+
 def _reward(world: World, rng: Random) -> list[str]:
     """Some of the terms that there are, each at most once; one is the fall of a count, which is wanted."""
     terms, fall = [["decrease", "(", "other", ")"], ["total"], ["cost"]], ["decrease", "(", "total", ")"]
@@ -224,7 +244,7 @@ def _actions(world: World, rng: Random) -> list[str]:
     for name, types in world.actions:
         tokens += [name, "(", *_parameters("xyz"[: len(types)], types, rng), ")"]
         if rng.random() < 0.5:
-            length = [rng.choice(("9", "0.25", "14.2", "100000.125")), rng.choice(("s", "min"))]
+            length = [rng.choice(("9", "0.25", "14.2", "10000.125")), rng.choice(("s", "min"))]
             noted = rng.choice(
                 ([], [["prior", *length]], [["seen", "12.4"], ["prior", "9", "s"]], [["fixed"]])
             )

@@ -19,7 +19,7 @@ domain tower {
     left := count ?b - box: dirty(?b)
     soaked := count ?b - box: wet(?b)
   }
-  actions { wipe(?b - box) [duration = 3 s, cost = 0.5]  lift(?b - box) }
+  actions { wipe(?b - box) [duration = 3 s [prior 4 s, seen 2.5], cost = 0.5]  lift(?b - box) }
   rule wipe_free: wipe(?b) {
     when dirty(?b), not buried(?b), forall ?o - box: not wet(?o)
     with ?s - shelf: at(?b, ?s)
@@ -34,6 +34,12 @@ domain tower {
   }
   default { 1: nothing }
   reward  { 2 * decrease(left) - 0.5 * soaked + 10 * goal - cost }
+  learned {
+    estimator = decreasing_m
+    m         = 10
+    match     = shared
+    experience "runs/tower-1" [sha256 = "9f86d081884c7d65", transitions = 3]
+  }
 }
 """
 PROBLEM = """\

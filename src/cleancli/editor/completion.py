@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from cleancli.editor.context import Context, context, open_string
 from cleancli.editor.hover import comment, parameters_of, signature
 from cleancli.editor.library import Document, Library
 from cleancli.language import syntax
+from cleancli.language.checking.learned import KEYS as LEARNED
+from cleancli.language.checking.learned import WORDS as LEARNED_WORDS
 from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.parsing.grammar import keywords
 from cleancli.language.parsing.lexemes import Lexeme, LexemeKind
@@ -21,6 +23,9 @@ MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actio
 
 _DECLARING = frozenset({"types", "constants", "predicates", "functions", "actions", "objects"})
 """Sections in which a name is a new one, or a type behind its `-`."""
+
+_SETTINGS: Mapping[str, Mapping[str, str]] = {"planner": PLANNER, "learned": LEARNED}
+"""Blocks of settings, with their keys and what these mean."""
 
 _RELATIONS = frozenset({"=", "!=", "<", "<=", ">", ">=", ":="})
 
@@ -67,7 +72,7 @@ def _paths(typed: tuple[str, str], asked: Document, offset: int, library: Librar
 
 def _keywords(place: Context) -> Iterator[Completion]:
     for terminal, word in sorted(keywords().items()):
-        if word.isalpha() and place.accepted is not None and terminal in place.accepted:
+        if word.isidentifier() and place.accepted is not None and terminal in place.accepted:
             yield Completion(word, None, place.start, "word of the language")
     if place.accepted is not None and "UNIT" in place.accepted and place.section in MARKS:
         yield Completion("s", None, place.start, "unit")
@@ -81,8 +86,8 @@ def _names(place: Context, asked: Document, library: Library) -> Iterable[Comple
         return _declared(place, asked, library, Kind.TYPE)
     if not place.section:
         return _between_sections(place, asked, library)
-    if place.section == "planner":
-        return _planner_keys(place)
+    if place.section in _SETTINGS:
+        return _settings(place, _SETTINGS[place.section])
     if _is_in_brackets(place.words):
         return _marks(place)
     return () if place.section in _DECLARING else _in_body(place, asked, library)
@@ -104,9 +109,14 @@ def _domains(place: Context, asked: Document, library: Library) -> Iterator[Comp
         yield Completion(name, Kind.DOMAIN, place.start, "domain")
 
 
-def _planner_keys(place: Context) -> Iterator[Completion]:
-    if place.takes("NAME") and place.last != "=":
-        for key, meaning in PLANNER.items():
+def _settings(place: Context, keys: Mapping[str, str]) -> Iterator[Completion]:
+    """Keys where a setting may begin, and words behind `=` where the key knows some."""
+    key = _key(place.words)
+    if place.last == "=":
+        for word in LEARNED_WORDS.get(key, ()) if place.section == "learned" else ():
+            yield Completion(word, Kind.WORD, place.start, keys[key])
+    elif place.takes("NAME"):
+        for key, meaning in keys.items():
             yield Completion(key, Kind.KEY, place.start, meaning)
 
 

@@ -11,6 +11,8 @@ from cleancli.compiler.grounding_size import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
 from cleancli.language import syntax
+from cleancli.language.checking.learned import KEYS as LEARNED
+from cleancli.language.checking.learned import WORDS as LEARNED_WORDS
 from cleancli.language.checking.planner_block import KEYS as PLANNER
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.plural import plural
@@ -161,14 +163,17 @@ def _first_comment(text: str) -> Iterator[str]:
 
 def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
     name = found.meaning.name
-    if not isinstance(asked.root, syntax.SceneNode):
-        if name in PLANNER:
-            yield f"**{name}**: {PLANNER[name]}"
-        return
-    known = KEYS.get(_section_around(asked.root, found.span.start), {}).get(name)
-    if known is not None:
-        values = f" ({', '.join(f'`{value}`' for value in known.values)})" if known.values else ""
-        yield f"**{name}**: {known.meaning}{values}"
+    match asked.root:
+        case syntax.SceneNode():
+            known = KEYS.get(_section_around(asked.root, found.span.start), {}).get(name)
+            meaning, values = ("", ()) if known is None else (known.meaning, known.values)
+        case syntax.DomainNode():
+            meaning, values = LEARNED.get(name, ""), LEARNED_WORDS.get(name, ())
+        case _:
+            meaning, values = PLANNER.get(name, ""), ()
+    if meaning:
+        listed = f" ({', '.join(f'`{value}`' for value in values)})" if values else ""
+        yield f"**{name}**: {meaning}{listed}"
 
 
 def _section_around(node: syntax.Node | None, offset: int) -> str:

@@ -2,8 +2,8 @@
 
 Guaranteed by the checker: every name is declared, arities and types fit, every variable is bound,
 the probabilities of each rule sum to exactly 1, and the facts of a problem are complete and canonical.
-Records hold plain names; spans stay only where a later pass writes back into the text (`Outcome`, `Action`)
-or reports a mistake that needs objects to be seen (`Rule`), and equality ignores them.
+Records hold plain names; spans stay only where a later pass writes back into the text (`Outcome`, `Action`,
+`Knowledge`) or reports a mistake that needs objects to be seen (`Rule`), and equality ignores them.
 """
 
 from __future__ import annotations
@@ -243,8 +243,38 @@ class RewardTerm(Record):
     count: str | None = None
 
 
+class Experience(Record):
+    """Transitions that the counts of a domain rest on: the first `transitions` lines of a file.
+
+    `sha256` holds the first 16 hexadecimal digits of the hash of these lines, by which they are told from
+    others; `name` is for people.
+    """
+
+    name: str
+    sha256: str
+    transitions: int
+
+
+class Knowledge(Record):
+    """What the counts of a domain mean: the estimator that makes probabilities of them, with a prior that
+    weighs as much as `m` examples, how transitions were matched with outcomes, and what was counted.
+
+    `span` covers the block that says so, which may stand in a file that the domain includes.
+    """
+
+    estimator: str
+    m: float
+    match: str
+    experience: tuple[Experience, ...]
+    span: Span | None = field(default=None, compare=False)
+
+
 class Domain(Record):
-    """A whole domain, in the order of the file, what it includes first; `reward` is the sum of its terms."""
+    """A whole domain, in the order of the file, what it includes first; `reward` is the sum of its terms.
+
+    `learned` is None where no file says what the counts rest on. `end`: the empty place before the last brace
+    of the file that was asked for, where another block may stand.
+    """
 
     name: str
     types: tuple[Type, ...]
@@ -257,6 +287,8 @@ class Domain(Record):
     reward: tuple[RewardTerm, ...]
     derived: tuple[DerivedPredicate, ...] = ()
     parameters: tuple[Parameter, ...] = ()
+    learned: Knowledge | None = None
+    end: Span | None = field(default=None, compare=False)
 
     def is_a(self, type_name: str, ancestor: str) -> bool:
         """Whether `type_name` is `ancestor` or below it."""

@@ -194,7 +194,13 @@ class Writer:
         default = [f"  default {{ {domain.default} }}"] if domain.default else []
         reward = [f"  {self.reward(domain.reward)}"]
         if not domain.included:
-            blocks = [*declared, *rules, *default, *reward]
+            learned = self.either(
+                "",
+                "  learned { estimator = m  m = 2.5  match = strict }",
+                '  learned { match = shared estimator = likelihood m = 0 experience "x" [sha256 = '
+                '"0123456789abcdef", transitions = 3] }',
+            )
+            blocks = [*declared, *rules, *default, *reward, learned]
             self.random.shuffle(blocks)
             return "\n".join([f"domain {domain.name} {{", *blocks, "}", ""]), None
         other = (

@@ -24,7 +24,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
-from cleancli.language.model import Action, DerivedPredicate, Domain, Problem, Rule, Symbol, Type
+from cleancli.language.model import Action, DerivedPredicate, Domain, Knowledge, Problem, Rule, Symbol, Type
 from cleancli.language.printing.printer import (
     print_condition,
     print_fraction,
@@ -117,6 +117,7 @@ def _parts(domain: Domain, sizes: Sizes | None) -> Iterator[RenderableType]:
     yield from _listed(
         "parameters", [f"{p.name} = {print_fraction(p.probability)}" for p in domain.parameters]
     )
+    yield from _listed("learned", [] if domain.learned is None else list(_learned(domain.learned)))
     for action in domain.actions:
         yield Text("")
         yield Text(_action(action, sizes), style="bold")
@@ -185,6 +186,12 @@ def _derived(definition: DerivedPredicate, domain: Domain) -> str:
     return f"{print_signature(definition.name, definition.parameters)} := {meaning}"
 
 
+def _learned(learned: Knowledge) -> Iterator[str]:
+    yield f"estimator {learned.estimator}, m {learned.m:g}, match {learned.match}"
+    for each in learned.experience:
+        yield f"{plural(each.transitions, 'transition')} of {each.name} (sha256 {each.sha256})"
+
+
 def _action(action: Action, sizes: Sizes | None) -> str:
     duration = "" if action.duration is None else f"  {action.duration:g} s"
     if action.cost:
@@ -205,6 +212,7 @@ def _as_data(domain: Domain, sizes: Sizes | None) -> dict[str, object]:
         "derived": [_derived(definition, domain) for definition in domain.derived],
         "counts": [count.name for count in domain.counts],
         "parameters": {p.name: float(p.probability) for p in domain.parameters},
+        "learned": None if domain.learned is None else _learned_data(domain.learned),
         "actions": [_action_data(domain, action, sizes) for action in domain.actions],
     }
     if sizes is not None:
@@ -219,6 +227,18 @@ def _as_data(domain: Domain, sizes: Sizes | None) -> dict[str, object]:
             "coverage": sizes.coverage,
         }
     return data
+
+
+def _learned_data(learned: Knowledge) -> dict[str, object]:
+    return {
+        "estimator": learned.estimator,
+        "m": learned.m,
+        "match": learned.match,
+        "experience": [
+            {"name": each.name, "sha256": each.sha256, "transitions": each.transitions}
+            for each in learned.experience
+        ],
+    }
 
 
 def _action_data(domain: Domain, action: Action, sizes: Sizes | None) -> dict[str, object]:

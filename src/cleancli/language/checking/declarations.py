@@ -28,6 +28,7 @@ SECTIONS: Mapping[type[syntax.Node], str] = {
     syntax.RuleNode: "rule",
     syntax.Default: "default",
     syntax.Reward: "reward",
+    syntax.Learned: "learned",
 }
 
 

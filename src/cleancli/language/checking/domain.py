@@ -20,15 +20,18 @@ from cleancli.language.checking.derived import (
     names_of_counts,
     read_derived,
 )
+from cleancli.language.checking.learned import check_learned
 from cleancli.language.checking.outcomes import check_default, check_parameters
 from cleancli.language.checking.rules import check_rules
 from cleancli.language.checking.symbols import read_actions, read_symbols
 from cleancli.language.checking.unused import warn_unused
+from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import (
     Count,
     DerivedPredicate,
     Domain,
+    Knowledge,
     Outcome,
     OutcomeKind,
     RewardKind,
@@ -59,6 +62,8 @@ def check_domain(node: syntax.DomainNode, findings: Findings, compat: bool = Fal
         _reward(node, counts, scope),
         tuple(derived.values()),
         tuple(declared.parameters.values()),
+        _learned(node, findings),
+        Span(node.span.path, node.span.end - 1, node.span.end - 1),
     )
     warn_unused(node, findings)
     return domain
@@ -123,6 +128,12 @@ def _default(node: syntax.DomainNode, scope: Scope) -> tuple[Outcome, ...]:
     for section in sections_of(node.sections, syntax.Default):
         return check_default(section, section.outcomes[0].weight.chance.span, scope)
     return (Outcome(Fraction(1), OutcomeKind.NOTHING),)
+
+
+def _learned(node: syntax.DomainNode, findings: Findings) -> Knowledge | None:
+    for section in sections_of(node.sections, syntax.Learned):
+        return check_learned(section, findings)
+    return None
 
 
 def _reward(node: syntax.DomainNode, counts: tuple[Count, ...], scope: Scope) -> tuple[RewardTerm, ...]:

@@ -22,7 +22,7 @@ DEEPEST = 8
 """Files that may include one another in a row."""
 
 _MANY = frozenset({"rule", "include"})
-_OVERRIDDEN = (syntax.Default, syntax.Reward)
+_OVERRIDDEN = (syntax.Default, syntax.Reward, syntax.Learned)
 """Sections that an included file gives up where the including one has them."""
 
 _Sections = tuple[syntax.DomainSection, ...]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cleancli.language import syntax
+from cleancli.language.checking.settings import settings_by_key
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.record import Record
 
@@ -26,16 +27,7 @@ class PlannerOptions(Record):
 
 def check_planner(node: syntax.Planner, findings: Findings) -> PlannerOptions:
     """The settings of the block (E216, E502, E504, E505)."""
-    settings: dict[str, syntax.Setting] = {}
-    for setting in node.settings:
-        key = setting.key.text
-        if key not in KEYS:
-            findings.unknown("E502", "setting", key, setting.key.span, KEYS)
-        elif key in settings:
-            help = f"the first stands in {findings.line(settings[key].span)}"
-            findings.error("E216", f"a second `{key}`", setting.key.span, help=help)
-        else:
-            settings[key] = setting
+    settings = settings_by_key(node.settings, KEYS, findings)
     return PlannerOptions(
         _word(settings.get("name"), findings),
         _whole(settings.get("samples"), 1, findings),

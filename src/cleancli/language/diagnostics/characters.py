@@ -39,6 +39,8 @@ _CHARACTERS = {
 
 def for_character(character: str, accepted: Container[str] = ()) -> str:
     """Advice for a character that begins nothing, where these terminals could stand."""
+    if "STRING" in accepted and character in "'\"":
+        return 'a text in quotes stands between plain ones, in one line: `"base.nid"`'
     if character in _CHARACTERS:
         return _CHARACTERS[character]
     if unicodedata.category(character) == "Pd" or character == "−":

@@ -48,6 +48,10 @@ class Builder:
             return syntax.Number(Fraction(0), False, True, span=span)
         return syntax.Number(Fraction(token), "." not in token and not slash, span=span)
 
+    def _quoted(self, token: Token) -> syntax.Quoted:
+        start, end = cast(int, token.start_pos), cast(int, token.end_pos)
+        return syntax.Quoted(token[1:-1], span=Span(self._path, start, end))
+
     def _value(self, child: _Child) -> syntax.Name | syntax.Number:
         """A function's value: a name is still a token, an integer is built already."""
         return self._name(child) if isinstance(child, Token) else cast(syntax.Number, child)
@@ -176,6 +180,18 @@ class Builder:
 
     def build_action_cost(self, c: list[_Child], span: Span) -> syntax.ActionCost:
         return syntax.ActionCost(span=span)
+
+    def build_learned(self, c: list[_Child], span: Span) -> syntax.Learned:
+        return syntax.Learned(tuple(c), span=span)
+
+    def build_unitless(self, c: list[_Child], span: Span) -> syntax.Quantity:
+        return self.build_quantity([*c, None], span)
+
+    def build_experience(self, c: list[_Child], span: Span) -> syntax.ExperienceNode:
+        name, digest, transitions = c
+        return syntax.ExperienceNode(
+            self._quoted(name), self._quoted(digest), self._number(transitions), span=span
+        )
 
     # ---- conditions
 
@@ -343,4 +359,4 @@ class Builder:
         return syntax.Word(str(c[0]), span=span)
 
     def build_quoted(self, c: list[_Child], span: Span) -> syntax.Quoted:
-        return syntax.Quoted(str(c[0])[1:-1], span=span)
+        return self._quoted(c[0])

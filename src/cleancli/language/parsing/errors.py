@@ -17,7 +17,7 @@ _WORDS = {
     "NAME": "a name",
     "VARIABLE": "a variable such as `?a`",
     "NUMBER": "a number",
-    "STRING": "a path in quotes",
+    "STRING": "a text in quotes",
     "UNIT": "a unit",
     "OPERATOR": "`<=`, `>=` or `>`",
     "$END": "the end of the file",
@@ -34,7 +34,7 @@ _IMPLIED = {
     "GRASP": "NAME",
 }
 """Terminals that are not said to be expected where another one is."""
-_MOST_SAID = 12
+_MOST_SAID = 13
 _FAR = 80
 """How many characters behind a token are looked at for what was meant."""
 _FAR_BACK = 4000

@@ -11,6 +11,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import groupby
 
+from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.model import (
     Action,
     Assign,
@@ -22,6 +23,7 @@ from cleancli.language.model import (
     Fact,
     ForAll,
     Horizon,
+    Knowledge,
     Literal,
     Object,
     Outcome,
@@ -61,8 +63,29 @@ def print_domain(domain: Domain) -> str:
         *(_rule(rule, symbols) for rule in domain.rules),
         _block("default", [print_outcome(outcome, symbols) for outcome in domain.default]),
         _block("reward", [_reward(domain.reward)]),
+        "" if domain.learned is None else print_learned(domain.learned),
     ]
     return f"domain {domain.name} {{\n" + "\n".join(block for block in blocks if block) + "}\n"
+
+
+def print_learned(learned: Knowledge) -> str:
+    """The block that says what the counts of a domain rest on, in the layout of `fmt`, and a line end.
+
+    Signs that cannot stand between quotation marks are written out in the names of experience.
+    """
+    settings = {"estimator": learned.estimator, "m": print_float(learned.m), "match": learned.match}
+    keys = max(map(len, settings))
+    named = [(_quoted(each.name), each) for each in learned.experience]
+    names = max((len(name) for name, _ in named), default=0)
+    marked = [
+        f'experience {name:{names}} [sha256 = "{each.sha256}", transitions = {each.transitions}]'
+        for name, each in named
+    ]
+    return _block("learned", [*(f"{key:{keys}} = {value}" for key, value in settings.items()), *marked])
+
+
+def _quoted(text: str) -> str:
+    return '"' + printable(text).replace('"', "'") + '"'
 
 
 def symbols_of(domain: Domain) -> dict[str, Symbol]:

@@ -6,6 +6,7 @@ from cleancli.language.syntax.conditions import ConditionNode
 from cleancli.language.syntax.marks import Attribute
 from cleancli.language.syntax.node import Node
 from cleancli.language.syntax.outcomes import OutcomeNode, Weight
+from cleancli.language.syntax.scene import Quoted, Setting
 from cleancli.language.syntax.words import Group, Name, Number, TermNode
 
 
@@ -179,6 +180,20 @@ class Reward(Node):
     payments: tuple[Payment, ...]
 
 
+class ExperienceNode(Node):
+    """`experience "name" [sha256 = "...", transitions = n]`."""
+
+    name: Quoted
+    sha256: Quoted
+    transitions: Number
+
+
+class Learned(Node):
+    """`learned { settings and experience }`."""
+
+    entries: tuple[Setting | ExperienceNode, ...]
+
+
 DomainSection = (
     Include
     | Types
@@ -191,6 +206,7 @@ DomainSection = (
     | RuleNode
     | Default
     | Reward
+    | Learned
 )
 
 

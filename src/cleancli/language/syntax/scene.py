@@ -40,7 +40,7 @@ class Word(Node):
 
 
 class Quoted(Node):
-    """A name in quotation marks, as one that has other signs than letters, digits and `_` must be."""
+    """A text in quotation marks, as one that has other signs than letters, digits and `_` must be."""
 
     text: str
 

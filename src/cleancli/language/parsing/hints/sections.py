@@ -29,7 +29,9 @@ def function_or_count(at: Misplaced) -> str:
 
 
 def setting(at: Misplaced) -> str:
-    """Settings of a problem that other languages build otherwise."""
+    """Settings that other languages build otherwise."""
+    if at.accepted == {"STRING"} and at.kind in ("NAME", "NUMBER"):
+        return "paths, names of experience and hashes stand in quotation marks"
     if at.token == ":" and at.accepted == {"LBRACE"}:
         return f"a block is a word and braces: `{at.word_before} {{ ... }}`"
     if at.accepted == {"EQUAL"} and at.kind in ("NAME", "NUMBER", "STRING"):

@@ -1,0 +1,159 @@
+"""What a domain says of where its numbers come from: the `learned` block (docs/language.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cleancli.language.checking.learned import WORDS
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.text_edit import Edit, apply_edits
+from cleancli.language.load import checked_domain, load_domain, read_source
+from cleancli.language.model import Domain, Experience, Knowledge
+from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_learned
+from cleancli.language.refactoring.rename import rename
+from cleancli.learning.estimate import ESTIMATORS
+
+TEXT = """\
+domain d {
+  types      { area }
+  predicates { dirt(?a - area) }
+  derived    { n := count ?a - area: dirt(?a) }
+  actions    { wipe(?a - area) }
+  rule wiped: wipe(?a) {
+    when dirt(?a)
+    then 0.8: not dirt(?a)
+         rest: noise
+  }
+  reward { decrease(n) }  # what pays
+  # the end
+}
+# behind it
+"""
+OWN = "learned { estimator = m  m = 3  match = strict }"
+OTHER = "learned { estimator = likelihood  m = 0  match = shared }"
+
+NAMES = st.text(st.characters(exclude_categories=("Cc", "Cf", "Cs", "Zl", "Zp"), exclude_characters='"'))
+HASHES = st.text("0123456789abcdef", min_size=16, max_size=16)
+KNOWLEDGE = st.builds(
+    Knowledge,
+    st.sampled_from(["decreasing_m", "m", "likelihood"]),
+    st.floats(0, 1_000_000),
+    st.sampled_from(["shared", "strict"]),
+    st.lists(
+        st.builds(Experience, NAMES, HASHES, st.integers(1, 1_000_000_000)),
+        max_size=4,
+        unique_by=lambda each: each.sha256,
+    ).map(tuple),
+)
+
+
+def read(text: str) -> Domain:
+    return load_domain(Source("d.nid", text))
+
+
+def with_block(learned: Knowledge) -> str:
+    """The text with a block at the end of its domain."""
+    end = read(TEXT).end
+    assert end is not None
+    return apply_edits(TEXT, [Edit(end, print_learned(learned))])
+
+
+@settings(max_examples=40, deadline=None)
+@given(KNOWLEDGE, KNOWLEDGE)
+def test_a_printed_block_reads_as_what_was_printed(learned: Knowledge, later: Knowledge) -> None:
+    text = with_block(learned)
+    found = read(text).learned
+    assert found == learned
+    assert found.span is not None
+    replaced = apply_edits(text, [Edit(found.span, print_learned(later).strip())])
+    assert read(replaced).learned == later
+    for each in (text, replaced):
+        assert layout(each) == each, "the block has the layout of fmt"
+        assert each.startswith(TEXT[: TEXT.index("}\n# behind")])
+        assert each.endswith("}\n# behind it\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ('6" rag.jsonl', "6' rag.jsonl"),
+        ("two\nlines\r", r"two\x0alines\x0d"),
+        ("no\0text\udcff", r"no\x00text\xff"),
+        ("turned\u202e", r"turned\u202e"),
+    ],
+)
+def test_signs_that_cannot_stand_in_quotation_marks_are_written_out(name: str, written: str) -> None:
+    learned = Knowledge("m", 10.0, "shared", (Experience(name, "0123456789abcdef", 1),))
+    text = with_block(learned)
+    assert text.encode("utf-8")
+    found = read(text).learned
+    assert found is not None
+    assert [each.name for each in found.experience] == [written]
+
+
+def test_signs_that_steer_a_terminal_are_written_out_when_they_are_read() -> None:
+    experience = 'experience "a\x1b[2J" [sha256 = "0123456789abcdef", transitions = 1]'
+    learned = read(TEXT.replace("  # the end", f"  {OWN[:-1]} {experience} }}")).learned
+    assert learned is not None
+    assert [each.name for each in learned.experience] == [r"a\x1b[2J"]
+    assert read(with_block(learned)).learned == learned
+
+
+def test_every_estimator_can_be_said() -> None:
+    assert {name.replace("-", "_") for name in ESTIMATORS} <= {*WORDS["estimator"]}
+
+
+def test_what_a_domain_does_not_say_is_not_known() -> None:
+    assert read(TEXT).learned is None
+
+
+def test_rename_leaves_the_block_alone() -> None:
+    text = TEXT.replace("wipe", "estimator").replace("n :=", "m :=").replace("(n)", "(m)")
+    text = text.replace("  # the end", f"  {OWN}")
+    for old, new in (("estimator", "clean"), ("m", "left")):
+        edits = rename([Source("d.nid", text)], old, new)["d.nid"]
+        changed = apply_edits(text, edits)
+        assert OWN in changed
+        assert read(changed).learned == read(text).learned
+
+
+def test_the_block_of_the_file_that_is_asked_for_counts(tmp_path: Path) -> None:
+    (tmp_path / "base.nid").write_text(TEXT.replace("  # the end", f"  {OTHER}"), encoding="utf-8")
+    top = tmp_path / "top.nid"
+    top.write_text(f'domain top {{ include "base.nid" {OWN} }}', encoding="utf-8")
+    learned = load_domain(read_source(top)).learned
+    assert learned == Knowledge("m", 3.0, "strict", ())
+    assert learned.span is not None
+    assert Path(learned.span.path) == top
+
+
+def test_without_one_of_its_own_that_of_the_included_file_does(tmp_path: Path) -> None:
+    (tmp_path / "base.nid").write_text(TEXT.replace("  # the end", f"  {OTHER}"), encoding="utf-8")
+    top = tmp_path / "top.nid"
+    top.write_text('domain top { include "base.nid" }', encoding="utf-8")
+    domain = load_domain(read_source(top))
+    assert domain.learned == Knowledge("likelihood", 0.0, "shared", ())
+    assert domain.learned.span is not None
+    assert Path(domain.learned.span.path).name == "base.nid"
+    # A new block goes into the file that was asked for, and then counts.
+    assert domain.end is not None
+    assert Path(domain.end.path) == top
+    top.write_text(apply_edits(top.read_text(), [Edit(domain.end, OWN)]), encoding="utf-8")
+    assert load_domain(read_source(top)).learned == Knowledge("m", 3.0, "strict", ())
+
+
+def test_two_included_blocks_need_one_in_the_including_file(tmp_path: Path) -> None:
+    (tmp_path / "one.nid").write_text(TEXT.replace("  # the end", f"  {OTHER}"), encoding="utf-8")
+    (tmp_path / "two.nid").write_text(f"domain two {{ {OTHER} }}", encoding="utf-8")
+    top = tmp_path / "top.nid"
+    both = 'include "one.nid" include "two.nid"'
+    top.write_text(f"domain top {{ {both} }}", encoding="utf-8")
+    (found,) = checked_domain(read_source(top)).diagnostics
+    assert (found.code, found.message) == ("E216", "a second `learned` is included")
+    top.write_text(f"domain top {{ {both} {OWN} }}", encoding="utf-8")
+    assert checked_domain(read_source(top)).diagnostics == ()
