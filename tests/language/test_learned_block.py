@@ -14,9 +14,11 @@ from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, load_domain, read_source
 from cleancli.language.model import Domain, Experience, Knowledge
 from cleancli.language.printing.formatter import layout
-from cleancli.language.printing.printer import print_learned
+from cleancli.language.printing.learned_edits import learned_edits
+from cleancli.language.printing.printer import print_experience, print_learned
 from cleancli.language.refactoring.rename import rename
 from cleancli.learning.estimate import ESTIMATORS
+from support.random_texts import comments_of
 
 TEXT = """\
 domain d {
@@ -102,6 +104,76 @@ def test_signs_that_steer_a_terminal_are_written_out_when_they_are_read() -> Non
     assert learned is not None
     assert [each.name for each in learned.experience] == [r"a\x1b[2J"]
     assert read(with_block(learned)).learned == learned
+
+
+COMMENTED = """\
+  learned {
+    match     = shared        # how
+    # why
+    estimator = decreasing_m
+    m         = 10.0
+    # the first run
+    experience "a" [sha256 = "000000000000000a", transitions = 1]
+    experience "b" [sha256 = "000000000000000b", transitions = 2]  # the second run
+
+    # the third run
+    experience "c" [sha256 = "000000000000000c", transitions = 3]
+  }
+"""
+A, B, C, D = (Experience(name, f"000000000000000{name}", 1 + n) for n, name in enumerate("abcd"))
+
+
+def edited(text: str, learned: Knowledge) -> str:
+    """The text after it was made to say what is known now."""
+    source = Source("d.nid", text)
+    return apply_edits(text, learned_edits(load_domain(source), source, learned))
+
+
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(
+    ("counted", "lost"),
+    [
+        ((A, B, C), ()),
+        ((A, B, C, D), ()),
+        ((B, C), ('"a"',)),
+        ((A, C, D), ('"b"',)),
+        ((D,), ('"a"', '"b"', '"c"')),
+    ],
+)
+def test_a_block_changes_by_what_is_new_and_comments_stay(
+    counted: tuple[Experience, ...], lost: tuple[str, ...], line_end: str
+) -> None:
+    before = TEXT.replace("  # the end\n", COMMENTED).replace("\n", line_end)
+    learned = Knowledge("decreasing_m", 10.0, "strict", counted)
+    after = edited(before, learned)
+    assert read(after).learned == learned
+    assert comments_of(after) == comments_of(before)
+    gone = [name for name in lost if name != '"b"']  # whose comment keeps its line
+    assert after.count(line_end) == before.count(line_end) + (D in counted) - len(gone)
+    assert "m         = 10.0" in after, "what has not changed stays as it is written"
+    assert not set(lost) & set(after.split())
+    assert edited(after, learned) == after
+
+
+@pytest.mark.parametrize("block", ["", OTHER, OTHER.replace("}", f"{print_experience([B])[0]} }}")])
+def test_a_text_on_one_line_gets_lines_of_its_own(block: str) -> None:
+    learned = Knowledge("m", 2.5, "strict", (B, D))
+    after = edited(
+        f'domain d {{ include "base.nid" {block} }}'.replace('include "base.nid"', "reward { cost }"), learned
+    )
+    assert read(after).learned == learned
+    assert layout(layout(after)) == layout(after)
+
+
+def test_the_block_of_an_included_file_stays(tmp_path: Path) -> None:
+    base, top = tmp_path / "base.nid", tmp_path / "top.nid"
+    base.write_text(TEXT.replace("  # the end", f"  {OTHER}"), encoding="utf-8")
+    top.write_text('domain top {\n  include "base.nid"\n}\n', encoding="utf-8")
+    learned = Knowledge("m", 2.5, "strict", (A,))
+    edits = learned_edits(load_domain(read_source(top)), read_source(top), learned)
+    assert {Path(edit.span.path) for edit in edits} == {top}
+    top.write_text(apply_edits(top.read_text(encoding="utf-8"), edits), encoding="utf-8")
+    assert load_domain(read_source(top)).learned == learned
 
 
 def test_every_estimator_can_be_said() -> None:

@@ -6,7 +6,7 @@ a change to a user's file goes through `edit`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from itertools import groupby
@@ -20,6 +20,7 @@ from cleancli.language.model import (
     DerivedPredicate,
     Domain,
     Equality,
+    Experience,
     Fact,
     ForAll,
     Horizon,
@@ -69,19 +70,26 @@ def print_domain(domain: Domain) -> str:
 
 
 def print_learned(learned: Knowledge) -> str:
-    """The block that says what the counts of a domain rest on, in the layout of `fmt`, and a line end.
-
-    Signs that cannot stand between quotation marks are written out in the names of experience.
-    """
-    settings = {"estimator": learned.estimator, "m": print_float(learned.m), "match": learned.match}
+    """The block that says what the counts of a domain rest on, in the layout of `fmt`, and a line end."""
+    settings = print_settings(learned)
     keys = max(map(len, settings))
-    named = [(_quoted(each.name), each) for each in learned.experience]
+    lines = [f"{key:{keys}} = {value}" for key, value in settings.items()]
+    return _block("learned", [*lines, *print_experience(learned.experience)])
+
+
+def print_settings(learned: Knowledge) -> dict[str, str]:
+    """The values of the settings of that block, by their keys."""
+    return {"estimator": learned.estimator, "m": print_float(learned.m), "match": learned.match}
+
+
+def print_experience(experience: Sequence[Experience]) -> list[str]:
+    """A line for each; signs that cannot stand between quotation marks are written out in the names."""
+    named = [(_quoted(each.name), each) for each in experience]
     names = max((len(name) for name, _ in named), default=0)
-    marked = [
+    return [
         f'experience {name:{names}} [sha256 = "{each.sha256}", transitions = {each.transitions}]'
         for name, each in named
     ]
-    return _block("learned", [*(f"{key:{keys}} = {value}" for key, value in settings.items()), *marked])
 
 
 def _quoted(text: str) -> str:
