@@ -80,6 +80,8 @@ def constructs_of_rules(domain: Domain) -> Iterator[str]:
             yield f"outcome {outcome.idle or 'change'}"
             yield f"probability {'number' if outcome.said[0].isdigit() else outcome.said}"
             yield from (word for word in ("prior", "seen", "fixed") if word in outcome.marks)
+            yield from ("rest counted" for _ in range(outcome.said == "rest" and "seen" in outcome.marks))
+            yield from ("counted in part" for _ in range("." in outcome.marks.partition("seen")[2]))
             yield from ("probability 0" for _ in range(not outcome.probability))
             shifts = [effect.symbol for effect in outcome.effects if isinstance(effect, Shift)]
             yield from ("shifts of one symbol" for _ in range(len(shifts) > len(set(shifts))))
@@ -117,6 +119,7 @@ def constructs_of_declarations(domain: Domain, problem: Problem) -> Iterator[str
     yield from ("a type without objects" for kind, _ in domain.kinds if kind not in kinds)
 
 
+COUNTED = "0.9 [seen 12.4]: nothing  0.1: noise"
 EXPECTED = (
     *(
         f"{where}: {kind}"
@@ -137,7 +140,7 @@ EXPECTED = (
     *(f"{number} outcomes" for number in (1, 2, 3, 4)),
     *(f"outcome {kind}" for kind in ("change", "nothing", "noise")),
     *(f"probability {kind}" for kind in ("number", "rest", "slip", "spill", "0")),
-    *("prior", "seen", "fixed", "shifts of one symbol"),
+    *("prior", "seen", "fixed", "rest counted", "counted in part", "shifts of one symbol"),
     *(f"effect {kind}" for kind in ("SetTruth", "SetValue", "Shift", "ForEach")),
     *(f"forall of {number} effects, guarded {guarded}" for number in (1, 2) for guarded in (True, False)),
     *(f"predicate of {number}" for number in (0, 1, 2, 3)),
@@ -148,7 +151,7 @@ EXPECTED = (
     *(f"duration {timed}, cost {paid}" for timed in (True, False) for paid in (True, False)),
     *(f"{kind} {sign}" for kind in ("decrease", "count", "goal", "cost") for sign in "+-"),
     *("waiting", "include", "types below types", "constants", "a type without objects"),
-    *(f"default {default}" for default in (None, "1: nothing", "1: noise", "rest: noise")),
+    *(f"default {default}" for default in (None, "1: nothing", "1: noise", "rest: noise", COUNTED)),
     *(f"discount {discount}" for discount in (None, "0", "1", "0.5")),
     *(f"horizon {kind}" for kind in (None, (True, False), (False, True), (True, True))),
 )
@@ -161,6 +164,12 @@ def found() -> Counter[str]:
 
 def test_every_construct_is_drawn(found: Counter[str]) -> None:
     assert {name: found[name] for name in EXPECTED if found[name] < 3} == {}
+
+
+def test_what_was_learned_is_written_around_durations_and_in_a_block() -> None:
+    texts = [Writer(Random(seed)).domain(draw(seed)[0])[0] for seed in range(DRAWN // 3)]
+    for words in ("s [prior 9 s, seen 12.5]", "s [seen 3]", "s [fixed]", "learned {", "experience"):
+        assert sum(words in text for text in texts) >= 3, words
 
 
 def test_a_seed_is_one_domain() -> None:
