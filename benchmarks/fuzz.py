@@ -83,7 +83,7 @@ def corpus() -> Corpus:
     )
     seeds = tuple((path.suffix, path.read_bytes()) for path in paths)
     patterns = [terminal.pattern.value for terminal in grammar().terminals]
-    words = {word for word in patterns if re.fullmatch(r"[a-z]+|[^\w\\\[]{1,2}", word)}
+    words = {word for word in patterns if re.fullmatch(r"[a-z][a-z0-9]*|[^\w\\\[]{1,2}", word)}
     domain = load_domain(read_source(ROOT / "tests" / "language" / "small.nid"))
     return Corpus(seeds, (*sorted(words), *ODD), domain)
 
