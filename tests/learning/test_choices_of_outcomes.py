@@ -83,3 +83,10 @@ def test_a_prior_that_stands_there_gets_what_was_seen_beside_it() -> None:
     # Eq. 5 with 1 of 1 and m = 10: (1 + 5) / 11.
     assert f"0.5455 [prior 0.5, seen 1]: {ALONE}" in text
     assert "0.4545 [prior 0.5, seen 0]: nothing" in text
+
+
+def test_what_was_noted_by_hand_is_completed_and_comments_in_it_stay() -> None:
+    """A count without a prior: the number that stood there is the prior, and is not lost."""
+    text = learned(f"0.6 [seen 3]: {ALONE} 0.4 [seen # by hand, seen 7\n 2, prior 0.4]: nothing", wiped())
+    assert f"0.6364 [prior 0.6, seen 1]: {ALONE}" in text
+    assert "[seen # by hand, seen 7\n 0, prior 0.4]: nothing" in text

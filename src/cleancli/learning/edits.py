@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.text_edit import Edit
 from cleancli.language.model import Domain, Outcome, Parameter
+from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
 from cleancli.language.printing.printer import print_fraction
 from cleancli.learning.learn import Learned
 from cleancli.learning.match import outcomes_of
@@ -65,32 +65,58 @@ def is_written(stated: Outcome | Parameter) -> bool:
 def _edits_of(
     stated: Outcome | Parameter, texts: Mapping[str, str], probability: Fraction, seen: Fraction
 ) -> Iterator[Edit]:
-    number, weight = stated.probability_span, stated.weight_span
+    number, whole = stated.probability_span, stated.weight_span
     assert number is not None, "a domain read from text knows its places"
-    assert weight is not None
+    assert whole is not None
     text = texts[number.path]
-    old, count = text[number.start : number.end], f"seen {print_fraction(seen)}"
-    is_rest = isinstance(stated, Outcome) and stated.is_rest
-    if stated.seen is not None:
-        if probability != stated.probability and not is_rest:
-            yield Edit(number, _decimal(probability))
-        if seen != stated.seen:
-            yield Edit(_seen_span(text, weight), print_fraction(seen))
-    elif is_rest:
-        yield Edit(number, f"{old} [{count}]")
-    elif stated.prior is None:
-        yield Edit(number, f"{_decimal(probability)} [prior {old}, {count}]")
-    else:
-        close = Span(weight.path, weight.end - 1, weight.end)
-        yield Edit(number, _decimal(probability))
-        yield Edit(close, f", {count}{text[close.start : close.end]}")
+    old = text[number.start : number.end]
+    if isinstance(stated, Outcome) and stated.is_rest:
+        return noted(text, number, whole, old, {"seen": print_fraction(seen)})
+    new = old if probability == stated.probability else _decimal(probability)
+    prior = {"prior": old} if stated.prior is None else {}
+    return noted(text, number, whole, new, {**prior, "seen": print_fraction(seen)})
 
 
-def _seen_span(text: str, weight: Span) -> Span:
-    """The digits after `seen` inside an outcome's weight."""
-    found = re.search(r"\bseen\s+([\d.]+)", text[weight.start : weight.end])
-    assert found is not None, "the parser has found it there before"
-    return Span(weight.path, weight.start + found.start(1), weight.start + found.end(1))
+def noted(text: str, number: Span, whole: Span, new: str, marks: Mapping[str, str]) -> Iterator[Edit]:
+    """The edits after which a number is a new one and its marks have these values; `whole` is the place of
+    the number with its marks. Comments, and marks of which nothing is said, stay."""
+    if number == whole:
+        listed = ", ".join(f"{word} {value}" for word, value in marks.items())
+        yield Edit(number, f"{new} [{listed}]")
+        return
+    if new != text[number.start : number.end]:
+        yield Edit(number, new)
+    opening, places, closing = _marks(text, number, whole)
+    for word, value in marks.items():
+        if word in places:
+            if text[places[word].start : places[word].end] != value:
+                yield Edit(places[word], value)
+        elif word == "prior":
+            yield Edit(Span(whole.path, opening, opening), f"prior {value}, ")
+        else:
+            yield Edit(Span(whole.path, closing, closing), f", {word} {value}")
+
+
+def _marks(text: str, number: Span, whole: Span) -> tuple[int, Mapping[str, Span], int]:
+    """Where the marks beside a number begin, where the values of each stand, and where they end."""
+    found = [each for each in lexemes(text[number.end : whole.end]) if each.kind is not LexemeKind.COMMENT]
+    places: dict[str, Span] = {}
+    for word, first, *rest in _parts(found):
+        last = rest[-1] if rest else first
+        places[word.text] = Span(whole.path, number.end + first.start, number.end + last.end)
+    return number.end + found[0].end, places, number.end + found[-1].start
+
+
+def _parts(found: Sequence[Lexeme]) -> Iterator[list[Lexeme]]:
+    """The lexemes of each mark that has a value, between brackets and commas."""
+    part: list[Lexeme] = []
+    for each in found[1:]:
+        if each.text not in {",", "]"}:
+            part.append(each)
+            continue
+        if len(part) > 1:
+            yield part
+        part = []
 
 
 def _decimal(probability: Fraction) -> str:
