@@ -24,6 +24,7 @@ ELSEWHERE = {
     "E702": "tests/execution/test_journal.py",  # a journal is no .nid file
     "E705": "tests/report/test_run.py",  # a folder is no .nid file
     "E706": "tests/execution/test_resume.py",  # a checkpoint is no .nid file
+    "E707": "tests/learning/test_gathered.py",  # it is about files of experience
     "E801": "tests/language/test_rename.py",  # a rename is no file, here and below
     "E802": "tests/language/test_rename.py",
     "E803": "tests/language/test_rename.py",

@@ -114,7 +114,7 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
         "execute own.nid p.nid --world true.nid --learn --episodes 3 --write --quiet --seed 4 --samples 200"
     )
     assert run(words.split()) in {0, 3}
-    runs = sorted((tmp_path / "runs").iterdir())
+    runs = sorted(Path("runs").iterdir())
     assert [folder.name for folder in runs] == ["p-seed4-001", "p-seed5-001", "p-seed6-001"]
     learn(other, *runs, write=True)
     assert own.read_text() == other.read_text()

@@ -12,20 +12,21 @@ from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.files.replace import Replacement, write_all
+from cleancli.language.checking.learned import LARGEST_M
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
-from cleancli.language.model import Domain
+from cleancli.language.model import Domain, Experience, Knowledge
+from cleancli.language.printing.learned_edits import learned_edits
 from cleancli.learning.edits import edits, is_written
-from cleancli.learning.estimate import DEFAULT_M, ESTIMATORS
-from cleancli.learning.experience import Transition, read_experience
-from cleancli.learning.learn import Learned
-from cleancli.learning.learn import learn as learned_from
+from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.gathered import GivenFile, gather
+from cleancli.learning.learn import Learned, counted, learned_from
 from cleancli.learning.match import outcomes_of
-from cleancli.learning.method import MATCHES, Method
+from cleancli.learning.method import DEFAULT, MATCHES, Method
 from cleancli.planning.plan import BadOption
-from cleancli.recording.folder import EXPERIENCE, check_folder
+from cleancli.recording.folder import EXPERIENCE, RUN, check_folder
 from cleancli.resources import shipped
 
 _NO_FILE = "`{}` ships with cleancli or is a text: copy it to a file, and learn into your copy"
@@ -130,29 +131,35 @@ class LearningResult:
 def learn(
     domain: GivenDomain,
     *experience: str | Path,
-    estimator: str = "decreasing-m",
-    m: float = DEFAULT_M,
-    match: str = "shared",
+    estimator: str | None = None,
+    m: float | None = None,
+    match: str | None = None,
+    add: bool = False,
+    replace: bool = False,
     write: bool = False,
 ) -> LearningResult:
     """Learn a domain's probabilities from experience files or run folders. Nothing is written unless asked
     for: by `write`, or by the result's method of that name.
 
     `match` says what a transition counts for that several outcomes may have made: "shared", for each as much
-    as it is likely to have; "strict", for the likeliest, which must be right about all objects (§5).
+    as it is likely to have; "strict", for the likeliest, which must be right about all objects (§5). What is
+    not said is as the domain's `learned` block says, or as usual. With `add`, what the text has counted
+    counts on; with `replace`, it may be dropped.
 
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
     """
     check_one_of("estimator", estimator, tuple(ESTIMATORS))
     check_one_of("match", match, MATCHES)
-    check_seconds("m", m, none_of_it=True)
+    if m is not None:
+        check_seconds("m", m, none_of_it=True, most=LARGEST_M)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
     if write and not is_writable:
         raise BadOption(_NO_FILE.format(loaded.sources[0].path))
-    result = lessons(loaded, [Path(each) for each in experience], Method(estimator, m, match), is_writable)
+    counting = Counting(estimator, m, match, add, replace)
+    result = lessons(loaded, [Path(each) for each in experience], counting, is_writable)
     if write:
         result.write()
     return result
@@ -166,52 +173,92 @@ def is_own_file(domain: GivenDomain) -> bool:
     return "{" not in str(domain) and Path(domain).is_file()
 
 
+@dataclass(frozen=True, slots=True)
+class Counting:
+    """How to learn: the parts of `method` that are None are those that the domain's text names, or the usual
+    ones. `adding`: what the text has counted counts on, and experience that it has counted is passed over;
+    `replacing`: it may be dropped."""
+
+    estimator: str | None = None
+    m: float | None = None
+    match: str | None = None
+    adding: bool = False
+    replacing: bool = False
+
+    def method(self, domain: Domain) -> Method:
+        """What is asked for, or what the domain's numbers were learned with, or what is usual."""
+        noted = DEFAULT if domain.learned is None else method_of(domain.learned)
+        return Method(
+            noted.estimator if self.estimator is None else self.estimator,
+            noted.m if self.m is None else self.m,
+            noted.match if self.match is None else self.match,
+        )
+
+
 def lessons(
     domain: LoadedDomain,
     experience: Sequence[Path],
-    method: Method,
+    counting: Counting,
     is_writable: bool,
     include_outside: bool = False,
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
-    transitions = _Transitions(experience, domain.model)
+    model, method = domain.model, counting.method(domain.model)
+    files = [file for path in experience for file in _experience_files(path)]
     with located_in(*domain.sources):
-        learned = learned_from(domain.model, transitions.each(), method).rules
-    return taught(domain, learned, transitions.number, is_writable, include_outside)
+        gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
+        before = counted(model) if counting.adding else None
+        learned = learned_from(model, gathered.evidence, method, before)
+    notes = list(gathered.notes)
+    if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
+        notes.append("the text does not say which experience its counts came from: they are replaced")
+    return taught(
+        domain, learned.rules, knowledge(method, gathered.experience), notes, is_writable, include_outside
+    )
+
+
+def knowledge(method: Method, experience: Sequence[Experience]) -> Knowledge:
+    """What a domain's text says that its counts rest on."""
+    return Knowledge(method.estimator.replace("-", "_"), method.m, method.match, tuple(experience))
+
+
+def method_of(noted: Knowledge) -> Method:
+    """How the numbers of a domain's text were learned."""
+    return Method(noted.estimator.replace("_", "-"), noted.m, noted.match)
 
 
 def taught(
     domain: LoadedDomain,
     learned: Sequence[Learned],
-    transitions: int,
+    rests_on: Knowledge,
+    notes: Sequence[str],
     is_writable: bool,
     include_outside: bool = False,
 ) -> LearningResult:
-    """What so many transitions taught, after the new text was checked. Raises Refused, OSError."""
+    """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, sources = domain.model, domain.sources
-    texts = _edited(sources, edits(model, sources, learned))
+    changes = (*edits(model, sources, learned), *learned_edits(model, sources[0], rests_on))
+    texts = _edited(sources, changes)
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
+    transitions = sum(each.transitions for each in rests_on.experience)
     return LearningResult(
         tuple(_rule(model, entry) for entry in learned),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in sources),
-        tuple(_notes(model, learned, transitions)),
+        (*notes, *_notes(model, learned, transitions)),
         is_writable,
     )
 
 
-class _Transitions:
-    """Those of some files, as they are read; `number` is how many there were."""
-
-    def __init__(self, files: Sequence[Path], domain: Domain) -> None:
-        self._files, self._domain = tuple(map(_experience_file, files)), domain
-        self.number = 0
-
-    def each(self) -> Iterator[Transition]:
-        """Read all, one after the other. Raises Refused."""
-        for file in self._files:
-            for transition in read_experience(file, self._domain):
-                self.number += 1
-                yield transition
+def _experience_files(path: Path) -> Iterator[GivenFile]:
+    """A file, that of a run's folder, or those of all runs in a folder. Raises Refused (E705) for a run's
+    folder that is not as a run leaves it."""
+    if not path.is_dir():
+        yield GivenFile(str(path), path)
+        return
+    runs = [path] if (path / RUN).exists() else sorted(run.parent for run in path.glob(f"*/{RUN}"))
+    for folder in runs or [path]:
+        check_folder(folder)
+        yield GivenFile(str(folder), folder / EXPERIENCE)
 
 
 def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
@@ -223,14 +270,6 @@ def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Sou
         )
         for source in sources
     }
-
-
-def _experience_file(path: Path) -> Path:
-    """Raises Refused (E705) for a run's folder that is not as a run leaves it."""
-    if not path.is_dir():
-        return path
-    check_folder(path)
-    return path / EXPERIENCE
 
 
 def _notes(model: Domain, learned: Sequence[Learned], transitions: int) -> Iterator[str]:

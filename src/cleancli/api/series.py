@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedProblem
-from cleancli.api.lessons import LearningResult, taught
+from cleancli.api.lessons import LearningResult, knowledge, taught
 from cleancli.api.run_session import Inputs
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
-from cleancli.execution.believed import Evidence
+from cleancli.language.model import Experience
+from cleancli.learning.experience import Reading
 from cleancli.learning.learn import counted, learned_from
+from cleancli.recording.folder import EXPERIENCE
 
 CarryOut = Callable[[OpenedRun], RunResult]
 
@@ -76,16 +78,34 @@ def episodes(
 
 
 def lesson_of(
-    given: LoadedProblem, inputs: Inputs, evidence: Evidence, is_writable: bool, include_outside: bool = False
+    given: LoadedProblem,
+    inputs: Inputs,
+    runs: Sequence[RunResult],
+    is_writable: bool,
+    include_outside: bool = False,
 ) -> LearningResult | None:
-    """What evidence teaches, beside what the domain's text has counted; None where nothing is learned.
+    """What a series teaches so far, beside what the domain's text has counted; None where nothing is learned.
 
     Raises Refused.
     """
+    evidence = runs[-1].evidence
     method, domain = inputs.options.learning, given.domain
     if method is None:
         return None
-    before = counted(domain.model)
-    lesson = learned_from(domain.model, Counter(dict(evidence)), method, before)
-    seen = sum(number for _, number in evidence) + round(sum(map(sum, before.values())))
-    return taught(domain, lesson.rules, seen, is_writable, include_outside)
+    model = domain.model
+    lesson = learned_from(model, Counter(dict(evidence)), method, counted(model))
+    before = () if model.learned is None else model.learned.experience
+    known = {each.sha256 for each in before}
+    new = [each for run in runs for each in _experience(run.folder) if each.sha256 not in known]
+    rests_on = knowledge(method, (*before, *new))
+    return taught(domain, lesson.rules, rests_on, (), is_writable, include_outside)
+
+
+def _experience(folder: Path) -> Iterator[Experience]:
+    """That of a run, if it has any."""
+    reading = Reading()
+    with (folder / EXPERIENCE).open("rb") as file:
+        for line in file:
+            reading.pass_by(line)
+    if reading.transitions:
+        yield Experience(str(folder), reading.sha256, reading.transitions)

@@ -8,6 +8,7 @@ from typing import Any, Protocol, TypeVar
 
 import click
 
+from cleancli.language.checking.learned import LARGEST_M
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import DEFAULT, MATCHES
 
@@ -57,23 +58,19 @@ def learning() -> Option:
         click.option(
             "--estimator",
             type=click.Choice(list(ESTIMATORS)),
-            default=DEFAULT.estimator,
-            show_default=True,
-            help="How counts and prior are combined: eq. 5, eq. 4, or not at all.",
+            help="How counts and prior are combined: eq. 5, eq. 4, or not at all."
+            f"  [default: as DOMAIN notes, or {DEFAULT.estimator}]",
         ),
         click.option(
             "--m",
-            type=click.FloatRange(min=0),
-            default=DEFAULT.m,
-            show_default=True,
-            help="Weight of the prior, in examples.",
+            type=click.FloatRange(min=0, max=LARGEST_M),
+            help=f"Weight of the prior, in examples.  [default: as DOMAIN notes, or {DEFAULT.m:g}]",
         ),
         click.option(
             "--match",
             type=click.Choice(MATCHES),
-            default=DEFAULT.match,
-            show_default=True,
-            help="What a transition counts for that several outcomes may have made: each, or the likeliest.",
+            help="What a transition counts for that several outcomes may have made: each, or the likeliest."
+            f"  [default: as DOMAIN notes, or {DEFAULT.match}]",
         ),
     )
     return lambda function: given[0](given[1](given[2](function)))

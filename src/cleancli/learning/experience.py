@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TypeVar
@@ -12,6 +13,7 @@ import msgspec
 
 from cleancli.compiler.fluents import Fluent, Values
 from cleancli.files.plain import in_units, open_plain
+from cleancli.language.checking.learned import HASH_DIGITS
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
@@ -68,26 +70,56 @@ def encode(transition: Transition, extra: Mapping[str, object]) -> str:
     return json.dumps(record, ensure_ascii=False)
 
 
-def read_experience(path: Path | str, domain: Domain) -> Iterator[Transition]:
+class Reading:
+    """How far an experience file was read: how many transitions, and the hash of all lines up to the last of
+    them, of which a domain's `learned` block notes 16 digits. `is_cut`: its last line has no end."""
+
+    def __init__(self) -> None:
+        self.transitions = 0
+        self.is_cut = False
+        self._lines = hashlib.sha256()
+        self._blank = b""
+
+    @property
+    def sha256(self) -> str:
+        """Of the lines, the blank ones among them as well."""
+        return self._lines.hexdigest()[:HASH_DIGITS]
+
+    def pass_by(self, line: bytes) -> bool:
+        """Take in the next line; whether it is one that holds a transition."""
+        if not line.endswith(b"\n"):
+            self.is_cut = True
+            return False
+        if not line.strip():
+            self._blank += line
+            return False
+        self._lines.update(self._blank + line)
+        self._blank = b""
+        self.transitions += 1
+        return True
+
+
+def read_experience(path: Path | str, domain: Domain, reading: Reading | None = None) -> Iterator[Transition]:
     """The transitions of an experience file one after the other, however many there are; see `decode`."""
     name = str(path)
     with refused_as(name), open_plain(path) as file:
-        yield from decode(file, name, domain)
+        yield from decode(file, name, domain, reading)
 
 
-def decode(file: BinaryIO, name: str, domain: Domain) -> Iterator[Transition]:
-    """The transitions in a file that is open, which messages call by a name.
+def decode(file: BinaryIO, name: str, domain: Domain, reading: Reading | None = None) -> Iterator[Transition]:
+    """The transitions in a file that is open, which messages call by a name; `reading` follows.
 
     No more of the file than a line is in memory at a time. A last line without a line end is a record that a
     crash cut short and is passed over. Raises Refused at the end, for the first `MOST` other lines that are
     no transitions of the domain, and the number of those that follow; at once for a line that is too long.
     """
     wrong, reader = _Wrong(name, domain.name), _Reader(domain)
+    reading = Reading() if reading is None else reading
     while line := file.readline(LONGEST + 1):
         if len(line) > LONGEST:
             where = f"line {wrong.lines + 1} of `{name}`"
             raise Refused([Diagnostic("E005", f"{where} is longer than {in_units(LONGEST)}", None)])
-        if not line.strip() or not line.endswith(b"\n"):
+        if not reading.pass_by(line):
             wrong.skip()
             continue
         try:
@@ -209,8 +241,20 @@ class _Reader:
             values = dict([self._remembered(each) for each in listed])
         if not known >= set().union(*[each[1] for each in listed]):
             raise ValueError(f"{key} names an object that is not listed")
+        is_plain = len(values) == len(listed) and _FALSE not in values
+        if not is_plain and (twice := self._contradicted(listed)) is not None:
+            raise ValueError(f"{key} gives {twice} two values")
         values.pop(_FALSE, None)
         return values
+
+    def _contradicted(self, listed: Iterable[_Fact]) -> str | None:
+        """A symbol for some objects that is given two values."""
+        values: dict[Fluent, Value] = {}
+        for name, objects, value in listed:
+            fluent = name, self._symbols[name].canonical(objects)
+            if values.setdefault(fluent, value) != value:
+                return f"{name}({', '.join(objects)})"
+        return None
 
     def _remembered(self, listed: _Fact) -> tuple[Fluent, Value]:
         known = self._facts.setdefault(type(listed[2]), {})

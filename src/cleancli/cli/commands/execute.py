@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
-from cleancli.api.lessons import LearningResult, is_own_file
+from cleancli.api.lessons import Counting, LearningResult, is_own_file
 from cleancli.api.runs import (
     OpenedRun,
     RunResult,
@@ -34,7 +34,7 @@ from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
-from cleancli.learning.method import KNOWN, Method
+from cleancli.learning.method import KNOWN
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import RUN
 from cleancli.report.page import PAGE, write_page
@@ -136,9 +136,9 @@ def command(
     known: int | None,
     world: str | None,
     learn: bool,
-    estimator: str,
-    m: float,
-    match: str,
+    estimator: str | None,
+    m: float | None,
+    match: str | None,
     episodes: int,
     write: bool,
     max_actions: int,
@@ -174,7 +174,7 @@ def command(
     if write and not is_own_file(domain):
         path = given.domain.sources[0].path
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
-    method = Method(estimator, m, match) if learn else None
+    method = Counting(estimator, m, match).method(given.domain.model) if learn else None
     known = (KNOWN if learn else 0) if known is None else known
     asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
     acting = None if world is None else open_loaded(world)
@@ -184,7 +184,7 @@ def command(
     learned: LearningResult | None = None
     for result in carried_out(inputs, episodes, runs, video, lambda opened: _carry_out(opened, said)):
         done.append(result)
-        last, learned = learned, lesson_of(given, inputs, result.evidence, is_own, outside)
+        last, learned = learned, lesson_of(given, inputs, done, is_own, outside)
         if write and learned is not None:
             learned.write(last)
         if not said.silently:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from cleancli.api.lessons import lessons
+from cleancli.api.lessons import Counting, lessons
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
@@ -15,11 +15,16 @@ from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded
 from cleancli.cli.progress import working
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.learning.method import Method
 
 
 @command_of("learn")
 @options.learning()
+@click.option(
+    "--add",
+    is_flag=True,
+    help="Count on from what DOMAIN has counted, passing over experience that it counts.",
+)
+@click.option("--replace", is_flag=True, help="Drop what DOMAIN has counted and is not given.")
 @click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
@@ -27,23 +32,30 @@ from cleancli.learning.method import Method
 def command(
     domain: str,
     experience: tuple[Path, ...],
-    estimator: str,
-    m: float,
-    match: str,
+    estimator: str | None,
+    m: float | None,
+    match: str | None,
+    add: bool,
+    replace: bool,
     write: bool,
     as_data: bool,
 ) -> None:
-    """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, or run folders.
+    """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, run folders, or folders of
+    runs.
 
     Prints the change as a diff; only --write changes files. The prior stays in the file beside the learned
-    number, so that learning again from the same experience changes nothing: give every file that shall count.
+    number, and the file says which experience was counted, so that learning again from the same experience
+    changes nothing: give every file that shall count, or --add to what was counted.
     """
+    if add and replace:
+        raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
     if write and not is_own:
         path = loaded.sources[0].path
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
+    counting = Counting(estimator, m, match, add, replace)
     with working("learning"):
-        learned = lessons(loaded, experience, Method(estimator, m, match), is_own, may_include_outside())
+        learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     if as_data:
         click.echo(json.dumps(learned.to_dict()["rules"], indent=2))
     else:
