@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cleancli.editor.hover import hover
 from cleancli.editor.library import Library
 from cleancli.editor.mistakes import mistakes
 from cleancli.editor.navigation import CannotRename, definition, references, rename
@@ -137,5 +138,24 @@ def test_problems_in_the_editors_folders_are_found(tmp_path: Path) -> None:
     library = Library({}, (tmp_path,))
     domain = library.document(tmp_path / "a/tables.nid")
     assert domain is not None
-    assert [user.path.name for user in library.users_of(domain)] == ["near_by.nid"]
+    assert [user.path.name for user in library.users_of(domain, library.roots)] == ["near_by.nid"]
     assert opened("tables.nid").kind == "domain"
+
+
+def test_renames_reach_the_editors_folders_and_hover_tells_of_problems_beside_the_domain(
+    tmp_path: Path,
+) -> None:
+    for name in ("a/tables.nid", "a/beside.nid", "b/c/far.nid"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        text = DOMAIN if name == "a/tables.nid" else PROBLEM
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    opened = {str(tmp_path / "a/tables.nid"): DOMAIN}
+    for roots, reached in (((), {"tables", "beside"}), ((tmp_path,), {"tables", "beside", "far"})):
+        library = Library(opened, roots)
+        domain = library.document(tmp_path / "a/tables.nid")
+        assert domain is not None
+        assert {Path(path).stem for path in rename(domain, DOMAIN.index("near("), "by", library)} == reached
+        told = hover(domain, DOMAIN.index("push_small"), library)
+        assert told is not None
+        assert "`beside.nid`: " in told.text
+        assert "far.nid" not in told.text

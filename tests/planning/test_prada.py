@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,7 @@ from cleancli.planning.plan import Options, Plan
 from cleancli.planning.registry import PLANNERS
 from support import from_text, reference_prada, small_tasks
 from support.planned import planned
+from support.random_domains import Generator
 from support.shipped import shipped_domain, shipped_problem
 
 ROOT = Path(__file__).parent.parent.parent
@@ -117,6 +119,26 @@ def _thirds(rng: np.random.Generator) -> tuple[GroundOutcome, ...]:
         GroundOutcome(third, OutcomeKind.CHANGE, ((0, y),)),
         GroundOutcome(third, OutcomeKind.NOISE, ()),
     )
+
+
+def test_slots_and_sums_of_an_action_or_a_rule_ascend() -> None:
+    """Also of tasks with more variables than the smallest sets keep in order."""
+    ascending = 0
+    for seed in range(20):
+        generator = Generator(seed)
+        tables = lower(ground(generator.domain(), generator.problem()))
+        for starts, entries in (
+            (tables.guard_start, tables.guard),
+            (tables.shift_start, tables.shift_slot),
+            (tables.loss_start, tables.loss_slot),
+            (tables.touched_slot_start, tables.touched_slot),
+            (tables.touched_sum_start, tables.touched_sum),
+            (tables.touched_reward_start, tables.touched_reward),
+        ):
+            parts = [entries[first:last].tolist() for first, last in pairwise(starts)]
+            assert parts == [sorted(set(part)) for part in parts]
+            ascending += sum(len(part) > 1 and part[-1] > 8 for part in parts)
+    assert ascending > 100
 
 
 @pytest.mark.parametrize("compat", [False, True])

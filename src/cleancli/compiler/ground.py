@@ -97,7 +97,7 @@ def _conflicts(domain: Domain, found: Iterable[Case], universe: Universe) -> Ite
     reported = set()
     for case in found:
         rule = domain.rules[case.rule]
-        for position, key in sorted(case.conflicts):
+        for position, key in case.conflicts:
             if (case.rule, position) not in reported:
                 reported.add((case.rule, position))
                 binding = bind(rule, case.objects)

@@ -26,7 +26,7 @@ def grouped(items: Iterable[_Item], groups: Iterable[int], count: int) -> list[l
 
 
 def overlapping(lists: Iterable[Iterable[int]], sets: Iterable[Iterable[int]]) -> list[list[int]]:
-    """For each of the sets, which of the lists have a member of it."""
+    """For each of the sets, which of the lists have a member of it, ascending."""
     holders: defaultdict[int, list[int]] = defaultdict(list)
     for index, members in enumerate(lists):
         for member in members:

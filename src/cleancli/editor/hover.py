@@ -197,7 +197,7 @@ def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Ite
         return
     rule = next(rule for rule in model.rules if rule.name == node.name.text)
     yield _sums(rule)
-    for user in library.users_of(domain, near_only=True):
+    for user in library.users_of(domain, roots=()):
         problem = model_of_problem(user, model)
         if problem is not None:
             counted = next(g for g in count_groundings(model, problem) if g.name == rule.name)

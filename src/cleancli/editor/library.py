@@ -196,9 +196,9 @@ class Library:
         name = asked.domain_name()
         return None if name is None else self.domain_named(name, asked.path)
 
-    def users_of(self, domain: Document, near_only: bool = False) -> tuple[Document, ...]:
-        """What is for a domain: problems and scenes open, beside it or, unless `near_only`, below a root."""
-        files = self._files(domain.path.parent, *(() if near_only else _folders(self.roots)))
+    def users_of(self, domain: Document, roots: Iterable[Path]) -> tuple[Document, ...]:
+        """What is for a domain: problems and scenes that are open, beside it, or below one of `roots`."""
+        files = self._files(domain.path.parent, *_folders(roots))
         found = (self.document(path) for path in sorted(files))
         return tuple(
             user for user in found if user is not None and user.kind != "domain" and self._uses(user, domain)
@@ -212,7 +212,7 @@ class Library:
             return (asked,)
         tops = (domain, *self.includers(domain))
         domains = [place for top in tops for place in (top, *self.included(top))]
-        users = [user for top in tops for user in self.users_of(top)]
+        users = [user for top in tops for user in self.users_of(top, self.roots)]
         return tuple({place.source.path: place for place in (*domains, *users)}.values())
 
     def declaration(self, asked: Document, meaning: Meaning) -> Occurrence | None:

@@ -250,7 +250,7 @@ def _created(folder: Path, mode: int) -> tuple[int, Path]:
     """A new file in a folder, open and locked, and its path."""
     while True:
         path = folder / f".cleancli-{secrets.token_hex(8)}.part"
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0), mode)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, mode)
         # Another process may have taken it for a leftover before it was locked.
         if lock(handle) is not False and is_at(path, os.fstat(handle)):
             return handle, path

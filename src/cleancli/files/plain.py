@@ -22,7 +22,14 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
-_NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+
+
+def _flags(*names: str) -> int:
+    """Those of these flags of `os.open` that this system has."""
+    return sum(getattr(os, name, 0) for name in names)
+
+
+_NO_WAIT = _flags("O_NONBLOCK", "O_NOCTTY", "O_BINARY")
 
 
 class NotPlain(OSError):
@@ -42,7 +49,7 @@ def open_plain(path: Path | str, *, follow: bool = True) -> BinaryIO:
     # Looked at before it is opened, because opening alone does something to some devices; and after, because
     # it may be another by then.
     _refuse_other(os.stat(path, follow_symlinks=follow), path)
-    handle = os.open(path, os.O_RDONLY | _NO_WAIT | (0 if follow else getattr(os, "O_NOFOLLOW", 0)))
+    handle = os.open(path, os.O_RDONLY | _NO_WAIT | (0 if follow else _flags("O_NOFOLLOW")))
     try:
         _refuse_other(os.fstat(handle), path)
         return os.fdopen(handle, "rb")

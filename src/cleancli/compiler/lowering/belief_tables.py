@@ -44,9 +44,9 @@ class Tables(NamedTuple):
 
     A belief is N numbers: S slots, one per value of each variable, then sums of slots, one per literal that
     allows several values, then the number 1. So a literal's probability is one of these numbers, and a
-    condition's is the product of some. Rules that change nothing are left out, unless they are taken as
-    independent or waiting is a choice. (A named tuple and no dataclass, because compiled code takes it as it
-    is.)
+    condition's is the product of some. Slots and sums of one action or rule ascend. Rules that change nothing
+    are left out, unless they are taken as independent or waiting is a choice. (A named tuple and no
+    dataclass, because compiled code takes it as it is.)
 
     An update by a rule with probability p adds p · `shift` to slots, and takes p · `loss` · P(slot | given)
     from others.
