@@ -6,7 +6,7 @@ import pytest
 
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import load_domain
+from cleancli.language.load import checked_domain, load_domain
 
 RULES_OF_AN_ACTION = 8
 """So few are compared each with each: 28 pairs an action."""
@@ -52,3 +52,18 @@ def test_fifty_overlaps_are_reported_and_no_more() -> None:
     ]
     assert codes(domain(0, *overlapping)) == ["E307"] * 50
     assert codes(domain(0, *overlapping[:10])) == ["E307"] * 45
+
+
+@pytest.mark.parametrize("objects", [2, 60])
+def test_where_the_search_is_given_up_the_rules_may_overlap(objects: int) -> None:
+    """W307, which refuses nothing: grounding decides. Where it is not given up they do (E307)."""
+    names = [f"?o{number}" for number in range(objects)]
+    several = f"exists {' '.join(names)} - area: ({', '.join(f'wet({name})' for name in names)})"
+    text = domain(
+        1,
+        f"rule some: wipe(?a) {{ when {several} then 1: not dirt(?a) }}",
+        "rule dirty: wipe(?a) { when dirt(?a) then 1: not dirt(?a) }",
+    )
+    found = checked_domain(Source("many.nid", text)).diagnostics
+    overlaps = [each.code for each in found if each.code in ("E307", "W307")]
+    assert overlaps == ["E307" if objects == 2 else "W307"]
