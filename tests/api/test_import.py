@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from types import ModuleType
 
 import pytest
 
 import cleancli
+from cleancli.planning import kernels
 
 
 def python(code: str) -> str:
@@ -33,6 +35,12 @@ def test_each_name_loads_what_it_needs_alone() -> None:
     heavy = {name: never | {"numba", "cv2"} for name in ("learn", "plan", "simulate")}
     for name, absent in {**heavy, "execute": never, "Refused": {*never, "lark", "numpy"}}.items():
         assert python(code.format(name, absent)).split() == [], name
+
+
+@pytest.mark.parametrize("module", [cleancli, kernels], ids=lambda module: module.__name__)
+def test_whether_a_module_that_loads_late_has_a_name_can_be_asked(module: ModuleType) -> None:
+    assert not hasattr(module, "no_such_name")
+    assert getattr(module, "no_such_name", 7) == 7
 
 
 def test_all_names_are_there() -> None:

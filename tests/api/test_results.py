@@ -19,6 +19,7 @@ import cleancli
 from cleancli.api.runs import carry_out, inputs_of, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.setup import EpisodeOptions
+from cleancli.planning.evaluation.value import Sampled
 from cleancli.resources import shipped
 
 EVIL = '<script>alert("&")</script>\x1b[31m'
@@ -160,6 +161,25 @@ def test_who_asked_for_a_planner_that_there_is_not_is_told(tmp_path: Path) -> No
     )
     with pytest.raises(ValueError, match=r"^the problem asks for the planner `prado`; there is"):
         cleancli.plan("cleaning", tmp_path / "p.nid")
+
+
+@pytest.mark.parametrize(
+    ("missing", "rows"),
+    [
+        ({}, [("factored", "1.5000"), ("exact", "1.2500"), ("sampled", "1.2400")]),
+        ({"exact": None}, [("factored", "1.5000"), ("exact", "-"), ("sampled", "1.2400")]),
+        ({"exact": None, "sampled": None}, [("factored", "1.5000")]),  # as libPRADA computes
+    ],
+)
+def test_each_way_to_value_a_sequence_has_a_row(
+    missing: dict[str, None], rows: list[tuple[str, str]], results: dict[str, Any]
+) -> None:
+    """Where too many states may occur for the exact value, the table says so."""
+    values: dict[str, Any] = {"factored": 1.5, "exact": 1.25, "sampled": Sampled(1.24, 0.01, 700)}
+    found = replace(results["evaluate"], **{**values, **missing})
+    assert [row[:2] for row in found.table().rows] == rows
+    assert ("too many states may occur" in str(found)) == (("exact", "-") in rows)
+    assert ("± 0.0100 (standard error), 700 runs" in str(found)) == (len(rows) == 3)
 
 
 def test_a_record_that_cannot_be_written_is_told_with_how_to_go_on(tmp_path: Path) -> None:

@@ -84,6 +84,32 @@ def test_colour_only_where_it_is_wanted(monkeypatch: pytest.MonkeyPatch) -> None
     assert not wants_colour(Terminal())
 
 
+@pytest.mark.parametrize("out", [True, False])
+@pytest.mark.parametrize("err", [True, False])
+@pytest.mark.parametrize(
+    "words", ["check bad.nid", "plan cleaning bad.nid", "fmt bad.nid", "explain cleaning x y"]
+)
+def test_what_goes_to_a_terminal_is_coloured_and_nothing_else(
+    words: str,
+    out: bool,
+    err: bool,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whichever of the two streams is one."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: out)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: err)
+    (folder / "bad.nid").write_text(BAD, encoding="utf-8")
+    assert run(words.split()) == 1
+    said = capsys.readouterr()
+    for text, is_terminal in ((said.out, out), (said.err, err)):
+        assert ("\x1b[" in text) == (is_terminal and "error" in text)
+    assert "error" in said.out + said.err
+
+
 # ---- fmt
 
 

@@ -63,6 +63,17 @@ def test_of_a_goal_that_may_be_reached_nothing_is_said(goal: str) -> None:
     assert found(goal) == ()
 
 
+def test_of_alternatives_those_of_one_that_cannot_be_reached_are_named() -> None:
+    """Doors lead to the hall from rooms that are never open, too, but also from the kitchen."""
+    doors = "hall, kitchen; kitchen, hall; porch, hall; shed, porch; shed, tower; tower, shed"
+    facts = " ".join(f"door({pair})" for pair in doors.split("; "))
+    heat = " ".join(f"heat({room}) = 0" for room in ("hall", "kitchen", "porch", "shed", "tower"))
+    inside = f"""objects {{ hall kitchen porch shed tower - room }} init {{ open(hall) {facts} {heat} }}
+      goal {{ forall ?r - room: near_open(?r) }}"""
+    (said,) = unreached(*from_text.checked(ROOMS, inside))
+    assert set(said.never) == {"open(shed)", "open(tower)"}
+
+
 def test_without_a_goal_the_count_is_what_must_fall() -> None:
     assert found("") == (Unreached("dirty", ("not dirt(a2)",)),)
     assert found("", FACTS.replace("dirt(a2)", "")) == ()

@@ -336,6 +336,23 @@ def test_options_that_cannot_be_are_refused(
     refused(resumed(folder), folder, capsys, "error[E705]: ", name)
 
 
+def test_a_copy_that_is_no_text_is_refused_though_its_sum_is_right(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def sum_of(number: int, content: bytes) -> None:
+        edited(folder, lambda h: h["files"][number].update(sha256=hashlib.sha256(content).hexdigest()))
+
+    for number, file in enumerate(json.loads((folder / "run.json").read_text())["files"]):
+        copy = folder / file["copy"]
+        content = copy.read_bytes()
+        copy.write_bytes(content + b"# \xff\n")
+        refused(resumed(folder), folder, capsys, "error[E705]", copy.name, "is not the text any more")
+        sum_of(number, copy.read_bytes())
+        refused(resumed(folder), folder, capsys, "error[E705]", copy.name, "it is no UTF-8 text")
+        copy.write_bytes(content)
+        sum_of(number, content)
+
+
 def test_a_mistake_in_run_json_is_shown_in_its_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edited(folder, lambda header: header.update(seed=-3))
     text = (folder / "run.json").read_text()
