@@ -371,6 +371,17 @@ def test_what_is_no_json_is_refused(text: str, folder: Path, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize("name", ["run.json", "journal.jsonl"])
+@pytest.mark.parametrize("line", [1, 3])
+def test_the_line_of_bytes_that_are_no_text_is_told(
+    name: str, line: int, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = (folder / name).read_bytes().split(b"\n")
+    lines[line - 1] += b"\xff"
+    (folder / name).write_bytes(b"\n".join(lines))
+    refused(["report", str(folder)], folder, capsys, "error[E705]", name, f"no UTF-8 text (line {line})")
+
+
+@pytest.mark.parametrize("name", ["run.json", "journal.jsonl"])
 def test_absurd_sizes_are_refused_before_memory_is_used(
     name: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -335,6 +335,27 @@ def test_two_processes_of_this_program_write_one_after_the_other(tmp_path: Path)
     assert only(tmp_path, "a.nid")
 
 
+def test_files_are_locked_in_one_order_so_that_two_commands_never_wait_for_each_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = [tmp_path / f"{name}.nid" for name in "abcdef"]
+    for path in paths:
+        path.touch()
+    places = {path.stat().st_ino: path.name for path in paths}
+    asked: list[str] = []
+    take = lease.lock
+
+    def noted(handle: int) -> bool | None:
+        asked.append(places[os.fstat(handle).st_ino])
+        return take(handle)
+
+    monkeypatch.setattr(lease, "lock", noted)
+    for order in (paths, paths[::-1], paths[3:] + paths[:3] + paths):
+        asked.clear()
+        with lease.locked(order):
+            assert asked == [path.name for path in paths]
+
+
 def test_a_file_that_is_held_for_long_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lease, "PATIENCE", 0.1)
     path = tmp_path / "a.nid"

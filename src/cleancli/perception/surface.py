@@ -139,7 +139,6 @@ def object_mask(frame: Frame, seen_as: PlaneView, thresholds: Thresholds) -> Mas
     _, labels = cv2.connectedComponents(raised.view(np.uint8), connectivity=8)
     objects = np.zeros(int(labels.max()) + 1, np.bool_)
     objects[labels[tall]] = True
-    objects[0] = False
     return np.asarray(objects[labels])
 
 

@@ -17,7 +17,6 @@ from rich.tree import Tree
 
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
-from cleancli.cli.echo import wants_colour
 from cleancli.cli.inputs import open_loaded
 from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
@@ -94,7 +93,7 @@ def _sizes(problem: Problem, domain: Domain, task: Task, samples: int) -> Sizes:
 def _print(domain: Domain, sizes: Sizes | None) -> None:
     """As wide as the terminal; a file or a pipe has no edge to wrap at."""
     if sys.stdout.isatty():
-        console = Console(highlight=False, no_color=not wants_colour(sys.stdout))
+        console = Console(highlight=False)
         for part in _parts(domain, sizes):
             console.print(part)
         return

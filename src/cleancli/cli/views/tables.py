@@ -10,7 +10,6 @@ from rich.style import StyleType
 from rich.table import Table
 
 from cleancli.api.tables import TextTable
-from cleancli.cli.echo import wants_colour
 from cleancli.language.diagnostics.diagnostic import printable
 
 _NO_EDGE = 10_000
@@ -54,7 +53,6 @@ def print_table(table: Table) -> None:
         highlight=False,
         markup=False,  # names may have brackets
         emoji=False,
-        no_color=not wants_colour(sys.stdout),
         width=None if sys.stdout.isatty() else _NO_EDGE,
     )
     with console.capture() as text:
