@@ -118,6 +118,17 @@ def test_what_leaves_most_groundings_is_blamed(when: str, number: int, blame: st
     assert (second.name, second.count) == ("used", 2)
 
 
+@pytest.mark.parametrize(("tools", "blame"), [(2, "`?a`: 4 objects fit"), (6, "`?t`: 6 objects fit")])
+def test_of_several_that_no_fact_restricts_the_one_with_most_objects_is_blamed(
+    tools: int, blame: str
+) -> None:
+    text = (BLAMED % "dirt(?a)").replace("when dirt(?a), fits(?t, ?a) then", "when dirt(?a) then")
+    more = " ".join(f"t{number}" for number in range(tools - 1))
+    inside = f"objects {{ a b c d - area  {more} - tool }} init {{ dirt(a) }}"
+    used = grounding_size.count_groundings(*from_text.checked(text, inside))[1]
+    assert (used.count, used.blame) == (4 * tools, f"no fact restricts {blame}")
+
+
 def test_all_cases_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten areas have a case each of `exists`: fewer than an instance may have, and more than all may."""
     text = TEXT % (", exists ?m - area: (dirt(?m), ?m != ?a)", "", "")

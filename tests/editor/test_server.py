@@ -331,3 +331,18 @@ def test_without_pygls_the_command_says_what_to_install(tmp_path: Path) -> None:
     assert result.returncode == 4
     assert "pip install 'pygls>=2.0'" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_an_editor_that_is_cut_off_is_told_why(tmp_path: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, "-m", "cleancli.cli.main", "lsp"],
+        input=f"Content-Length: {10**12}\r\n\r\n",
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=60,
+    )
+    assert result.returncode == 5
+    assert result.stderr.startswith("error: ")
+    assert result.stderr.endswith(": the editor was cut off\n")
+    assert "Traceback" not in result.stderr

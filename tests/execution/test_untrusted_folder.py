@@ -73,6 +73,7 @@ def refused(words: list[str], folder: Path, capsys: pytest.CaptureFixture[str], 
     said = capsys.readouterr().err
     for each in says:
         assert each in said
+    assert "Errno" not in said
     assert content(folder) == before
     return said
 
@@ -388,7 +389,7 @@ def test_absurd_sizes_are_refused_before_memory_is_used(
     with (folder / name).open("r+b") as file:
         file.truncate(1 << 36)
     assert run(["report", str(folder)]) == 1
-    assert "it is larger than" in capsys.readouterr().err
+    assert ": it is larger than" in capsys.readouterr().err
     os.truncate(folder / name, 0)
 
 

@@ -444,9 +444,11 @@ def test_systems_without_leases_or_locks_write_all_the_same(
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EROFS, errno.EACCES, errno.EDQUOT])
 @pytest.mark.parametrize("where", ["open", "fsync", "fchmod", "rename"])
+@pytest.mark.parametrize("named", ["", "a.nid", "beside"])
 def test_every_error_of_the_disk_names_the_file_and_leaves_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, where: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, where: str, named: str
 ) -> None:
+    """And the folder, where the file that is first written there is what could not be."""
     path = tmp_path / "a.nid"
     path.write_text(OLD)
     real = getattr(os, where)
@@ -454,13 +456,15 @@ def test_every_error_of_the_disk_names_the_file_and_leaves_it(
     def fails(*arguments: object, **options: object) -> object:
         if where == "open" and str(arguments[0]) == str(path):
             return real(*arguments, **options)
-        raise OSError(number, os.strerror(number))
+        raise OSError(number, os.strerror(number), *([str(tmp_path / named)] if named else ()))
 
     with monkeypatch.context() as patched:
         patched.setattr(os, where, fails)
         with pytest.raises(OSError, match=os.strerror(number)) as raised:
             write_atomically(path, NEW, OLD)
     assert (raised.value.errno, raised.value.filename) == (number, str(path))
+    missing = named == "beside" and number in (errno.EROFS, errno.EACCES)
+    assert (f", in `{tmp_path}`, where the new file" in str(raised.value)) == missing
     assert path.read_text() == OLD
     assert only(tmp_path, "a.nid")
 

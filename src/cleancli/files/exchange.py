@@ -122,10 +122,9 @@ def _about(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno is None or error.filename == str(path):
-            raise
         reason = str(error.strerror)
-        if error.errno in (errno.EACCES, errno.EROFS, errno.ENOENT) and error.filename is not None:
+        beside = error.filename not in (None, str(path))
+        if beside and error.errno in (errno.EACCES, errno.EROFS, errno.ENOENT):
             reason += f", in `{path.parent}`, where the new file is written first"
         raise type(error)(error.errno, reason, str(path)) from error
 

@@ -5,6 +5,7 @@ process which is killed before leaves none that looks like a run; what it leaves
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import re
 import secrets
@@ -49,12 +50,10 @@ def begun_folder(parent: Path) -> Iterator[Path]:
 
 def named(begun: Path, stem: str) -> Path:
     """The folder under a name after `stem`, numbered so that nothing is overwritten."""
-    for number in range(1, 1_000_000):
-        folder = begun.parent / f"{stem}-{number:03d}"
-        if took_free_name(begun, folder):
-            sync_folder(begun.parent)
-            return folder
-    raise FileExistsError(f"{begun.parent} holds a million runs of {stem}")
+    numbered = (begun.parent / f"{stem}-{number:03d}" for number in itertools.count(1))
+    folder = next(folder for folder in numbered if took_free_name(begun, folder))
+    sync_folder(begun.parent)
+    return folder
 
 
 def _made(parent: Path) -> tuple[Path, int | None]:
