@@ -79,7 +79,7 @@ def part_of_rule(at: Misplaced) -> str:
 
 
 def declaration(at: Misplaced) -> str:
-    if at.token == ":" and at.word_before in ("when", "then", "with", "rest") and "COLON" not in at.accepted:
+    if at.token == ":" and at.word_before in ("when", "then", "with", "rest"):
         return f"no colon stands behind `{at.word_before}`"
     if at.token == "," and "MINUS" in at.accepted:
         some = "?a ?b" if "VARIABLE" in at.accepted else "a b"

@@ -69,7 +69,7 @@ def sign(at: Misplaced) -> str:
 def separator(at: Misplaced) -> str:
     if at.token == "," and at.before.endswith(","):
         return "one comma is enough"
-    if at.token == ";" and "SEMICOLON" not in at.accepted:
+    if at.token == ";":
         return "nothing is separated by `;` here, and a comment begins with `#`"
     if at.token == "," and "SEMICOLON" in at.accepted:
         return "types are separated by `;`: `place; area - place`"
