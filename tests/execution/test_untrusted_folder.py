@@ -23,6 +23,7 @@ from cleancli.learning.experience import Transition, encode
 from cleancli.recording import run_folder
 from cleancli.recording.arrays import BadArrays, packed, unpacked
 from cleancli.recording.folder import read_inside
+from cleancli.recording.journal import Resumed, read_journal
 from cleancli.scene.calibration import Appearance, Calibration, Thresholds, as_text
 
 WORDS = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
@@ -335,6 +336,17 @@ def test_options_that_cannot_be_are_refused(
     refused(resumed(folder), folder, capsys, "error[E705]: ")
     edited(folder, lambda header: header["options"].pop(name))
     refused(resumed(folder), folder, capsys, "error[E705]: ", name)
+
+
+@pytest.mark.parametrize("more", [0, 3])
+def test_the_lines_that_came_after_the_checkpoint_are_counted(more: int, folder: Path) -> None:
+    """The run died right behind one, so that only those are dropped that are added here."""
+    journal = folder / "journal.jsonl"
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines + lines[:more]))
+    assert run(resumed(folder)) == 0
+    (said,) = (record for record in read_journal(folder).records if isinstance(record, Resumed))
+    assert (said.after, said.dropped) == (2, more)
 
 
 def test_a_copy_that_is_no_text_is_refused_though_its_sum_is_right(

@@ -138,3 +138,11 @@ def test_picking_up_takes_the_first_way_that_the_robot_can_follow_and_another_af
     assert cell.path(move, BEFORE) == ways[2], "the surest first"
     robot.can_follow = lambda path, errors=0.0: False  # type: ignore[method-assign]
     assert cell.path(move, BEFORE) == ways[0]
+
+
+@pytest.mark.parametrize("seen", range(4))
+def test_nothing_is_shown_where_all_that_is_believed_to_be_there_is_out_of_sight(seen: int) -> None:
+    """A look without the arm is due then, and neither where something is seen nor where nothing is."""
+    out_of_sight = frozenset(each.name for each in AREAS[seen:])
+    assert replace(BEFORE, unseen=out_of_sight).shows_nothing == (seen == 0)
+    assert not replace(BEFORE, areas=(), unseen=frozenset()).shows_nothing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -191,3 +192,15 @@ def test_a_corner_that_the_arm_cuts_off_is_no_dirt() -> None:
         colour=np.where(arm[:, :, None], np.uint8(190), frame.colour),
     )
     assert see(hidden).areas == ()
+
+
+def test_the_time_of_every_step_is_told() -> None:
+    """Together they took all the time that there was."""
+    frame = synthetic.frame(GROUPS, seed=5)
+    started = time.perf_counter()
+    seen = see(frame, frame)
+    whole = time.perf_counter() - started
+    steps = ("plane", "surface", "edges", "background", "median", "belief", "ellipses", "hidden", "doubts")
+    assert tuple(seen.seconds) == steps
+    assert all(seconds > 0 for seconds in seen.seconds.values())
+    assert sum(seen.seconds.values()) == pytest.approx(whole, rel=0.2)

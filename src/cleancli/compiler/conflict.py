@@ -83,11 +83,10 @@ def conflicting_effects(
 def _meeting(
     outcome: Outcome, binding: Binding, key: Fluent, symbols: Mapping[str, Symbol]
 ) -> tuple[_Effect, _Effect]:
-    """Two effects that may both be on the key and do not agree; an effect of a `forall` may meet itself."""
-    found = list(_on(outcome, binding, key, symbols[key[0]]))
-    pairs = [*itertools.combinations(found, 2), *((each, each) for each in found if each.forall is not None)]
-    clashing = [pair for pair in pairs if _clash(pair[0].effect, pair[1].effect)]
-    return min(clashing or pairs, key=lambda pair: sum(each.forall is not None for each in pair))
+    """Two effects that may both be on the key and do not agree, plain ones before those of a `forall`."""
+    pairs = itertools.combinations(_on(outcome, binding, key, symbols[key[0]]), 2)
+    clashing = (pair for pair in pairs if _clash(pair[0].effect, pair[1].effect))
+    return min(clashing, key=lambda pair: sum(each.forall is not None for each in pair))
 
 
 def _clash(one: Assign | Shift, other: Assign | Shift) -> bool:

@@ -137,7 +137,7 @@ def _decide(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation:
 
 def _idle(state: EpisodeState) -> str:
     """That nothing seems worth doing, and what was tried in vain."""
-    failures = sorted({vain.reason for vain in state.vain if vain.reason})
+    failures = dict.fromkeys(vain.reason for vain in state.vain if vain.reason)
     tried = [f"{vain.key[0]}({', '.join(vain.key[1])})" for vain in state.vain if vain.times >= PATIENCE]
     return IDLE + (f"; in vain: {', '.join(tried)}" if tried else "") + "".join(f"; {f}" for f in failures)
 
