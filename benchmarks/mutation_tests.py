@@ -185,7 +185,8 @@ class Knowledge:
     def limit(self, test: str) -> float:
         """Seconds of the processor after which a test, with what its file makes once, is stuck."""
         made_once = 2 * self._slowest[test.split("::")[0]]
-        return max(_LEAST_LIMIT, _TIMES_AS_LONG * self._seconds[test] + made_once)
+        seconds = self._seconds.get(test, UNKNOWN_SECONDS)  # one of a file that was not looked at yet
+        return max(_LEAST_LIMIT, _TIMES_AS_LONG * seconds + made_once)
 
     def limit_of_all(self, tests: Iterable[str]) -> float:
         """The same for several that run after each other."""

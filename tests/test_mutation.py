@@ -175,6 +175,7 @@ def test_tests_are_chosen_by_what_they_run_the_quickest_first(load: Any, tmp_pat
     killed = Counter({("m/a.py", "tests/m/test_a.py::slow"): 1})
     first = next(iter(known.tests_for(change, 60.0, killed).stages[0]))
     assert first.endswith("slow"), "what noticed a change of the module before"
+    assert known.limit("tests/m/test_unknown.py::test") >= tests.UNKNOWN_SECONDS
 
 
 def test_a_test_that_fails_without_the_change_says_nothing_of_it(

@@ -10,6 +10,7 @@ import pytest
 
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import Account, EpisodeState, FailedAttempt, Move, Situation
+from cleancli.execution.setup import MOST
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
 from cleancli.motion.actions import path_along
@@ -64,6 +65,7 @@ def test_an_episode_of_the_domain_fits(given: tuple[Object, ...] | None) -> None
     check_fits(EpisodeState(), DOMAIN, given)
     check_fits(replace(STATE, **around(placed(centre=(-999.0, 999.0), axes=(1e3, 0.0)))), DOMAIN, given)
     check_fits(replace(STATE, rest=(GroundAction("pickUp", ("a1",), None),)), DOMAIN, given)
+    check_fits(replace(STATE, actions=MOST, spent=Account(actions=float(MOST))), DOMAIN, given)
 
 
 @pytest.mark.parametrize(

@@ -442,6 +442,22 @@ def test_systems_without_leases_or_locks_write_all_the_same(
         write_atomically(path, THEIRS, OLD)
 
 
+def test_names_are_made_durable_when_all_files_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In each folder once, so that a power failure after the command has ended takes nothing back."""
+    paths = [tmp_path / "a" / "one.nid", tmp_path / "b" / "two.nid", tmp_path / "a" / "three.nid"]
+    for path in paths:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(OLD)
+    synced: list[tuple[str, list[str]]] = []
+    monkeypatch.setattr(
+        swap, "sync_folder", lambda folder: synced.append((folder.name, [p.read_text() for p in paths]))
+    )
+    write_all([Replacement(path, NEW, OLD) for path in paths])
+    assert synced == [("a", [NEW] * 3), ("b", [NEW] * 3)]
+
+
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EROFS, errno.EACCES, errno.EDQUOT])
 @pytest.mark.parametrize("where", ["open", "fsync", "fchmod", "rename"])
 @pytest.mark.parametrize("named", ["", "a.nid", "beside"])

@@ -14,7 +14,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, Symbol, Type, Variable
 from cleancli.motion.actions import tool_path
 from cleancli.perception.area import Area
-from cleancli.perception.symbols import lies_between, place_at_mouth, remembered, symbolize
+from cleancli.perception.symbols import lies_between, place_at_mouth, reaches_rim, remembered, symbolize
 from cleancli.perception.tracking import Stroke
 from support import synthetic
 
@@ -265,3 +265,19 @@ def test_gone_areas_are_remembered_as_they_were_but_clean() -> None:
     )
     assert remembered(before, {"a1"}) == {Fact("size", ("a1",), "small"), Fact("near", ("a1", "a2"))}
     assert remembered(before, set()) == frozenset()
+
+
+@pytest.mark.parametrize(("x", "y"), [(1, 0), (-1, 0), (0, 1), (0, -1)])
+def test_a_rag_reaches_beyond_the_rim_from_less_than_half_its_width(x: int, y: int) -> None:
+    """Not from half its width, and not where the container stands. Lengths are those that a float holds."""
+    given = synthetic.scene()
+    width, depth = 1.0, 0.5
+    setting = replace(
+        given,
+        surface=replace(given.surface, width=width, depth=depth),
+        container=replace(given.container, edge="east", offset=0.0),
+        rag=replace(given.rag, width=0.25),
+    )
+    for near, reaches in ((0.125, False), (0.124, True)):
+        place = (x * (width / 2 - near), y * (depth / 2 - near))
+        assert reaches_rim(place, setting) == (reaches and (x, y) != (1, 0))

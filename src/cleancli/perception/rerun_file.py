@@ -38,6 +38,8 @@ def find_rerun() -> Any:
     try:
         return importlib.import_module("rerun")
     except ModuleNotFoundError as error:
+        if error.name is None or error.name.split(".")[0] != "rerun":
+            raise
         raise MissingRerun from error
 
 
