@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.echo import wants_colour
+from cleancli.cli.files import below
 from cleancli.cli.main import run
 from cleancli.language.find import find
 from cleancli.language.printing.formatter import layout
@@ -51,6 +52,15 @@ def test_check_takes_folders_and_standard_input(
     assert "<stdin>:4:10: error[E104]" in capsys.readouterr().out
     monkeypatch.setattr(sys, "stdin", _Stdin(PROBLEM))
     assert run(["check", "-"]) == 0
+
+
+def test_the_files_of_a_folder_come_in_the_order_of_their_names(folder: Path) -> None:
+    """Whatever order the disk has them in."""
+    (folder / "many").mkdir()
+    names = [f"{letter}.nid" for letter in "gbkahdcijfel"]
+    for name in names:
+        (folder / "many" / name).touch()
+    assert [path.name for path in below(folder / "many")] == sorted(names)
 
 
 def test_check_of_a_folder_without_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

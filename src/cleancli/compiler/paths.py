@@ -13,7 +13,7 @@ class Paths:
 
     def __init__(self, steps: Mapping[str, Sequence[str]]) -> None:
         self._reached: dict[str, int] = {}
-        names = sorted({*steps, *(target for targets in steps.values() for target in targets)})
+        names = {*steps, *(target for targets in steps.values() for target in targets)}
         self._bit = {name: 1 << number for number, name in enumerate(names)}
         for component in _components(steps):
             found = 0
@@ -48,7 +48,7 @@ def _finished(steps: Mapping[str, Sequence[str]]) -> list[str]:
     """The names in the order in which a depth-first search has done with them."""
     met: set[str] = set()
     finished: list[str] = []
-    for root in sorted(steps):
+    for root in steps:
         if root not in met:
             finished += _finished_from(root, steps, met)
     return finished

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import permutations
 
 from cleancli.conversion.records import Atom, Kind, Library, LibraryRule
 
@@ -59,12 +59,7 @@ def _rivals(library: Library) -> set[tuple[str, str]]:
             if atom.value is True and len(atom.terms) == 1 and atom.terms[0] in rule.action.terms:
                 place = rule.action.terms.index(atom.terms[0])
                 asked.setdefault((rule.action.symbol, place), set()).add(atom.symbol)
-    return {
-        pair
-        for names in asked.values()
-        for one, other in combinations(sorted(names), 2)
-        for pair in ((one, other), (other, one))
-    }
+    return {pair for names in asked.values() for pair in permutations(names, 2)}
 
 
 def _largest(candidates: Sequence[str], library: Library) -> tuple[str, ...]:

@@ -223,7 +223,7 @@ def _concluded(
     if seen and rule is not None:
         counts = dict(state.examples)
         counts[rule] = counts.get(rule, Fraction(0)) + 1
-        state = replace(state, examples=tuple(sorted(counts.items())))
+        state = replace(state, examples=tuple(counts.items()))
     is_action = move.path is None
     transition = _transition(move, before, after) if is_action else None
     yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)

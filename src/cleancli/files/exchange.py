@@ -53,7 +53,7 @@ def put_in_place(files: Sequence[New]) -> None:
     Only where the power fails, or the process is killed (SIGKILL), between one replacement and the next, some
     are written and others not; each holds its old content or its new one.
     """
-    folders = sorted({new.path.parent for new in files})
+    folders = tuple(dict.fromkeys(new.path.parent for new in files))
     for folder in folders:
         remove_leftovers(folder)
     beside: list[Beside] = []
@@ -318,7 +318,7 @@ def remove_leftovers(folder: Path) -> None:
     """Remove files that processes of this program left beside others when they were killed, and nothing else:
     neither what a living one uses nor what another program has put there."""
     with suppress(OSError):
-        for entry in sorted(os.listdir(folder)):
+        for entry in os.listdir(folder):
             found = _LEFTOVER.fullmatch(entry)
             if found is not None:
                 with suppress(OSError):

@@ -72,7 +72,7 @@ def _made(parent: Path) -> tuple[Path, int | None]:
 
 
 def _remove_leftovers(parent: Path) -> None:
-    for entry in sorted(os.listdir(parent)) if os.name == "posix" else ():
+    for entry in os.listdir(parent) if os.name == "posix" else ():
         if _BEGUN.fullmatch(entry):
             with suppress(OSError):
                 _remove_leftover(parent / entry)
