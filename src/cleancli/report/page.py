@@ -133,8 +133,6 @@ def bars(seconds: Mapping[str, float], whole: float | None = None) -> tuple[Bar,
 
 def ticks(longest: float) -> tuple[float, ...]:
     """Round times from 0 on, at most some eight, for an axis that ends at `longest` seconds."""
-    if longest <= 0:
-        return (0.0,)
     steps = (factor * 10.0**power for power in range(-3, 7) for factor in (1, 2, 5))
     step = next((step for step in steps if longest / step <= TICKS), longest)
     return tuple(step * number for number in range(int(longest / step) + 1))
