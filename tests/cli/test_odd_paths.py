@@ -1,4 +1,5 @@
-"""Paths of bytes that are no text, and numbers that no limit can be, through the commands that take them."""
+"""Paths of bytes that are no text or that lead to the wrong kind of thing, and numbers that no limit can be,
+through the commands that take them."""
 
 from __future__ import annotations
 
@@ -6,9 +7,10 @@ import json
 import os
 from pathlib import Path
 
+import click
 import pytest
 
-from cleancli.cli.main import run
+from cleancli.cli.main import cli, run
 
 DOMAIN = """domain lamps {
   types { lamp }
@@ -93,3 +95,39 @@ def test_what_is_left_out_of_many_files_is_told_once(
     assert run(["fmt", "--check", str(tmp_path)]) == 1
     printed = capsys.readouterr()
     assert (printed.out + printed.err).count("`cleancli check --all`") == 1
+
+
+FILES_AND_FOLDERS = {
+    "file": (
+        ("plan", "--plot"),
+        ("report", "--html"),
+        ("scene", "--out"),
+        ("scene", "--reach"),
+        ("calibrate", "--out"),
+        ("perceive", "--out"),
+        ("perceive", "--drawn"),
+        ("perceive", "--rrd"),
+        ("act", "--plot"),
+    ),
+    "folder": (
+        ("init", "folder"),
+        ("execute", "--resume"),
+        ("calibrate", "--frames"),
+        ("perceive", "--save-frames"),
+        ("convert", "--out"),
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", FILES_AND_FOLDERS)
+def test_no_folder_is_written_to_as_a_file_and_no_file_is_a_folder(kind: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    for name, option in FILES_AND_FOLDERS[kind]:
+        command = cli.get_command(click.Context(cli), name)
+        assert command is not None
+        (parameter,) = (each for each in command.params if option in each.opts)
+        assert parameter.type.convert(str(tmp_path / kind), parameter, None) == tmp_path / kind
+        for other in {"file", "folder"} - {kind}:
+            with pytest.raises(click.BadParameter, match=f"is a {other}|is a directory"):
+                parameter.type.convert(str(tmp_path / other), parameter, None)

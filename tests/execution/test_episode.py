@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -155,3 +156,7 @@ def test_what_a_robot_does_unless_told_otherwise(domain: Domain) -> None:
     board = shipped_domain("wiping_ink")
     assert [usual_job(board, robot) for robot in ("gantry", "reem")] == [Job.WIPE, Job.WIPE]
     assert within_reach(board, "gantry", Job.WIPE) == board
+    both = replace(domain, actions=(*domain.actions, *board.actions))
+    neither = replace(domain, actions=())
+    for known in (both, neither):
+        assert [usual_job(known, robot) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
