@@ -98,6 +98,12 @@ def test_a_wrong_reward_is_located(reward: str, tmp_path: Path, capsys: pytest.C
     assert not out.exists()
 
 
+def test_the_folder_is_made_however_deep_it_lies(tmp_path: Path) -> None:
+    out = tmp_path / "a" / "b"
+    assert run(["convert", str(KITCHEN), "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} == {"domain.nid", "problem.nid"}
+
+
 @pytest.mark.parametrize("name", ["a b", "../x", "problem", "when", ""])
 def test_a_domain_has_a_name_and_a_file_of_its_own(name: str, tmp_path: Path) -> None:
     assert run(["convert", str(KITCHEN), "--out", str(tmp_path / "out"), "--domain-name", name]) == 2

@@ -11,7 +11,7 @@ import pytest
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
 from cleancli.perception.perceive import BadFrame, Observation, perceive
-from cleancli.perception.surface import NoSurface
+from cleancli.perception.surface import STRIDE, NoSurface
 from support import synthetic
 from support.synthetic import Box
 
@@ -167,15 +167,21 @@ def test_no_surface_says_why() -> None:
 def test_frames_that_do_not_fit_are_refused() -> None:
     frame = synthetic.frame(NONE, 1)
     moved = replace(frame, camera=replace(frame.camera, pose=np.eye(4)))
-    for frames in (
-        (),
-        (frame, moved),
-        (replace(frame, colour=frame.colour[:-1]),),
-        (replace(frame, colour=frame.colour.astype(np.float32)),),
-        (replace(frame, depth=frame.depth[:, 1:]),),
-        (replace(frame, depth=np.zeros((0, 0), np.float32)),),
+    few = 2 * STRIDE - 1
+    thin = replace(frame.camera, width=few)
+    for frames, reason in (
+        ((), "there is no frame"),
+        ((frame, moved), "frame 2 was taken by another camera, or from another place"),
+        ((replace(frame, colour=frame.colour[:-1]),), "frame 1: colour must be"),
+        ((replace(frame, colour=frame.colour.astype(np.float32)),), "frame 1: colour must be"),
+        ((replace(frame, depth=frame.depth[:, 1:]),), "frame 1: depth must be"),
+        ((replace(frame, depth=np.zeros((0, 0), np.float32)),), "frame 1: depth must be"),
+        (
+            (Frame(frame.colour[:, :few], frame.depth[:, :few], thin, frame.clock),),
+            f"an image of {few} x {frame.camera.height} pixels is too small",
+        ),
     ):
-        with pytest.raises(BadFrame):
+        with pytest.raises(BadFrame, match=reason):
             see(*frames)
 
 
