@@ -204,7 +204,7 @@ def lessons(
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, method = domain.model, counting.method(domain.model)
-    files = [file for path in experience for file in _experience_files(path)]
+    files = [file for path in experience for file in experience_files(path)]
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
         before = counted(model) if counting.adding else None
@@ -249,7 +249,7 @@ def taught(
     )
 
 
-def _experience_files(path: Path) -> Iterator[GivenFile]:
+def experience_files(path: Path) -> Iterator[GivenFile]:
     """A file, that of a run's folder, or those of all runs in a folder. Raises Refused (E705) for a run's
     folder that is not as a run leaves it."""
     if not path.is_dir():

@@ -109,6 +109,17 @@ def expected(
     return counts, beliefs
 
 
+def log_likelihoods(evidence: Evidence, beliefs: Beliefs) -> dict[int | None, float]:
+    """Of the transitions of each rule, how likely they are by what is believed; minus infinity where no
+    outcome explains one."""
+    found = {}
+    for rule, matches in _by_rule(evidence).items():
+        group = _group(matches)
+        logs = _joint(group, beliefs.probabilities[rule], beliefs.slips)
+        found[rule] = float(np.logaddexp.reduce(logs, axis=1) @ group.numbers)
+    return found
+
+
 def likeliest(domain: Domain, evidence: Evidence, before: Counts) -> Counts:
     """The paper's strict reading: each transition counts for the one outcome that fits it and was the
     likeliest before learning, of equals for the first; with what was counted before."""
@@ -155,14 +166,19 @@ def _group(found: Sequence[tuple[Match, int]]) -> _Group:
 
 def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
     """To how much of each transition each outcome led (n, outcomes); a row sums to 1, or 0 if none fits."""
-    rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
-    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)
-    logs = np.where(group.possible, logs, -np.inf)
+    logs = _joint(group, probabilities, slips)
     highest = logs.max(axis=1, keepdims=True)
     weights = np.where(group.possible, np.exp(logs - np.where(np.isfinite(highest), highest, 0)), 0)
     total = weights.sum(axis=1, keepdims=True)
     shared: Floats = np.divide(weights, total, out=np.zeros_like(weights), where=total > 0)
     return shared
+
+
+def _joint(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
+    """The logarithm of how likely each outcome came about and made each transition (n, outcomes)."""
+    rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
+    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)
+    return np.where(group.possible, logs, -np.inf)
 
 
 def _counted(

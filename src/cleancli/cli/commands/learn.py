@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from cleancli.api.agreements import agreement
 from cleancli.api.lessons import Counting, lessons
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
+from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded
 from cleancli.cli.progress import working
@@ -26,6 +28,11 @@ from cleancli.language.diagnostics.diagnostic import Source
 )
 @click.option("--replace", is_flag=True, help="Drop what DOMAIN has counted and is not given.")
 @click.option(
+    "--check",
+    is_flag=True,
+    help="Learn nothing; say of each rule whether EXPERIENCE agrees with its probabilities.",
+)
+@click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
 @options.as_json("Print what was learned as JSON.")
@@ -37,16 +44,20 @@ def command(
     match: str | None,
     add: bool,
     replace: bool,
+    check: bool,
     write: bool,
     as_data: bool,
-) -> None:
+) -> int:
     """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, run folders, or folders of
     runs.
 
     Prints the change as a diff; only --write changes files. The prior stays in the file beside the learned
     number, and the file says which experience was counted, so that learning again from the same experience
-    changes nothing: give every file that shall count, or --add to what was counted.
+    changes nothing: give every file that shall count, or --add to what was counted. With --check the exit
+    code is 1 if a rule disagrees.
     """
+    if check and (add or replace or write):
+        raise click.UsageError("--check learns nothing: leave out --add, --replace and --write")
     if add and replace:
         raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
@@ -54,6 +65,11 @@ def command(
         path = loaded.sources[0].path
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     counting = Counting(estimator, m, match, add, replace)
+    if check:
+        with working("reading"):
+            found = agreement(loaded, experience, counting)
+        echo(json.dumps(found.to_dict(), indent=2) if as_data else str(found))
+        return ExitCode.DONE if found.agrees else ExitCode.REFUSED
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     if as_data:
@@ -66,3 +82,4 @@ def command(
     if write:
         for changed in learned.write():
             echo(f"wrote {changed}", err=as_data)
+    return ExitCode.DONE
