@@ -79,7 +79,8 @@ def test_what_changed_makes_the_state_after_of_the_one_before(
 ) -> None:
     """And nothing is told that was so before (docs/runs.md: the facts whose value differs)."""
     states = (frozenset(Fact(*key, value) for key, value in state.items()) for state in (before, after))
-    transition = Transition("moveToContainerFast", ("a1",), PROBLEM.objects, *map(values_of, states))
+    old, new = map(values_of, states)
+    transition = Transition("moveToContainerFast", ("a1",), PROBLEM.objects, old, new)
     told = Acted(
         1, Move("moveToContainerFast", ("a1",)), transition, True, 0.0, 1.0, Situation((), (), frozenset())
     )

@@ -10,7 +10,7 @@ import pytest
 from cleancli.api.executions import execute
 from cleancli.api.lessons import learn
 from cleancli.cli.main import run
-from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.episode_state import EpisodeState, Evidence
 from cleancli.execution.events import Acted, Checkpoint, Decided, Event, Learned
 from cleancli.execution.loop import clean
 from cleancli.execution.session import symbolic_session
@@ -74,7 +74,7 @@ def test_every_action_is_learned_from_and_told() -> None:
 def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
     states = [event.state for event in events(Method()) if isinstance(event, Checkpoint)]
     state = states[-1]
-    assert sum(number for _, number in state.evidence) == state.actions
+    assert sum(number for _, number in state.evidence.matches) == state.actions
     for name in ("journal.jsonl", EXPERIENCE):
         (tmp_path / name).touch()
     checkpoint.save(tmp_path, state, {})
@@ -97,7 +97,7 @@ def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
 )
 def test_evidence_that_no_episode_can_have_is_refused(evidence: tuple[tuple[Match, int], ...]) -> None:
     with pytest.raises(ValueError, match="learned"):
-        check_fits(EpisodeState(evidence=evidence), BELIEVED, PROBLEM.objects)
+        check_fits(EpisodeState(evidence=Evidence(evidence)), BELIEVED, PROBLEM.objects)
 
 
 def test_a_series_writes_what_learning_offline_from_its_records_does(

@@ -22,7 +22,7 @@ from cleancli.language.printing.learned_edits import learned_edits
 from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.gathered import GivenFile, gather
-from cleancli.learning.learn import Learned, counted, learned_from
+from cleancli.learning.learn import Learned, Lesson, counted, learned_from
 from cleancli.learning.match import outcomes_of
 from cleancli.learning.method import DEFAULT, MATCHES, Method
 from cleancli.planning.plan import BadOption
@@ -54,6 +54,18 @@ class LearnedRule:
 
 
 @dataclass(frozen=True, slots=True)
+class ActionDuration:
+    """Seconds of robot time that an action was taken to last and takes now, how often it was timed, and the
+    standard deviation of the times that were given."""
+
+    action: str
+    prior: float
+    seconds: float
+    seen: int
+    spread: float
+
+
+@dataclass(frozen=True, slots=True)
 class Change:
     """The text of a file before and after."""
 
@@ -74,6 +86,7 @@ class LearningResult:
     `is_writable` where the domain is a file of the user's own."""
 
     rules: tuple[LearnedRule, ...]
+    durations: tuple[ActionDuration, ...]
     changes: tuple[Change, ...]
     notes: tuple[str, ...]
     is_writable: bool
@@ -107,8 +120,8 @@ class LearningResult:
         return tuple(str(each.path) for each in replaced)
 
     def to_dict(self) -> dict[str, object]:
-        """`rules` is the same as `cleancli learn --json` prints."""
-        return {"rules": plain(self.rules)}
+        """The same as `cleancli learn --json` prints."""
+        return {"rules": plain(self.rules), "durations": plain(self.durations)}
 
     def __str__(self) -> str:
         return "\n".join(part for part in (self.diff, *self.notes) if part)
@@ -207,14 +220,11 @@ def lessons(
     files = [file for path in experience for file in experience_files(path)]
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
-        before = counted(model) if counting.adding else None
-        learned = learned_from(model, gathered.evidence, method, before)
+        lesson = learned_from(model, gathered.evidence, method, gathered.times, counting.adding)
     notes = list(gathered.notes)
     if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
         notes.append("the text does not say which experience its counts came from: they are replaced")
-    return taught(
-        domain, learned.rules, knowledge(method, gathered.experience), notes, is_writable, include_outside
-    )
+    return taught(domain, lesson, knowledge(method, gathered.experience), notes, is_writable, include_outside)
 
 
 def knowledge(method: Method, experience: Sequence[Experience]) -> Knowledge:
@@ -229,7 +239,7 @@ def method_of(noted: Knowledge) -> Method:
 
 def taught(
     domain: LoadedDomain,
-    learned: Sequence[Learned],
+    lesson: Lesson,
     rests_on: Knowledge,
     notes: Sequence[str],
     is_writable: bool,
@@ -237,12 +247,20 @@ def taught(
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, sources = domain.model, domain.sources
-    changes = (*edits(model, sources, learned), *learned_edits(model, sources[0], rests_on))
+    learned = lesson.rules
+    changes = (
+        *edits(model, sources, learned, lesson.durations),
+        *learned_edits(model, sources[0], rests_on),
+    )
     texts = _edited(sources, changes)
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
     transitions = sum(each.transitions for each in rests_on.experience)
     return LearningResult(
         tuple(_rule(model, entry) for entry in learned),
+        tuple(
+            ActionDuration(each.action, each.prior, each.seconds, each.seen, each.spread)
+            for each in lesson.durations
+        ),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in sources),
         (*notes, *_notes(model, learned, transitions)),
         is_writable,

@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cleancli import __version__
-from cleancli.execution.believed import Evidence
+from cleancli.execution.episode_state import NO_EVIDENCE, Evidence
 from cleancli.execution.episode_state import World as SavedWorld
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
@@ -54,7 +54,7 @@ class Inputs:
     sources: tuple[Source, ...]
     options: EpisodeOptions
     job: Job | None
-    evidence: Evidence = ()
+    evidence: Evidence = NO_EVIDENCE
     world: World | None = None
 
 

@@ -26,8 +26,7 @@ from cleancli.api.run_session import (
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.task import NoDurationError
-from cleancli.execution.believed import Evidence
-from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.episode_state import NO_EVIDENCE, EpisodeState, Evidence
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
@@ -92,7 +91,7 @@ class RunResult:
     told: str
     video: bool
     record: Mapping[str, object]
-    evidence: Evidence = field(default=(), repr=False)
+    evidence: Evidence = field(default=NO_EVIDENCE, repr=False)
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""

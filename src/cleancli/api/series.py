@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,9 +11,9 @@ from cleancli.api.lessons import LearningResult, knowledge, taught
 from cleancli.api.run_session import Inputs
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
+from cleancli.execution.believed import lesson_of as lesson_from
 from cleancli.language.model import Experience
 from cleancli.learning.experience import Reading
-from cleancli.learning.learn import counted, learned_from
 from cleancli.recording.folder import EXPERIENCE
 
 CarryOut = Callable[[OpenedRun], RunResult]
@@ -88,17 +87,16 @@ def lesson_of(
 
     Raises Refused.
     """
-    evidence = runs[-1].evidence
     method, domain = inputs.options.learning, given.domain
     if method is None:
         return None
     model = domain.model
-    lesson = learned_from(model, Counter(dict(evidence)), method, counted(model))
+    lesson = lesson_from(model, runs[-1].evidence, method)
     before = () if model.learned is None else model.learned.experience
     known = {each.sha256 for each in before}
     new = [each for run in runs for each in _experience(run.folder) if each.sha256 not in known]
     rests_on = knowledge(method, (*before, *new))
-    return taught(domain, lesson.rules, rests_on, (), is_writable, include_outside)
+    return taught(domain, lesson, rests_on, (), is_writable, include_outside)
 
 
 def _experience(folder: Path) -> Iterator[Experience]:

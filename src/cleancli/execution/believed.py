@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 
+from cleancli.execution.episode_state import Evidence
 from cleancli.execution.setup import EpisodeSetup
 from cleancli.language.model import Domain
+from cleancli.learning.durations import once, together
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import Lesson, counted, learned_from, revised
-from cleancli.learning.match import Match, Matcher
-
-Evidence = tuple[tuple[Match, int], ...]
-"""How many transitions there were of each kind, in the order in which the kinds were first seen."""
+from cleancli.learning.learn import Lesson, learned_from, revised
+from cleancli.learning.match import Matcher
+from cleancli.learning.method import Method
 
 
 def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transition) -> Evidence:
@@ -19,20 +19,28 @@ def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transit
     method = setup.options.learning
     if method is None:
         return evidence
-    numbers = Counter(dict(evidence))
+    numbers = Counter(dict(evidence.matches))
     numbers[Matcher(setup.domain, method.is_strict).match(transition)] += 1
-    return tuple(numbers.items())
+    times = dict(evidence.times)
+    if transition.lasted is not None:
+        times = together(times, {transition.action: once(transition.lasted)})
+    return Evidence(tuple(numbers.items()), tuple(times.items()))
 
 
 def lesson(setup: EpisodeSetup, evidence: Evidence) -> Lesson | None:
     """What the evidence teaches, beside what the domain's text has counted; None where nothing is learned."""
     method = setup.options.learning
-    if method is None or not evidence:
+    if method is None or not evidence.matches:
         return None
-    return learned_from(setup.domain, Counter(dict(evidence)), method, counted(setup.domain))
+    return lesson_of(setup.domain, evidence, method)
+
+
+def lesson_of(domain: Domain, evidence: Evidence, method: Method) -> Lesson:
+    """The same of a domain, by some method."""
+    return learned_from(domain, Counter(dict(evidence.matches)), method, dict(evidence.times), adding=True)
 
 
 def believed(setup: EpisodeSetup, evidence: Evidence) -> Domain:
-    """The domain with the probabilities that are believed now."""
+    """The domain with what is believed now."""
     taught = lesson(setup, evidence)
     return setup.domain if taught is None else revised(setup.domain, taught)

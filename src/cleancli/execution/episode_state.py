@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.task import GroundAction
 from cleancli.language.model import Object, State
+from cleancli.learning.durations import Timed
 from cleancli.learning.match import Match
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
@@ -122,6 +123,18 @@ class Account:
 
 
 @dataclass(frozen=True, slots=True)
+class Evidence:
+    """What there is to learn from: how many transitions there were of each kind, and how long actions took,
+    each in the order in which it was first met."""
+
+    matches: tuple[tuple[Match, int], ...] = ()
+    times: tuple[tuple[str, Timed], ...] = ()
+
+
+NO_EVIDENCE = Evidence()
+
+
+@dataclass(frozen=True, slots=True)
 class EpisodeState:
     """Everything an episode knows.
 
@@ -141,7 +154,7 @@ class EpisodeState:
     rest: tuple[GroundAction, ...] = ()
     vain: tuple[FailedAttempt, ...] = ()
     examples: tuple[tuple[int, Fraction], ...] = ()
-    evidence: tuple[tuple[Match, int], ...] = ()
+    evidence: Evidence = NO_EVIDENCE
     spent: Account = Account()
     loading: float = 0.0
     reason: str = ""

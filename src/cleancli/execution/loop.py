@@ -44,7 +44,7 @@ from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
-from cleancli.learning.experience import Transition
+from cleancli.learning.experience import Transition, milliseconds
 from cleancli.learning.learn import revised
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered
@@ -225,7 +225,7 @@ def _concluded(
         counts[rule] = counts.get(rule, Fraction(0)) + 1
         state = replace(state, examples=tuple(counts.items()))
     is_action = move.path is None
-    transition = _transition(move, before, after) if is_action else None
+    transition = _transition(move, before, after, motions) if is_action else None
     yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)
     if seen and transition is not None:
         state = replace(state, evidence=with_transition(setup, state.evidence, transition))
@@ -258,12 +258,13 @@ def _covering(domain: Domain, before: Situation, move: Move) -> int | None:
     return None if covering is None else covering[0]
 
 
-def _transition(move: Move, before: Situation, after: Situation) -> Transition:
+def _transition(move: Move, before: Situation, after: Situation, motions: Motions) -> Transition:
     """What was believed before and after, over all objects of both; those gone are remembered as clean."""
     objects = tuple(sorted({*before.objects, *after.objects}))
     gone = {o.name for o in before.objects} - {o.name for o in after.objects}
     state = after.state | remembered(before.state, gone)
-    return Transition(move.action, move.objects, objects, values_of(before.state), values_of(state))
+    lasted = None if motions.failure else milliseconds(motions.transit, motions.seconds)
+    return Transition(move.action, move.objects, objects, values_of(before.state), values_of(state), lasted)
 
 
 def _seen_before(setup: EpisodeSetup) -> tuple[tuple[int, Fraction], ...]:
@@ -272,7 +273,7 @@ def _seen_before(setup: EpisodeSetup) -> tuple[tuple[int, Fraction], ...]:
         sum((outcome.seen or Fraction(0) for outcome in rule.outcomes), start=Fraction(0))
         for rule in setup.domain.rules
     ]
-    for match, number in setup.evidence:
+    for match, number in setup.evidence.matches:
         if match.rule is not None:
             counts[match.rule] += number
     return tuple((index, count) for index, count in enumerate(counts) if count)

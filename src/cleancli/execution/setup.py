@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.episode_state import ActionKey, Move, Situation
+from cleancli.execution.episode_state import NO_EVIDENCE, ActionKey, Evidence, Move, Situation
 from cleancli.language.model import Domain, Problem
-from cleancli.learning.match import Match
 from cleancli.learning.method import Method
 from cleancli.motion.actions import PICK_UP, SWEEPS, WIPES, can_execute
 from cleancli.planning.plan import Plan
@@ -72,7 +71,7 @@ class EpisodeSetup:
     scene: Scene | None
     job: Job
     options: EpisodeOptions
-    evidence: tuple[tuple[Match, int], ...] = ()
+    evidence: Evidence = NO_EVIDENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,15 +125,16 @@ def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
     actions = tuple(
         a for a in domain.actions if a.name not in others and can_execute(a.name, len(a.parameters), robot)
     )
-    names = {action.name for action in actions}
-    return replace(domain, actions=actions, rules=tuple(r for r in domain.rules if r.action in names))
+    return within(replace(domain, actions=actions), domain)
 
 
 def within(feasible: Domain, domain: Domain) -> Domain:
-    """Of a domain the rules of the actions that the feasible one has."""
+    """A domain without the actions that the feasible one has not, and without their rules."""
     names = {action.name for action in feasible.actions}
     return replace(
-        feasible, rules=tuple(rule for rule in domain.rules if rule.action in names), default=domain.default
+        domain,
+        actions=tuple(action for action in domain.actions if action.name in names),
+        rules=tuple(rule for rule in domain.rules if rule.action in names),
     )
 
 

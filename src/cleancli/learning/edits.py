@@ -7,14 +7,20 @@ from fractions import Fraction
 
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.text_edit import Edit
-from cleancli.language.model import Domain, Outcome, Parameter
+from cleancli.language.model import Action, Domain, Outcome, Parameter
 from cleancli.language.parsing.lexemes import Lexeme, LexemeKind, lexemes
 from cleancli.language.printing.printer import print_fraction
+from cleancli.learning.durations import LearnedDuration
 from cleancli.learning.learn import Learned
 from cleancli.learning.match import outcomes_of
 
 
-def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned]) -> tuple[Edit, ...]:
+def edits(
+    domain: Domain,
+    sources: Iterable[Source],
+    learned: Sequence[Learned],
+    durations: Iterable[LearnedDuration] = (),
+) -> tuple[Edit, ...]:
     """The text edits that put the estimates in: numbers and their `[prior p, seen n]`, nothing else.
 
     `sources` are the texts of the domain, those that it includes too; each edit's span names its own. The
@@ -30,7 +36,22 @@ def edits(domain: Domain, sources: Iterable[Source], learned: Sequence[Learned])
     for parameter in domain.parameters:
         if parameter.name in pooled and not parameter.fixed:
             result += _edits_of(parameter, texts, *pooled[parameter.name])
+    timed = {duration.action: duration for duration in durations}
+    for action in domain.actions:
+        if action.name in timed:
+            result += _edits_of_duration(action, texts, timed[action.name])
     return tuple(result)
+
+
+def _edits_of_duration(action: Action, texts: Mapping[str, str], learned: LearnedDuration) -> Iterator[Edit]:
+    number, whole = action.duration_span, action.noted_span
+    assert number is not None, "a domain read from text knows its places"
+    assert whole is not None
+    text = texts[number.path]
+    old = text[number.start : number.end]
+    new = old if learned.seconds == action.duration else f"{print_fraction(Fraction(str(learned.seconds)))} s"
+    prior = {"prior": old} if action.duration_prior is None else {}
+    return noted(text, number, whole, new, {**prior, "seen": str(learned.seen)})
 
 
 def _edits_of_rule(

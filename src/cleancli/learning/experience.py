@@ -7,9 +7,10 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, TypeVar
+from typing import Annotated, BinaryIO, TypeVar
 
 import msgspec
+from msgspec import Meta
 
 from cleancli.compiler.fluents import Fluent, Values
 from cleancli.files.plain import in_units, open_plain
@@ -31,6 +32,7 @@ REMEMBERED = 1 << 16
 """Facts, and lists of objects, that are remembered as they were read."""
 
 _Fact = tuple[str, tuple[str, ...], bool | int | str]
+_Seconds = Annotated[float, Meta(ge=0, le=1e6)]
 _FALSE: Fluent = ("", ())
 _Key = TypeVar("_Key")
 _Read = TypeVar("_Read")
@@ -41,7 +43,8 @@ class Transition:
     """An executed action between two observed states.
 
     `objects` are those known before or after it. An object that is gone keeps its place in `after`, without
-    the facts that made it worth naming and with the values it was last seen with.
+    the facts that made it worth naming and with the values it was last seen with. `lasted`: milliseconds of
+    robot time, as far as they are known.
     """
 
     action: str
@@ -49,12 +52,18 @@ class Transition:
     objects: tuple[Object, ...]
     before: Values
     after: Values
+    lasted: int | None = None
 
     @property
     def changed(self) -> set[Fluent]:
         """What has another value after it."""
         keys = self.before.keys() | self.after.keys()
         return {key for key in keys if self.before.get(key) != self.after.get(key)}
+
+
+def milliseconds(transit: float, seconds: float) -> int:
+    """How long an action lasted, on its way to where it begins and from there on, in seconds."""
+    return round(1000 * transit) + round(1000 * seconds)
 
 
 def encode(transition: Transition, extra: Mapping[str, object]) -> str:
@@ -184,13 +193,15 @@ def _encode_state(values: Values) -> list[list[object]]:
 
 
 class _Line(msgspec.Struct):
-    """A line as JSON. A fact is a symbol, its objects and its value."""
+    """A line as JSON. A fact is a symbol, its objects and its value; `transit` comes before `seconds`."""
 
     action: str
     arguments: tuple[str, ...]
     objects: dict[str, str]
     before: tuple[_Fact, ...]
     after: tuple[_Fact, ...]
+    seconds: _Seconds | None = None
+    transit: _Seconds = 0.0
 
 
 _DECODER = msgspec.json.Decoder(_Line)
@@ -223,7 +234,8 @@ class _Reader:
             raise ValueError(f"{unknown[0]!r} is not among its objects")
         before = self._values(record.before, "before", known)
         after = self._values(record.after, "after", known)
-        return Transition(record.action, record.arguments, objects, before, after)
+        lasted = None if record.seconds is None else milliseconds(record.transit, record.seconds)
+        return Transition(record.action, record.arguments, objects, before, after, lasted)
 
     def _objects_of(self, types: Mapping[str, str]) -> tuple[Object, ...]:
         key = tuple(types.items())

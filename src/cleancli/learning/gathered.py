@@ -17,6 +17,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Experience
 from cleancli.language.parsing.read import refused_as
+from cleancli.learning.durations import Timed, Times, once, together
 from cleancli.learning.expectation import Evidence
 from cleancli.learning.experience import Reading, read_experience
 from cleancli.learning.match import Matcher
@@ -35,10 +36,12 @@ class GivenFile:
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """All that is to be learned from: `experience` says which files it is from, those that the domain's text
-    has counted too where they are counted on. `notes` are what a person should know of it."""
+    """All that is to be learned from, with how long actions took: `experience` says which files it is from,
+    those that the domain's text has counted too where they are counted on. `notes` are what a person should
+    know of it."""
 
     evidence: Evidence
+    times: Times
     experience: tuple[Experience, ...]
     notes: tuple[str, ...]
 
@@ -50,6 +53,7 @@ class _Read:
 
     file: GivenFile
     evidence: Evidence
+    times: Times
     whole: _Part
     parts: frozenset[_Part]
     is_cut: bool
@@ -76,14 +80,16 @@ def gather(
             kept.append(each)
         seen.add(each.whole)
     evidence: Evidence = Counter()
+    times: Times = {}
     for each in kept:
         evidence.update(each.evidence)
+        times = together(times, each.times)
     stays = [each for each in known if adding and _part(each) not in within]
     names = {_part(each) for each in stays}
     new = [
         Experience(each.file.name, each.whole[1], each.whole[0]) for each in kept if each.whole not in names
     ]
-    return Gathered(evidence, (*stays, *new), tuple(notes))
+    return Gathered(evidence, times, (*stays, *new), tuple(notes))
 
 
 def _experience(read: _Read) -> Experience:
@@ -111,15 +117,19 @@ def _read(
     known = counted | ends
     numbers = {number for number, _ in known}
     evidence: Evidence = Counter()
+    times: dict[str, Timed] = {}
     parts: list[_Part] = []
     for transition in read_experience(file.path, domain, reading):
         evidence[matcher.match(transition)] += 1
+        if transition.lasted is not None:
+            times[transition.action] = times.get(transition.action, Timed()) | once(transition.lasted)
         if reading.transitions in numbers and (part := (reading.transitions, reading.sha256)) in known:
             parts.append(part)
             if adding and part in counted:
                 evidence.clear()
+                times.clear()
     whole = (reading.transitions, reading.sha256)
-    return _Read(file, evidence, whole, frozenset(parts) - {whole}, reading.is_cut)
+    return _Read(file, evidence, times, whole, frozenset(parts) - {whole}, reading.is_cut)
 
 
 def _refuse_dropped(dropped: Sequence[Experience]) -> None:

@@ -6,8 +6,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import MappingProxyType
 
 from cleancli.language.model import Domain
+from cleancli.learning.durations import LearnedDuration, Times, learn_durations
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.expectation import (
     Beliefs,
@@ -22,6 +24,8 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
 from cleancli.learning.method import DEFAULT, Method
 from cleancli.learning.share import Counts, exactly, in_units, rounded
+
+NO_TIMES: Times = MappingProxyType({})
 
 COUNTED = 100
 """Parts of an example that counts are rounded to."""
@@ -45,10 +49,11 @@ class Learned:
 @dataclass(frozen=True, slots=True)
 class Lesson:
     """What transitions teach: of every rule that they give an example of, or whose parameter they change, in
-    the domain's order, the default rule last; and what is believed now."""
+    the domain's order, the default rule last; what is believed now; and how long actions take."""
 
     rules: tuple[Learned, ...]
     beliefs: Beliefs
+    durations: tuple[LearnedDuration, ...] = ()
 
 
 def learn(domain: Domain, transitions: Iterable[Transition], method: Method = DEFAULT) -> Lesson:
@@ -56,16 +61,20 @@ def learn(domain: Domain, transitions: Iterable[Transition], method: Method = DE
     return learned_from(domain, Counter(map(Matcher(domain, method.is_strict).match, transitions)), method)
 
 
-def learned_from(domain: Domain, evidence: Evidence, method: Method, before: Counts | None = None) -> Lesson:
-    """The same of transitions that were matched already, and of what was counted `before` them."""
+def learned_from(
+    domain: Domain, evidence: Evidence, method: Method, times: Times = NO_TIMES, adding: bool = False
+) -> Lesson:
+    """The same of transitions that were matched already, and of how long actions took; where `adding`, beside
+    what the domain's text has counted."""
     estimator = ESTIMATORS[method.estimator]
-    before = nothing_counted(domain) if before is None else before
+    before = counted(domain) if adding else nothing_counted(domain)
     if method.is_strict:
         counts = likeliest(domain, evidence, before)
         beliefs = maximised(domain, counts, SlipRates(), estimator, method.m)
     else:
         counts, beliefs = expected(domain, evidence, estimator, method.m, before)
-    return Lesson(tuple(_rules(domain, evidence, counts, beliefs)), beliefs)
+    durations = learn_durations(domain, times, adding)
+    return Lesson(tuple(_rules(domain, evidence, counts, beliefs)), beliefs, durations)
 
 
 def counted(domain: Domain) -> Counts:
@@ -77,7 +86,7 @@ def counted(domain: Domain) -> Counts:
 
 
 def revised(domain: Domain, lesson: Lesson) -> Domain:
-    """The domain with the probabilities that were learned; all else is as it was."""
+    """The domain with the probabilities and the durations that were learned; all else is as it was."""
     rules, default = list(domain.rules), domain.default
     for learned in lesson.rules:
         outcomes = tuple(
@@ -90,7 +99,11 @@ def revised(domain: Domain, lesson: Lesson) -> Domain:
             default = outcomes
         else:
             rules[learned.rule] = replace(rules[learned.rule], outcomes=outcomes)
-    return replace(domain, rules=tuple(rules), default=default)
+    seconds = {each.action: each.seconds for each in lesson.durations}
+    actions = tuple(
+        replace(action, duration=seconds.get(action.name, action.duration)) for action in domain.actions
+    )
+    return replace(domain, actions=actions, rules=tuple(rules), default=default)
 
 
 def _rules(domain: Domain, evidence: Evidence, counts: Counts, beliefs: Beliefs) -> Iterator[Learned]:

@@ -147,11 +147,21 @@ class RuleEntry(NamedTuple):
     seen: tuple[Times, ...]
 
 
+class DurationEntry(NamedTuple):
+    """Seconds that an action is believed to last, and how often it was timed."""
+
+    action: str
+    seconds: Seconds
+    seen: Count
+
+
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What is believed since an action was learned from, of the `rules` of which that is something new."""
+    """What is believed since an action was learned from, of the `rules` and the `durations` of which that is
+    something new."""
 
     rules: tuple[RuleEntry, ...]
+    durations: tuple[DurationEntry, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,15 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.learn import Learned, Lesson
 from cleancli.learning.match import Matcher, outcomes_of
 from cleancli.recording import journal
-from cleancli.recording.journal import AreaEntry, Chance, Expected, FactEntry, RuleEntry, StepEntry
+from cleancli.recording.journal import (
+    AreaEntry,
+    Chance,
+    DurationEntry,
+    Expected,
+    FactEntry,
+    RuleEntry,
+    StepEntry,
+)
 
 
 class Entries:
@@ -29,6 +37,7 @@ class Entries:
         self._domain, self._clock = domain, clock
         self._matcher, self._beliefs = Matcher(domain), prior_beliefs(domain)
         self._learnt: list[RuleEntry] = []
+        self._timed: list[DurationEntry] = []
         self._situation: Situation | None = None
         self._failure = ""
         self._spent = Account() if spent is None else spent
@@ -60,9 +69,13 @@ class Entries:
     def _learned(self, lesson: Lesson, domain: Domain) -> journal.Learned:
         """What is new; from now on the domain is what is believed."""
         entries = [_entry(domain, learned) for learned in lesson.rules]
-        new = tuple(entry for entry in entries if entry not in self._learnt)
-        self._domain, self._learnt = domain, entries
-        return journal.Learned(new)
+        durations = [DurationEntry(each.action, each.seconds, each.seen) for each in lesson.durations]
+        told = journal.Learned(
+            tuple(entry for entry in entries if entry not in self._learnt),
+            tuple(entry for entry in durations if entry not in self._timed),
+        )
+        self._domain, self._learnt, self._timed = domain, entries, durations
+        return told
 
     def _planned(self, event: events.Decided) -> journal.Planned:
         plan = event.plan

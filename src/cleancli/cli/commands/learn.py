@@ -73,7 +73,7 @@ def command(
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     if as_data:
-        click.echo(json.dumps(learned.to_dict()["rules"], indent=2))
+        click.echo(json.dumps(learned.to_dict(), indent=2))
     else:
         for change in learned.changes:
             echo_difference(Source(change.path, change.before), change.after, "learned")
