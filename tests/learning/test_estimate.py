@@ -7,8 +7,9 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import binom
 
-from cleancli.learning.estimate import ESTIMATORS, decreasing_m_estimate, m_estimate
+from cleancli.learning.estimate import ESTIMATORS, decreasing_m_estimate, examples_needed, m_estimate
 
 
 def weight_of_prior(estimator: str, examples: int) -> float:
@@ -42,3 +43,15 @@ def test_estimates_of_a_rule_sum_to_one(seen: list[int], estimator: str) -> None
     prior = 1 / len(seen)
     total = sum(ESTIMATORS[estimator](count, sum(seen), prior, 10.0) for count in seen)
     assert total == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("epsilon", "delta"), [(0.1, 0.05), (0.2, 0.1), (0.3, 0.01)])
+def test_so_many_examples_are_enough(epsilon: float, delta: float) -> None:
+    """Eq. 6: as few as its bound asks for, and estimates of any p are as good as it says."""
+    needed = examples_needed(epsilon, delta)
+    assert 2 * math.exp(-2 * needed * epsilon**2) <= delta
+    assert 2 * math.exp(-2 * (needed - 1) * epsilon**2) > delta
+    for p in (0.1, 0.5, 0.8):
+        below = binom.cdf(math.ceil(needed * (p - epsilon)) - 1, needed, p)
+        above = binom.sf(math.floor(needed * (p + epsilon)), needed, p)
+        assert below + above <= delta

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.api.lessons import LearningResult, learn
+from cleancli.cli.main import run
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, read_source
 
@@ -157,3 +158,16 @@ def test_counts_that_come_from_nowhere_are_told_of(domain: Path, tmp_path: Path)
     added = learn(domain, given, add=True)
     assert not notes(added, "does not say")
     assert added.rules[0].outcomes[0].seen == 8
+
+
+def test_a_copy_is_written_and_the_domain_stays(domain: Path, tmp_path: Path) -> None:
+    given = experience(tmp_path, "a.jsonl", HEADS)
+    copy = tmp_path / "learned.nid"
+    words = ["learn", str(domain), str(given), "--output", str(copy)]
+    assert run(words) == 0
+    assert domain.read_text(encoding="utf-8") == TEXT
+    assert seen(copy) == [1, 0]
+    once = copy.read_text(encoding="utf-8")
+    assert run(words) == 1, "nothing is written over"
+    assert copy.read_text(encoding="utf-8") == once
+    assert run([*words, "--write"]) == 2

@@ -119,6 +119,19 @@ class LearningResult:
         write_all(replaced)
         return tuple(str(each.path) for each in replaced)
 
+    def write_copy(self, path: Path) -> None:
+        """Write the domain's new text into a new file, and leave the domain as it is.
+
+        Raises Refused (E006) where the file exists, ValueError where what the domain includes would change
+        as well, and OSError.
+        """
+        included = [change.path for change in self.changes[1:] if change.before != change.after]
+        if included:
+            raise BadOption(
+                f"what was learned is in {', '.join(included)} too: copy all files and use --write"
+            )
+        write_all([Replacement(path, self.text, None)])
+
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli learn --json` prints."""
         return {"rules": plain(self.rules), "durations": plain(self.durations)}

@@ -11,6 +11,9 @@ MATCHES = ("shared", "strict")
 KNOWN = 12
 """Examples after which a rule counts as known; the value used in §6.3."""
 
+DELTA = 0.05
+"""Chance that an estimate may be further off than was asked for (eq. 6). Chosen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Method:

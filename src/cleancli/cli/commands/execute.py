@@ -34,7 +34,8 @@ from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
-from cleancli.learning.method import KNOWN
+from cleancli.learning.estimate import examples_needed
+from cleancli.learning.method import DELTA, KNOWN
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import RUN
 from cleancli.report.page import PAGE, write_page
@@ -79,6 +80,16 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     metavar="T",
     help="Move the arm out of view after an action whose rule was seen less than T times (§5.2)."
     "  [default: 12 with --learn, else 0]",
+)
+@click.option(
+    "--epsilon",
+    type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    help="In place of --known: as often as it takes until estimates are off by at most this (eq. 6)...",
+)
+@click.option(
+    "--delta",
+    type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    help="... but for this probability.  [default: 0.05]",
 )
 @click.option(
     "--world",
@@ -134,6 +145,8 @@ def command(
     objective: str | None,
     job: str | None,
     known: int | None,
+    epsilon: float | None,
+    delta: float | None,
     world: str | None,
     learn: bool,
     estimator: str | None,
@@ -175,7 +188,7 @@ def command(
         path = given.domain.sources[0].path
         raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
     method = Counting(estimator, m, match).method(given.domain.model) if learn else None
-    known = (KNOWN if learn else 0) if known is None else known
+    known = _known(known, epsilon, delta, learn)
     asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)
@@ -190,6 +203,20 @@ def command(
         if not said.silently:
             echo(str(result))
     return _tell(SeriesResult(tuple(done), learned), said)
+
+
+def _known(known: int | None, epsilon: float | None, delta: float | None, learn: bool) -> int:
+    """After how many examples a rule is known. Raises UsageError for more than one way of saying so."""
+    if known is not None and (epsilon, delta) != (None, None):
+        raise click.UsageError("--known and --epsilon say the same: ask for one")
+    if epsilon is None:
+        if delta is not None:
+            raise click.UsageError("--delta is for --epsilon: ask for both")
+        return (KNOWN if learn else 0) if known is None else known
+    needed = examples_needed(epsilon, DELTA if delta is None else delta)
+    if needed > MOST:
+        raise click.UsageError(f"--epsilon {epsilon:g} would take {needed} examples of each rule")
+    return needed
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,6 +33,11 @@ from cleancli.language.diagnostics.diagnostic import Source
     help="Learn nothing; say of each rule whether EXPERIENCE agrees with its probabilities.",
 )
 @click.option(
+    "--output",
+    type=options.FILE,
+    help="Write the learned domain to a file of its own, which must not exist.",
+)
+@click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
 @options.as_json("Print what was learned as JSON.")
@@ -45,6 +50,7 @@ def command(
     add: bool,
     replace: bool,
     check: bool,
+    output: Path | None,
     write: bool,
     as_data: bool,
 ) -> int:
@@ -56,8 +62,10 @@ def command(
     changes nothing: give every file that shall count, or --add to what was counted. With --check the exit
     code is 1 if a rule disagrees.
     """
-    if check and (add or replace or write):
-        raise click.UsageError("--check learns nothing: leave out --add, --replace and --write")
+    if check and (add or replace or write or output):
+        raise click.UsageError("--check learns nothing: leave out --add, --replace, --output and --write")
+    if output is not None and write:
+        raise click.UsageError("--write changes DOMAIN, and --output leaves it alone: ask for one")
     if add and replace:
         raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
@@ -82,4 +90,7 @@ def command(
     if write:
         for changed in learned.write():
             echo(f"wrote {changed}", err=as_data)
+    if output is not None:
+        learned.write_copy(output)
+        echo(f"wrote {output}", err=as_data)
     return ExitCode.DONE
