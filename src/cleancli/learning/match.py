@@ -13,7 +13,8 @@ from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Domain, Outcome, OutcomeKind, Value
 from cleancli.learning.experience import Transition
 
-_Changes = Mapping[Fluent, Value | None]
+Changes = Mapping[Fluent, Value | None]
+"""New values; None of a function that has none any more."""
 
 
 class Fit(NamedTuple):
@@ -27,6 +28,23 @@ class Fit(NamedTuple):
     misses: int = 0
     strays: int = 0
     quiet: int = 0
+
+
+class Comparison(NamedTuple):
+    """A transition beside its rule: what each outcome announces beyond what held already, and what was seen.
+
+    `names` are the objects that the rule's variables stand for, `own` those about which no outcome may be
+    wrong. `of_own` and `of_others` are the fluents that changed, with their new values; `quiet` those of
+    others that stayed.
+    """
+
+    rule: int | None
+    names: tuple[str, ...]
+    announced: tuple[Changes, ...]
+    own: set[str]
+    of_own: Changes
+    of_others: Changes
+    quiet: set[Fluent]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,38 +79,47 @@ class Matcher:
 
         Raises `Refused` (E602) where an outcome of the rule gives something two values in the state before.
         """
-        state, after = self._rules.state(transition.objects, transition.before), transition.after
+        found = self.compare(transition)
+        fits = [_fit(announced, found) for announced in found.announced]
+        return Match(found.rule, self._with_noise(outcomes_of(self._domain, found.rule), fits))
+
+    def compare(self, transition: Transition) -> Comparison:
+        """What the outcomes of the covering rule announce, beside what was seen. Raises as `match` does."""
+        state, before = self._rules.state(transition.objects, transition.before), transition.before
         rule, names = self._rules.covering(state, transition.action, transition.arguments) or (
             None,
             transition.arguments,
         )
-        outcomes, before = outcomes_of(self._domain, rule), state.values
-        sets: Sequence[_Changes] = ({},) * len(outcomes)
+        sets: Sequence[Changes] = ({},) * len(outcomes_of(self._domain, rule))
         if rule is not None:
             sets = results(self._rules, state, rule, names)
         scope = {*names}.union(*[key[1] for each in sets for key in each])
         own = scope if self._strict else {*names, *self._constants}
-        seen = self._seen(before, after, scope, own)
-        fits = [_fit(self._announced(each, before), seen, own) for each in sets]
-        return Match(rule, self._with_noise(outcomes, fits))
+        announced = tuple([self._announced(each, before) for each in sets])
+        return Comparison(rule, names, announced, own, *self._seen(before, transition.after, scope, own))
 
-    def _seen(self, before: Values, after: Values, scope: set[str], own: set[str]) -> _Seen:
-        """What became of the changeable fluents of the objects in scope."""
+    def _seen(
+        self, before: Values, after: Values, scope: set[str], own: set[str]
+    ) -> tuple[Changes, Changes, set[Fluent]]:
+        """What became of the changeable fluents of the objects in scope: of the rule's own and of others what
+        changed, and of others what stayed."""
         changeable = self._changeable
-        seen = _Seen({}, {}, set())
+        of_own: dict[Fluent, Value | None] = {}
+        of_others: dict[Fluent, Value | None] = {}
+        quiet: set[Fluent] = set()
         for key in before.keys() | after.keys():
             if key[0] in changeable and scope.issuperset(key[1]):
                 changed = before.get(key) != after.get(key)
                 if own.issuperset(key[1]):
                     if changed:
-                        seen.own[key] = self._value(after, key)
+                        of_own[key] = self._value(after, key)
                 elif changed:
-                    seen.others[key] = self._value(after, key)
+                    of_others[key] = self._value(after, key)
                 else:
-                    seen.quiet.add(key)
-        return seen
+                    quiet.add(key)
+        return of_own, of_others, quiet
 
-    def _announced(self, sets: _Changes, before: Values) -> _Changes:
+    def _announced(self, sets: Changes, before: Values) -> Changes:
         """What an outcome would change beyond what holds already."""
         return {key: value for key, value in sets.items() if value != self._value(before, key)}
 
@@ -108,23 +135,15 @@ class Matcher:
         return tuple(others if self._strict else fits)
 
 
-class _Seen(NamedTuple):
-    """The new values of fluents that changed, of the rule's own objects and of others, and which fluents of
-    others stayed."""
-
-    own: dict[Fluent, Value | None]
-    others: dict[Fluent, Value | None]
-    quiet: set[Fluent]
-
-
-def _fit(announced: _Changes, seen: _Seen, own: set[str]) -> Fit | None:
+def _fit(announced: Changes, seen: Comparison) -> Fit | None:
     """What was seen of what was announced; None where the rule's own objects contradict it."""
+    own = seen.own
     of_own = {key: value for key, value in announced.items() if own.issuperset(key[1])}
-    if of_own != seen.own:
+    if of_own != seen.of_own:
         return None
     of_others = {key: value for key, value in announced.items() if key not in of_own}
-    hits = len(of_others.items() & seen.others.items())
-    strays = len(seen.others.keys() - of_others.keys())
+    hits = len(of_others.items() & seen.of_others.items())
+    strays = len(seen.of_others.keys() - of_others.keys())
     return Fit(hits, len(of_others) - hits, strays, len(seen.quiet - of_others.keys()))
 
 

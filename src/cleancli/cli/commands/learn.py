@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+from cleancli.api.accounts import Accounts, suggested, told
+from cleancli.api.accounts import as_data as account_data
 from cleancli.api.agreements import agreement
 from cleancli.api.lessons import Counting, lessons
 from cleancli.cli import options
@@ -33,6 +36,11 @@ from cleancli.language.diagnostics.diagnostic import Source
     help="Learn nothing; say of each rule whether EXPERIENCE agrees with its probabilities.",
 )
 @click.option(
+    "--explain",
+    is_flag=True,
+    help="Learn nothing; say what each transition counts for, and which outcomes would explain noise.",
+)
+@click.option(
     "--output",
     type=options.FILE,
     help="Write the learned domain to a file of its own, which must not exist.",
@@ -50,6 +58,7 @@ def command(
     add: bool,
     replace: bool,
     check: bool,
+    explain: bool,
     output: Path | None,
     write: bool,
     as_data: bool,
@@ -62,8 +71,9 @@ def command(
     changes nothing: give every file that shall count, or --add to what was counted. With --check the exit
     code is 1 if a rule disagrees.
     """
-    if check and (add or replace or write or output):
-        raise click.UsageError("--check learns nothing: leave out --add, --replace, --output and --write")
+    if (check or explain) and (add or replace or write or output):
+        asked = "--check" if check else "--explain"
+        raise click.UsageError(f"{asked} learns nothing: leave out --add, --replace, --output and --write")
     if output is not None and write:
         raise click.UsageError("--write changes DOMAIN, and --output leaves it alone: ask for one")
     if add and replace:
@@ -78,6 +88,9 @@ def command(
             found = agreement(loaded, experience, counting)
         echo(json.dumps(found.to_dict(), indent=2) if as_data else str(found))
         return ExitCode.DONE if found.agrees else ExitCode.REFUSED
+    if explain:
+        _explain(Accounts(loaded, experience, counting), as_data)
+        return ExitCode.DONE
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     if as_data:
@@ -94,3 +107,19 @@ def command(
         learned.write_copy(output)
         echo(f"wrote {output}", err=as_data)
     return ExitCode.DONE
+
+
+def _explain(accounts: Accounts, as_data: bool) -> None:
+    """Each transition as it is read, and then what is suggested; as data a line of JSON each."""
+    for account in accounts:
+        if as_data:
+            echo(json.dumps(account_data(accounts.model, account)))
+        else:
+            for line in told(accounts.model, account):
+                echo(line)
+    for found in accounts.suggestions:
+        if as_data:
+            rule = accounts.model.rules[found.rule].name
+            echo(json.dumps({"suggestion": {**asdict(found), "rule": rule}}))
+        else:
+            echo(suggested(accounts.model, found))
