@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -61,7 +62,12 @@ def _shaken(rule: Rule, rng: Rng) -> Rule:
 
 
 def _read(name: str) -> Domain:
-    return load_domain(read_source(FOLDER / f"{name}.nid"))
+    return _loaded(FOLDER / f"{name}.nid")
+
+
+@functools.cache
+def _loaded(path: Path) -> Domain:
+    return load_domain(read_source(path))
 
 
 def _problem(domain: Domain, objects: Mapping[str, Sequence[str]], facts: set[Fact], steps: int) -> Problem:
@@ -90,7 +96,7 @@ def cleaning(rng: Rng) -> tuple[Domain, Problem]:
 
 def shipped(rng: Rng) -> tuple[Domain, Problem]:
     """The same under the rules of the shipped domain, which knows nothing of `aligned`."""
-    domain = load_domain(read_source(find("cleaning", "domains")))
+    domain = _loaded(find("cleaning", "domains"))
     problem = cleaning(rng)[1]
     facts = frozenset(fact for fact in problem.state if fact.symbol != "aligned")
     return domain, replace(problem, domain=domain.name, state=facts)

@@ -18,6 +18,7 @@ About four minutes of CPU for five seeds. With --keep each seed is a line of FIL
 from __future__ import annotations
 
 import argparse
+import functools
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -62,9 +63,14 @@ class Drawn:
 # ---- hidden rules, and what they do
 
 
+@functools.cache
+def _coins() -> Domain:
+    return load_domain(read_source(FOLDER / "coins.nid"))
+
+
 def coins(rng: Rng) -> tuple[Domain, Problem]:
     """Two to five coins, each as likely heads as not."""
-    domain = load_domain(read_source(FOLDER / "coins.nid"))
+    domain = _coins()
     names = [f"c{number}" for number in range(1, int(rng.integers(3, 7)))]
     facts = frozenset(Fact("heads", (name,)) for name in names if rng.random() < 0.5)
     return domain, Problem("coins", domain.name, tuple(Object(name, "coin") for name in names), facts)
@@ -109,10 +115,12 @@ def draw(name: str, truth: Domain, rng: Rng) -> Iterator[Drawn]:
         asked = [(action.name, action.objects) for action in task.actions]
         for _ in range(STEPS):
             state = rules.state(problem.objects, values)
-            covered = [(a, found) for a in asked if (found := rules.covering(state, *a)) is not None]
-            if not covered:
+            # The first that is covered, in random order, is any of them alike.
+            order = (asked[index] for index in rng.permutation(len(asked)).tolist())
+            covered = next(((each, found) for each in order if (found := rules.covering(state, *each))), None)
+            if covered is None:
                 break
-            (action, arguments), (rule, names) = covered[int(rng.integers(len(covered)))]
+            (action, arguments), (rule, names) = covered
             outcomes = truth.rules[rule].outcomes
             outcome = int(rng.choice(len(outcomes), p=[float(o.probability) for o in outcomes]))
             after = changed(values, results(rules, state, rule, names)[outcome])
