@@ -215,10 +215,10 @@ def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterat
     yield "|---|---|---|---|---|---|---|---|"
     for name in DRAW:
         rows = [found[name, seed] for seed in seeds]
-        shares = [row["learned"] / row["told"] for row in rows]
+        learned, told = (mean(row[key] for row in rows) for key in ("learned", "told"))
         more = [row["from right"] - row["right and told"] for row in rows]
         cells = [_mean([row[key] for row in rows]) for key in ("before", "learned", "told")]
-        cells += [_mean(shares, 2), _mean([row["strict"] for row in rows])]
+        cells += [f"{learned / told:.2f}", _mean([row["strict"] for row in rows])]
         yield f"| {name} | {' | '.join([*cells, _mean([row['from right'] for row in rows]), _mean(more)])} |"
 
 
@@ -236,10 +236,10 @@ def _curve_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> 
                 yield f"| {name} | {prior} | {estimator} | {' | '.join(cells)} |"
 
 
-def _mean(values: Sequence[float], digits: int = 4) -> str:
+def _mean(values: Sequence[float]) -> str:
     """With the standard error, where there are several."""
     error = stdev(values) / len(values) ** 0.5 if len(values) > 1 else 0.0
-    return f"{mean(values):.{digits}f} ± {error:.{digits}f}"
+    return f"{mean(values):.4f} ± {error:.4f}"
 
 
 def main() -> None:

@@ -85,7 +85,7 @@ def test_learning_changes_the_file_that_holds_the_number(
         "after": [*before, ["wet", ["b1"], True]],
     }
     (files / "experience.jsonl").write_text((json.dumps(record) + "\n") * 4, encoding="utf-8")
-    text = said(capsys, "learn", "tower.nid", "experience.jsonl", "--write")
+    text = said(capsys, "learn", "tower.nid", "experience.jsonl", "--replace", "--write")
     assert "wrote tower.nid" in text
     learned = (files / "parts" / "base.nid").read_text(encoding="utf-8")
     assert "[prior 0.25, seen 4]" in learned

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -127,6 +128,28 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
 def told(folder: Path) -> list[LearnedEntry]:
     """What a run's journal says was learned."""
     return [record for record in read_journal(folder).records if isinstance(record, LearnedEntry)]
+
+
+def test_episodes_in_which_the_same_happens_all_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And a copy of one of them counts once."""
+    monkeypatch.chdir(tmp_path)
+    certain = (TEXT % "1").replace("open(?d) rest: nothing", "open(?d)", 1)
+    (tmp_path / "own.nid").write_text(certain, encoding="utf-8")
+    (tmp_path / "p.nid").write_text(DOORS)
+    assert (
+        run(
+            ["execute", "own.nid", "p.nid", "--learn", "--episodes", "3", "--write", "--quiet", "--seed", "1"]
+        )
+        == 0
+    )
+    assert "[prior 1, seen 9]" in (tmp_path / "own.nid").read_text()
+    shutil.copytree("runs/p-seed2-001", "runs/copy")
+    (tmp_path / "own.nid").write_text(certain, encoding="utf-8")
+    result = learn("own.nid", "runs")
+    assert result.rules[0].examples == 9
+    assert any("given twice" in note for note in result.notes)
 
 
 def test_what_the_text_has_counted_counts_on(tmp_path: Path) -> None:

@@ -153,7 +153,8 @@ class Recorder:
     def _acted(self, event: Acted) -> None:
         if event.transition is not None and event.seen:
             lasted = {"transit": round(event.transit, 3), "seconds": round(event.seconds, 3)}
-            extra = {"number": event.number, **lasted}
+            # The seed tells runs apart in which the same has happened: what is given twice counts once.
+            extra = {"seed": self._header["seed"], "number": event.number, **lasted}
             self._experience.write(encode(event.transition, extra) + "\n")
             self._experience.flush()
         assert self._before is not None, "an episode looks before it acts"
