@@ -193,18 +193,20 @@ def _encode_state(values: Values) -> list[list[object]]:
 
 
 class _Line(msgspec.Struct):
-    """A line as JSON. A fact is a symbol, its objects and its value; `transit` comes before `seconds`."""
+    """A line as JSON, the facts not decoded yet; `transit` comes before `seconds`."""
 
     action: str
     arguments: tuple[str, ...]
     objects: dict[str, str]
-    before: tuple[_Fact, ...]
-    after: tuple[_Fact, ...]
+    before: msgspec.Raw
+    after: msgspec.Raw
     seconds: _Seconds | None = None
     transit: _Seconds = 0.0
 
 
 _DECODER = msgspec.json.Decoder(_Line)
+_FACTS = msgspec.json.Decoder(tuple[_Fact, ...])
+"""A fact is a symbol, its objects and its value."""
 
 
 class _Reader:
@@ -218,11 +220,12 @@ class _Reader:
         self._constants = frozenset(constant.name for constant in domain.constants)
         # By the type of the value too, since 1 and true are equal.
         self._facts: dict[type, dict[_Fact, tuple[Fluent, Value]]] = {}
+        self._last: tuple[msgspec.Raw, tuple[Object, ...], Values] = (msgspec.Raw(), (), {})
         self._objects: dict[tuple[tuple[str, str], ...], tuple[Object, ...]] = {}
 
     def transition(self, line: bytes) -> Transition:
         """Raises ValueError, with the reason, for anything that is not a transition."""
-        record = _parsed(line)
+        record = _decoded(_DECODER, line)
         if record.action not in self._arity:
             raise ValueError(f"the domain has no action {record.action!r}")
         if len(record.arguments) != self._arity[record.action]:
@@ -232,8 +235,12 @@ class _Reader:
         known = self._constants.union(record.objects)
         if unknown := [name for name in record.arguments if name not in known]:
             raise ValueError(f"{unknown[0]!r} is not among its objects")
-        before = self._values(record.before, "before", known)
+        # What came after one action is mostly what was before the next, word for word.
+        raw, objects_then, values = self._last
+        is_same = raw == record.before and objects_then is objects
+        before = values if is_same else self._values(record.before, "before", known)
         after = self._values(record.after, "after", known)
+        self._last = record.after, objects, after
         lasted = None if record.seconds is None else milliseconds(record.transit, record.seconds)
         return Transition(record.action, record.arguments, objects, before, after, lasted)
 
@@ -245,8 +252,8 @@ class _Reader:
             _remember(self._objects, key, tuple(Object(*each) for each in key))
         return self._objects[key]
 
-    def _values(self, listed: tuple[_Fact, ...], key: str, known: Set[str]) -> Values:
-        facts = self._facts
+    def _values(self, raw: msgspec.Raw, key: str, known: Set[str]) -> Values:
+        facts, listed = self._facts, _decoded(_FACTS, raw, f" of {key}")
         try:
             values = dict([facts[type(each[2])][each] for each in listed])
         except KeyError:
@@ -290,11 +297,12 @@ def _remember(known: dict[_Key, _Read], key: _Key, value: _Read) -> None:
     known[key] = value
 
 
-def _parsed(line: bytes) -> _Line:
+def _decoded(decoder: msgspec.json.Decoder[_Read], text: bytes | msgspec.Raw, where: str = "") -> _Read:
+    """Raises ValueError, with the reason, for what is no JSON or of other types."""
     try:
-        return _DECODER.decode(line)
+        return decoder.decode(text)
     except msgspec.ValidationError as error:
-        raise ValueError(f"{str(error)[0].lower()}{str(error)[1:]}") from None
+        raise ValueError(f"{str(error)[0].lower()}{str(error)[1:]}{where}") from None
     except msgspec.DecodeError as error:
         raise ValueError(f"it is no JSON ({error})") from None
     except RecursionError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -47,8 +46,7 @@ class Comparison(NamedTuple):
     quiet: set[Fluent]
 
 
-@dataclass(frozen=True, slots=True)
-class Match:
+class Match(NamedTuple):
     """The outcomes of a rule beside a transition: `rule` is the covering rule's index in the domain, None for
     the default rule; `fits` has an entry per outcome, None where it cannot have made the transition."""
 
@@ -73,6 +71,11 @@ class Matcher:
         self._changeable = changeable_symbols(domain)
         self._constants = frozenset(constant.name for constant in domain.constants)
         self._rules = LiftedRules(domain)
+        self._missing = {symbol.name: self._rules.meaning.missing(symbol.name) for symbol in domain.symbols}
+        self._noise = {
+            rule: tuple(outcome.kind is OutcomeKind.NOISE for outcome in outcomes_of(domain, rule))
+            for rule in (*range(len(domain.rules)), None)
+        }
 
     def match(self, transition: Transition) -> Match:
         """The rule that covered the state before, and how its outcomes fit the state after.
@@ -81,7 +84,7 @@ class Matcher:
         """
         found = self.compare(transition)
         fits = [_fit(announced, found) for announced in found.announced]
-        return Match(found.rule, self._with_noise(outcomes_of(self._domain, found.rule), fits))
+        return Match(found.rule, self._with_noise(self._noise[found.rule], fits))
 
     def compare(self, transition: Transition) -> Comparison:
         """What the outcomes of the covering rule announce, beside what was seen. Raises as `match` does."""
@@ -103,7 +106,7 @@ class Matcher:
     ) -> tuple[Changes, Changes, set[Fluent]]:
         """What became of the changeable fluents of the objects in scope: of the rule's own and of others what
         changed, and of others what stayed."""
-        changeable = self._changeable
+        changeable, missing = self._changeable, self._missing
         of_own: dict[Fluent, Value | None] = {}
         of_others: dict[Fluent, Value | None] = {}
         quiet: set[Fluent] = set()
@@ -112,31 +115,30 @@ class Matcher:
                 changed = before.get(key) != after.get(key)
                 if own.issuperset(key[1]):
                     if changed:
-                        of_own[key] = self._value(after, key)
+                        of_own[key] = after.get(key, missing[key[0]])
                 elif changed:
-                    of_others[key] = self._value(after, key)
+                    of_others[key] = after.get(key, missing[key[0]])
                 else:
                     quiet.add(key)
         return of_own, of_others, quiet
 
     def _announced(self, sets: Changes, before: Values) -> Changes:
         """What an outcome would change beyond what holds already."""
-        return {key: value for key, value in sets.items() if value != self._value(before, key)}
+        missing = self._missing
+        return {key: value for key, value in sets.items() if value != before.get(key, missing[key[0]])}
 
-    def _value(self, values: Values, key: Fluent) -> Value | None:
-        return values.get(key, self._rules.meaning.missing(key[0]))
-
-    def _with_noise(self, outcomes: Sequence[Outcome], fits: Sequence[Fit | None]) -> tuple[Fit | None, ...]:
+    def _with_noise(self, is_noise: Sequence[bool], fits: Sequence[Fit | None]) -> tuple[Fit | None, ...]:
         """The fits, those of noise being what noise may have made."""
-        is_noise = [outcome.kind is OutcomeKind.NOISE for outcome in outcomes]
         others = [None if noise else fit for noise, fit in zip(is_noise, fits, strict=True)]
-        if all(fit is None for fit in others):
-            return tuple(Fit() if noise else None for noise in is_noise)
+        if not any(others):
+            return tuple([Fit() if noise else None for noise in is_noise])
         return tuple(others if self._strict else fits)
 
 
 def _fit(announced: Changes, seen: Comparison) -> Fit | None:
     """What was seen of what was announced; None where the rule's own objects contradict it."""
+    if announced == seen.of_own:
+        return Fit(0, 0, len(seen.of_others), len(seen.quiet))
     own = seen.own
     of_own = {key: value for key, value in announced.items() if own.issuperset(key[1])}
     if of_own != seen.of_own:
