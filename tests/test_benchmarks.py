@@ -44,6 +44,8 @@ LONG = {
     "fresh_tables.py",
     "identity.py",
     "ink.py",
+    "learning.py",
+    "new_grasp.py",
     "perception.py",
     "physics.py",
     "regret.py",
