@@ -111,7 +111,7 @@ def test_execute_and_learn(
         path.name for path in Path("runs/three_areas-seed5-002").iterdir()
     }
     learned = cleancli.learn("cleaning", result.folder, m=5)
-    assert learned.to_dict()["rules"] == told(capsys, "learn", "cleaning", result.folder, "--m", 5)
+    assert learned.to_dict() == told(capsys, "learn", "cleaning", result.folder, "--m", 5)
     assert printed(capsys, "learn", "cleaning", result.folder, "--m", 5) == f"{learned}\n"
 
 

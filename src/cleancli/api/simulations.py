@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from cleancli.api.asked import Asked
 from cleancli.api.checks import check_least, check_one_of
@@ -18,15 +19,19 @@ from cleancli.api.inputs import (
 from cleancli.api.plain import fields_of, plain
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
+from cleancli.compiler.fluents import values_of
+from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
+from cleancli.learning.experience import Transition, encode
 from cleancli.planning.choice import planner_named
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, Round, spread
 from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, EpisodeLimits
+from cleancli.simulation.episode import Episode, EpisodeLimits, replayed
 from cleancli.simulation.summary import Estimate, Summary, summarized
+from cleancli.simulation.symbolic_world import world_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,12 +102,15 @@ def simulate(
     commit: int = 1,
     jobs: int = 1,
     objective: str = "reward",
+    record: str | Path | None = None,
 ) -> SimulationResult:
     """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
-    plan again; the world acts by the rules of `world`, or else of `domain`.
+    plan again; the world acts by the rules of `world`, or else of `domain`. What was done is written into
+    `record`, a new experience file, where one is named.
 
     Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
-    no sense. With several `jobs` a script must keep `if __name__ == "__main__":`, as for any processes.
+    no sense, and OSError where the record cannot be written. With several `jobs` a script must keep
+    `if __name__ == "__main__":`, as for any processes.
     """
     asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
     check_least(1, episodes=episodes, commit=commit, jobs=jobs)
@@ -115,7 +123,10 @@ def simulate(
     setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit))
     sources = (*given.domain.sources, *acting.sources, given.source)
     with located_in(*sources), planning_refused(sources):
-        return simulation_result(setup, spread(setup, episodes, jobs))
+        result = simulation_result(setup, spread(setup, episodes, jobs))
+    if record is not None:
+        write_experience(setup, result, Path(record))
+    return result
 
 
 def batch(
@@ -168,6 +179,28 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         planners=tuple(summaries),
         episodes=found,
     )
+
+
+def experience_of(setup: Batch, planner: str, played: Iterable[Episode]) -> Iterator[str]:
+    """The lines of an experience file that tells what a planner did in some episodes, without line ends."""
+    world, seed = world_of(setup.world, setup.problem, setup.timed), setup.options.seed
+    for episode in played:
+        origin = {"seed": seed, "planner": planner, "episode": episode.number}
+        for number, (before, step, after) in enumerate(replayed(world, episode, seed), start=1):
+            action = step.action
+            states = [values_of(world.facts(state)) for state in (before, after)]
+            transition = Transition(action.name, action.objects, setup.problem.objects, states[0], states[1])
+            lasted = {} if step.seconds is None else {"transit": 0.0, "seconds": round(step.seconds, 3)}
+            yield encode(transition, {**origin, "number": number, **lasted})
+
+
+def write_experience(setup: Batch, result: SimulationResult, path: Path) -> None:
+    """Write what was done in all episodes into a new experience file, for `learn`. Raises OSError, where the
+    file exists too."""
+    with path.open("x", encoding="utf-8") as file, naming(path):
+        for summary, played in zip(result.planners, result.episodes, strict=True):
+            for line in experience_of(setup, summary.planner, played):
+                file.write(line + "\n")
 
 
 def _row(summary: Summary, compared: bool) -> tuple[str, ...]:

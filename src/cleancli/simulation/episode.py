@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -96,6 +96,18 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
         sum(durations) if len(durations) == len(steps) else None,
         tuple(planning),
     )
+
+
+def replayed(
+    world: World, played: Episode, seed: int
+) -> Iterator[tuple[GroundState, DrawnStep, GroundState]]:
+    """Each action of an episode once more, with the states before and after it: draws hang on nothing else
+    than the seed, the episode's number, and what was done."""
+    rng, state = np.random.default_rng(_seeds(seed, played.number, _Stream.WORLD)), world.task.initial
+    for action in played.actions:
+        before = state
+        step, state = do(world, before, action, rng)
+        yield before, step, state
 
 
 def returns(world: World, steps: Sequence[DrawnStep], last: GroundState, length: int) -> tuple[float, float]:

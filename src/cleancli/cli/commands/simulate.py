@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from cleancli.api.asked import Asked
-from cleancli.api.simulations import batch, simulation_result
+from cleancli.api.simulations import batch, simulation_result, write_experience
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains
@@ -49,6 +51,11 @@ from cleancli.simulation.episode import EpisodeLimits
 )
 @options.jobs("Processes.")
 @options.objective()
+@click.option(
+    "--record",
+    type=options.FILE,
+    help="Write what was done into a new experience file, for `cleancli learn`.",
+)
 @options.as_json("Print everything as JSON, episode by episode.")
 @usage_errors()
 def command(
@@ -64,6 +71,7 @@ def command(
     commit: int,
     jobs: int,
     objective: str,
+    record: Path | None,
     as_data: bool,
 ) -> None:
     """Simulate episodes of PROBLEM: plan with the rules of DOMAIN, do the first actions, plan again.
@@ -71,6 +79,8 @@ def command(
     What comes of an action is drawn from the rules. An episode ends when the goal holds, when nothing is left
     of the count, when the planner finds nothing worth doing, or after --max-actions.
     """
+    if record is not None and record.exists():
+        raise click.UsageError(f"--record {record}: the file exists, and nothing is written over")
     given = open_given(domain, problem)
     acting = given.domain if world is None else open_loaded(world)
     asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
@@ -81,4 +91,6 @@ def command(
     with located_in(*texts), planning_refused(texts):
         found = counted("simulating", spread(setup, episodes, jobs), episodes)
         result = simulation_result(setup, found)
+    if record is not None:
+        write_experience(setup, result, record)
     echo_simulation(result, as_data)
