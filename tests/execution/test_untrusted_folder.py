@@ -172,6 +172,15 @@ def test_an_episode_that_cannot_be_is_refused(
     refused(resumed(folder), folder, capsys, "E706", says)
 
 
+def test_what_is_no_text_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bytes of a checkpoint's JSON that are no UTF-8."""
+    for path in (folder / "state").iterdir():
+        arrays = unpacked(path.read_bytes())
+        broken = arrays["rest"].tobytes().replace(b'"reason":""', b'"reason":"\xba"')
+        path.write_bytes(packed({**arrays, "rest": np.frombuffer(broken, np.uint8)}))
+    refused(resumed(folder), folder, capsys, "E706", "can't decode byte 0xba")
+
+
 WORLDS: dict[str, Callable[[dict[str, Any]], object]] = {
     "facts that can change": lambda a: a.update(world_assignment=np.zeros((2, 2), np.int64)),
     "a value that it cannot have": lambda a: a.update(world_assignment=a["world_assignment"] + 1000),

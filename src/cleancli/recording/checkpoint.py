@@ -87,7 +87,7 @@ def read(folder: Path, path: Path) -> Saved:
         arrays = unpacked(read_inside(folder, str(path.relative_to(folder)), LARGEST))
         world = {n.removeprefix("world_"): array for n, array in arrays.items() if n != "rest"}
         rest = msgspec.json.decode(arrays["rest"].tobytes(), type=_Rest, dec_hook=_read)
-    except (msgspec.MsgspecError, BadArrays, RecursionError) as error:
+    except (msgspec.MsgspecError, BadArrays, RecursionError, UnicodeDecodeError) as error:
         raise refused(path, str(error)) from None
     except KeyError:
         raise refused(path, "it has no `rest`") from None
