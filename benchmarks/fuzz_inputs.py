@@ -277,7 +277,9 @@ def _array(array: Any, rng: random.Random) -> Any:
         case 5:
             return np.zeros((2000, 2000)) if rng.random() < 0.3 else array.T
         case _:
-            changed = changed * rng.choice((-1, 2, 1000))
+            # Whole numbers wrap around: a factor that their type cannot hold is an error to numpy.
+            wide = changed.astype(np.int64) if changed.dtype.kind in "iu" else changed
+            changed = (wide * rng.choice((-1, 2, 1000))).astype(changed.dtype)
     return changed.reshape(array.shape)
 
 
