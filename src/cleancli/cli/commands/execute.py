@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -10,7 +11,9 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
+from cleancli.api.inputs import LoadedProblem
 from cleancli.api.lessons import Counting, LearningResult, is_own_file
+from cleancli.api.run_session import Inputs
 from cleancli.api.runs import (
     OpenedRun,
     RunResult,
@@ -171,14 +174,7 @@ def command(
     said = _Said(as_data, quiet)
     if resume is not None:
         _refuse_beside_resume()
-        with resumed_run(resume, lambda text: echo(f"note: {text}", err=True)) as opened:
-            after = 0 if opened.resumed is None else opened.resumed.after
-            if not said.silently:
-                echo(f"going on after {plural(after, 'action')}", err=True)
-            result = _carry_out(opened, said)
-        if not said.silently:
-            echo(str(result))
-        return _tell(SeriesResult((result,), None), said)
+        return _tell(_resumed(resume, said), said)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     if write and not learn:
@@ -192,17 +188,36 @@ def command(
     asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)
-    is_own, outside = is_own_file(domain), may_include_outside()
+    results = carried_out(inputs, episodes, runs, video, lambda opened: _carry_out(opened, said))
+    return _tell(_series(results, given, inputs, is_own_file(domain), write, said), said)
+
+
+def _resumed(folder: Path, said: _Said) -> SeriesResult:
+    """A run that was cut short, to its end."""
+    with resumed_run(folder, lambda text: echo(f"note: {text}", err=True)) as opened:
+        after = 0 if opened.resumed is None else opened.resumed.after
+        if not said.silently:
+            echo(f"going on after {plural(after, 'action')}", err=True)
+        result = _carry_out(opened, said)
+    if not said.silently:
+        echo(str(result))
+    return SeriesResult((result,), None)
+
+
+def _series(
+    results: Iterable[RunResult], given: LoadedProblem, inputs: Inputs, is_own: bool, write: bool, said: _Said
+) -> SeriesResult:
+    """All episodes; what they teach is written after each, if that is wanted."""
     done: list[RunResult] = []
     learned: LearningResult | None = None
-    for result in carried_out(inputs, episodes, runs, video, lambda opened: _carry_out(opened, said)):
+    for result in results:
         done.append(result)
-        last, learned = learned, lesson_of(given, inputs, done, is_own, outside)
+        last, learned = learned, lesson_of(given, inputs, done, is_own, may_include_outside())
         if write and learned is not None:
             learned.write(last)
         if not said.silently:
             echo(str(result))
-    return _tell(SeriesResult(tuple(done), learned), said)
+    return SeriesResult(tuple(done), learned)
 
 
 def _known(known: int | None, epsilon: float | None, delta: float | None, learn: bool) -> int:
