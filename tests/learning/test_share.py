@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cleancli.api.lessons import learn as learned_from
 from cleancli.compiler.fluents import values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.load import checked_domain, load_domain, read_source
 from cleancli.language.model import Fact, Object, Outcome, OutcomeKind, State
 from cleancli.learning.edits import edits
-from cleancli.learning.experience import Transition
+from cleancli.learning.experience import Transition, encode
 from cleancli.learning.learn import learn
 from cleancli.learning.share import exactly, shared_out
 
@@ -146,3 +147,26 @@ def test_a_rule_always_sums_to_one(parts: list[tuple[str, int]], has_rest: bool,
     assert sum(result) == 1
     assert all(0 <= p <= 1 for p in result)
     assert all(p == o.probability for p, o in zip(result, outcomes, strict=True) if o.fixed)
+
+
+def test_what_is_added_to_a_shared_parameter_counts_for_all_its_rules_together(tmp_path: Path) -> None:
+    """In two steps it comes to what it does at once: what rules share does not count for each of them."""
+    wet, gone = _state("dirt", "wet"), _state()
+    first = (
+        [_transition("wipe", wet)] * 6 + [_transition("wipe", gone)] * 6 + [_transition("rinse", gone)] * 12
+    )
+    second = [_transition("rinse", wet)] * 2 + [_transition("wipe", gone)] * 4
+    files = [tmp_path / name for name in ("a.jsonl", "b.jsonl")]
+    for path, experience in zip(files, (first, second), strict=True):
+        path.write_text("".join(encode(each, {}) + "\n" for each in experience), encoding="utf-8")
+    steps, once = tmp_path / "steps.nid", tmp_path / "once.nid"
+    for path in (steps, once):
+        path.write_text(TEXT, encoding="utf-8")
+    learned_from(steps, files[0], write=True)
+    learned_from(steps, files[1], add=True, write=True)
+    learned_from(once, *files, write=True)
+    found, expected = (load_domain(read_source(path)) for path in (steps, once))
+    assert found.parameters[0].seen == expected.parameters[0].seen == 8
+    spill, at_once = (float(domain.parameters[0].probability) for domain in (found, expected))
+    assert spill == pytest.approx(at_once, abs=2e-4)
+    assert sum(o.seen or 0 for o in found.rules[1].outcomes[1:]) == 12

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from types import MappingProxyType
 
-from cleancli.language.model import Domain
+from cleancli.language.model import Domain, Outcome
 from cleancli.learning.durations import LearnedDuration, Times, learn_durations
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.expectation import (
@@ -78,11 +78,29 @@ def learned_from(
 
 
 def counted(domain: Domain) -> Counts:
-    """How often each outcome was seen, by what the domain's text says."""
-    return {
-        rule: tuple(float(outcome.seen or 0) for outcome in outcomes_of(domain, rule))
-        for rule in nothing_counted(domain)
-    }
+    """How often each outcome was seen, by what the domain's text says.
+
+    Of a shared parameter the text says how often all its outcomes were seen together. They are as likely in
+    each rule, so that each rule had its part in proportion to what else was seen of it.
+    """
+    outcomes = {rule: outcomes_of(domain, rule) for rule in nothing_counted(domain)}
+    own = {rule: sum(map(_seen, found), start=Fraction(0)) for rule, found in outcomes.items()}
+    together: Counter[str] = Counter()
+    for rule, found in outcomes.items():
+        together.update({o.parameter: own[rule] for o in found if o.parameter is not None})
+
+    def part(rule: int | None, outcome: Outcome) -> Fraction:
+        if outcome.parameter is None:
+            return _seen(outcome)
+        everything = together[outcome.parameter]
+        return (outcome.seen or Fraction(0)) * own[rule] / everything if everything else Fraction(0)
+
+    return {rule: tuple(float(part(rule, o)) for o in found) for rule, found in outcomes.items()}
+
+
+def _seen(outcome: Outcome) -> Fraction:
+    """How often an outcome was seen whose count is its own."""
+    return Fraction(0) if outcome.parameter is not None else outcome.seen or Fraction(0)
 
 
 def revised(domain: Domain, lesson: Lesson) -> Domain:

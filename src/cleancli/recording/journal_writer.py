@@ -75,6 +75,7 @@ class Entries:
             tuple(entry for entry in durations if entry not in self._timed),
         )
         self._domain, self._learnt, self._timed = domain, entries, durations
+        self._beliefs = lesson.beliefs
         return told
 
     def _planned(self, event: events.Decided) -> journal.Planned:
