@@ -22,6 +22,7 @@ from fractions import Fraction
 from pathlib import Path
 from statistics import mean
 
+from instances import as_shipped
 from kept import Kept
 from strategies import interval
 
@@ -32,7 +33,7 @@ from cleancli.execution.session import symbolic_session
 from cleancli.execution.setup import EpisodeOptions, within_reach
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.model import Action, Assign, Domain, Literal, Outcome, Problem, Rule
+from cleancli.language.model import Action, Assign, Domain, Literal, Outcome, Rule
 from cleancli.learning.method import Method
 from planning import layout
 
@@ -103,13 +104,6 @@ def _end(outcome: Outcome) -> str:
     return "none" if gone or compact else "some"
 
 
-def table(domain: Domain, areas: int, seed: int) -> Problem:
-    """Areas at random places, as the shipped domain speaks of them."""
-    problem = layout(areas, seed)
-    facts = frozenset(fact for fact in problem.state if fact.symbol != "aligned")
-    return replace(problem, domain=domain.name, state=facts)
-
-
 def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples: int) -> list[float]:
     """The robot's seconds in each episode."""
     shipped = within_reach(load_domain(read_source(find("cleaning", "domains"))), "gantry")
@@ -123,7 +117,7 @@ def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples:
             by_time=True,
             learning=Method() if kind == "learned" else None,
         )
-        problem = table(shipped, areas, 1000 * seed + number)
+        problem = as_shipped(layout(areas, 1000 * seed + number), shipped)
         session = symbolic_session(known, problem, options, acting=true)
         for event in clean(replace(session.setup, evidence=evidence), session.cell):
             if isinstance(event, Checkpoint):

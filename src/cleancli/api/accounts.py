@@ -8,15 +8,14 @@ from pathlib import Path
 
 from cleancli.api.inputs import LoadedDomain
 from cleancli.api.lessons import Counting, experience_files
-from cleancli.compiler.fluents import Fluent
 from cleancli.language.load import located_in
-from cleancli.language.model import Domain, Value
+from cleancli.language.model import Domain
 from cleancli.language.printing.printer import print_fraction, print_result
 from cleancli.learning.experience import read_experience
 from cleancli.learning.explained import Counted, Suggestion, Suggestions, Wrong, counted_for
 from cleancli.learning.gathered import gather
 from cleancli.learning.learn import learned_from
-from cleancli.learning.match import outcomes_of
+from cleancli.learning.match import outcomes_of, rule_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class Accounts:
     def __init__(self, domain: LoadedDomain, experience: Sequence[Path], counting: Counting) -> None:
         self.model = domain.model
         self._sources, self._counting = domain.sources, counting
-        self._files = [file for path in experience for file in experience_files(path)]
+        self._files = experience_files(experience)
         self._suggestions = Suggestions(domain.model)
 
     def __iter__(self) -> Iterator[Account]:
@@ -61,9 +60,8 @@ class Accounts:
 def told(domain: Domain, account: Account) -> Iterator[str]:
     """A transition as lines for people."""
     counted, transition = account.counted, account.counted.transition
-    rule = "default" if counted.rule is None else domain.rules[counted.rule].name
     call = f"{transition.action}({', '.join(transition.arguments)})"
-    yield f"{account.file}, {account.number}. {call}, by {rule}"
+    yield f"{account.file}, {account.number}. {call}, by {rule_name(domain, counted.rule)}"
     for index, share in enumerate(counted.shares):
         if share > _SMALL:
             yield f"  {share:.2f}: {_outcome(domain, counted.rule, index)}"
@@ -82,10 +80,10 @@ _SMALL = 0.005
 
 def suggested(domain: Domain, found: Suggestion) -> str:
     """A suggestion as a line for people; its probability is the share of the rule's examples."""
-    rule = domain.rules[found.rule].name
+    name, share = rule_name(domain, found.rule), found.explains / found.examples
     return (
-        f"{rule}: `{found.explains / found.examples:.2f}: {found.effects}` would explain {found.explains} of"
-        f" {found.noise} results that count as noise (log-likelihood + {found.gain:.1f})"
+        f"{name}: `{share:.2f}: {found.effects}` would explain {found.explains} of {found.noise} results that"
+        f" count as noise (log-likelihood + {found.gain:.1f})"
     )
 
 
@@ -115,11 +113,7 @@ def _outcome(domain: Domain, rule: int | None, index: int) -> str:
 
 def _wrong(domain: Domain, wrong: Wrong) -> str:
     """What was seen where the outcome says otherwise."""
-    return _fact(domain, wrong.fluent, wrong.seen)
-
-
-def _fact(domain: Domain, fluent: Fluent, value: Value | None) -> str:
-    symbol, objects = fluent
+    (symbol, objects), value = wrong.fluent, wrong.seen
     application = f"{symbol}({', '.join(objects)})"
     if any(each.name == symbol and each.is_predicate for each in domain.symbols):
         return application if value else f"not {application}"

@@ -12,6 +12,7 @@ from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable
 from cleancli.language.load import located_in
 from cleancli.learning.gathered import gather
+from cleancli.learning.match import rule_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +71,14 @@ def agreement(domain: LoadedDomain, experience: Sequence[Path], counting: Counti
     from cleancli.learning.agreement import agreements, disagreeing  # scipy, which nobody else here needs
 
     model = domain.model
-    files = [file for path in experience for file in experience_files(path)]
+    files = experience_files(experience)
     with located_in(*domain.sources):
         gathered = gather(model, files, counting.method(model).is_strict, adding=False, replacing=True)
     found = agreements(model, gathered.evidence)
     wrong = disagreeing(found)
     rules = tuple(
         RuleAgreement(
-            "default" if each.rule is None else model.rules[each.rule].name,
+            rule_name(model, each.rule),
             each.examples,
             each.statistic,
             each.freedom,

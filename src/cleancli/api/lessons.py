@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.gathered import GivenFile, gather
 from cleancli.learning.learn import Learned, Lesson, counted, learned_from
-from cleancli.learning.match import outcomes_of
+from cleancli.learning.match import outcomes_of, rule_name
 from cleancli.learning.method import DEFAULT, MATCHES, Method
 from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE, RUN, check_folder
@@ -230,7 +230,7 @@ def lessons(
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, method = domain.model, counting.method(domain.model)
-    files = [file for path in experience for file in experience_files(path)]
+    files = experience_files(experience)
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
         lesson = learned_from(model, gathered.evidence, method, gathered.times, counting.adding)
@@ -280,9 +280,15 @@ def taught(
     )
 
 
-def experience_files(path: Path) -> Iterator[GivenFile]:
-    """A file, that of a run's folder, or those of all runs in a folder. Raises Refused (E705) for a run's
-    folder that is not as a run leaves it."""
+def experience_files(experience: Iterable[Path]) -> list[GivenFile]:
+    """Those that paths lead to: a file, that of a run's folder, or those of all runs in a folder.
+
+    Raises Refused (E705) for a run's folder that is not as a run leaves it.
+    """
+    return [file for path in experience for file in _files_of(path)]
+
+
+def _files_of(path: Path) -> Iterator[GivenFile]:
     if not path.is_dir():
         yield GivenFile(str(path), path)
         return
@@ -321,15 +327,15 @@ def _notes(model: Domain, learned: Sequence[Learned], transitions: int) -> Itera
             )
         if entry.unexplained:
             yield (
-                f"{_rule_name(model, entry)}: {plural(entry.unexplained, 'result')} that no outcome explains,"
-                " and no noise outcome to count them to"
+                f"{rule_name(model, entry.rule)}: {plural(entry.unexplained, 'result')} that no outcome"
+                " explains, and no noise outcome to count them to"
             )
 
 
 def _rule(model: Domain, entry: Learned) -> LearnedRule:
     outcomes = outcomes_of(model, entry.rule)
     return LearnedRule(
-        _rule_name(model, entry),
+        rule_name(model, entry.rule),
         _examples(entry),
         entry.unexplained,
         tuple(
@@ -344,7 +350,3 @@ def _rule(model: Domain, entry: Learned) -> LearnedRule:
 def _examples(entry: Learned) -> int:
     """Those that outcomes explain."""
     return int(sum(entry.seen))
-
-
-def _rule_name(model: Domain, entry: Learned) -> str:
-    return "default" if entry.rule is None else model.rules[entry.rule].name

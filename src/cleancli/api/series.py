@@ -13,7 +13,7 @@ from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.believed import lesson_of as lesson_from
 from cleancli.language.model import Experience
-from cleancli.learning.experience import Reading
+from cleancli.learning.gathered import whole
 from cleancli.recording.folder import EXPERIENCE
 
 CarryOut = Callable[[OpenedRun], RunResult]
@@ -101,9 +101,6 @@ def lesson_of(
 
 def _experience(folder: Path) -> Iterator[Experience]:
     """That of a run, if it has any."""
-    reading = Reading()
-    with (folder / EXPERIENCE).open("rb") as file:
-        for line in file:
-            reading.pass_by(line)
-    if reading.transitions:
-        yield Experience(str(folder), reading.sha256, reading.transitions)
+    transitions, sha256 = whole(folder / EXPERIENCE)
+    if transitions:
+        yield Experience(str(folder), sha256, transitions)

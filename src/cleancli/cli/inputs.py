@@ -34,6 +34,12 @@ def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProb
     return load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
 
 
+def ships_with(domain: str, loaded: LoadedDomain) -> click.UsageError:
+    """That a domain is no file of the user's own, where learning is to write."""
+    path = loaded.sources[0].path
+    return click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
+
+
 def may_include_outside() -> bool:
     """Whether the user has allowed domains to include files from outside their own folder."""
     context = click.get_current_context(silent=True)

@@ -88,7 +88,11 @@ def shares(match: Match, beliefs: Beliefs) -> tuple[float, ...]:
 
 def likeliest_outcome(match: Match, beliefs: Beliefs) -> int | None:
     """The outcome that a transition was most likely made by, of equals the first; None where none fits."""
-    found = shares(match, beliefs)
+    return largest(shares(match, beliefs))
+
+
+def largest(found: Sequence[float]) -> int | None:
+    """The outcome with the largest share, of equals the first; None where none has any."""
     return max(range(len(found)), key=lambda index: found[index]) if any(found) else None
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from cleancli.compiler.fluents import Fluent
 from cleancli.language.model import Domain, OutcomeKind, Value, Variable
-from cleancli.learning.expectation import Beliefs, shares
+from cleancli.learning.expectation import Beliefs, largest, shares
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Changes, Comparison, Matcher, outcomes_of
 
@@ -57,8 +57,9 @@ def counted_for(
     """What each transition counted for, by what is believed now. Raises `Refused` (E602)."""
     matcher = Matcher(domain, strict)
     for transition in transitions:
-        found, compared = shares(matcher.match(transition), beliefs), matcher.compare(transition)
-        likeliest = max(range(len(found)), key=lambda index: found[index]) if any(found) else None
+        compared = matcher.compare(transition)
+        found = shares(matcher.fitting(compared), beliefs)
+        likeliest = largest(found)
         outcomes = outcomes_of(domain, compared.rule)
         models = [index for index, each in enumerate(outcomes) if each.kind is not OutcomeKind.NOISE]
         is_noise = likeliest not in models

@@ -19,10 +19,10 @@ from cleancli.language.model import Domain, Experience
 from cleancli.language.parsing.read import refused_as
 from cleancli.learning.durations import Timed, Times, once, together
 from cleancli.learning.expectation import Evidence
-from cleancli.learning.experience import Reading, read_experience
+from cleancli.learning.experience import LONGEST, Reading, read_experience
 from cleancli.learning.match import Matcher
 
-_Part = tuple[int, str]
+Part = tuple[int, str]
 """The first transitions of a file: how many, and the hash of their lines."""
 
 
@@ -54,8 +54,8 @@ class _Read:
     file: GivenFile
     evidence: Evidence
     times: Times
-    whole: _Part
-    parts: frozenset[_Part]
+    whole: Part
+    parts: frozenset[Part]
     is_cut: bool
 
 
@@ -66,13 +66,13 @@ def gather(
     given, and neither adding to it nor replacing it was asked for."""
     known = () if domain.learned is None else domain.learned.experience
     counted = {_part(each): each.name for each in known}
-    ends = {_whole(file.path) for file in files} if len(files) > 1 else set()
+    ends = {whole(file.path) for file in files} if len(files) > 1 else set()
     read = [_read(domain, file, strict, frozenset(counted), ends, adding) for file in files]
     within = {part for each in read for part in each.parts}
     if not adding and not replacing:
         _refuse_dropped([each for each in known if _part(each) not in within | {r.whole for r in read}])
     kept, notes = [], list[str]()
-    seen: set[_Part] = set()
+    seen: set[Part] = set()
     for each in read:
         told = _told(each, seen, within, counted, adding)
         notes += told
@@ -97,28 +97,29 @@ def _experience(read: _Read) -> Experience:
     return Experience(read.file.name, sha256, number)
 
 
-def _part(experience: Experience) -> _Part:
+def _part(experience: Experience) -> Part:
     return experience.transitions, experience.sha256
 
 
-def _whole(path: Path) -> _Part:
-    """What a file is as a whole, without a look at what its lines say."""
+def whole(path: Path) -> Part:
+    """What a file is as a whole, without a look at what its lines say. No more of it than the longest line
+    that may be read is in memory at a time."""
     reading = Reading()
     with refused_as(str(path)), open_plain(path) as file:
-        for line in file:
+        while line := file.readline(LONGEST + 1):
             reading.pass_by(line)
     return reading.transitions, reading.sha256
 
 
 def _read(
-    domain: Domain, file: GivenFile, strict: bool, counted: frozenset[_Part], ends: set[_Part], adding: bool
+    domain: Domain, file: GivenFile, strict: bool, counted: frozenset[Part], ends: set[Part], adding: bool
 ) -> _Read:
     matcher, reading = Matcher(domain, strict), Reading()
     known = counted | ends
     numbers = {number for number, _ in known}
     evidence: Evidence = Counter()
     times: dict[str, Timed] = {}
-    parts: list[_Part] = []
+    parts: list[Part] = []
     for transition in read_experience(file.path, domain, reading):
         evidence[matcher.match(transition)] += 1
         if transition.lasted is not None:
@@ -146,7 +147,7 @@ def _refuse_dropped(dropped: Sequence[Experience]) -> None:
 
 
 def _told(
-    read: _Read, seen: set[_Part], within: set[_Part], counted: dict[_Part, str], adding: bool
+    read: _Read, seen: set[Part], within: set[Part], counted: dict[Part, str], adding: bool
 ) -> Iterator[str]:
     """What a person should know of a file."""
     name = printable(read.file.name)

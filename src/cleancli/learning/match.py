@@ -82,7 +82,10 @@ class Matcher:
 
         Raises `Refused` (E602) where an outcome of the rule gives something two values in the state before.
         """
-        found = self.compare(transition)
+        return self.fitting(self.compare(transition))
+
+    def fitting(self, found: Comparison) -> Match:
+        """Which outcomes may have made a transition that was compared already."""
         fits = [_fit(announced, found) for announced in found.announced]
         return Match(found.rule, self._with_noise(self._noise[found.rule], fits))
 
@@ -152,6 +155,11 @@ def _fit(announced: Changes, seen: Comparison) -> Fit | None:
 def outcomes_of(domain: Domain, rule: int | None) -> tuple[Outcome, ...]:
     """The outcomes of a rule by index, or of the default rule for None."""
     return domain.default if rule is None else domain.rules[rule].outcomes
+
+
+def rule_name(domain: Domain, rule: int | None) -> str:
+    """What a rule is called; the default rule has no name of its own."""
+    return "default" if rule is None else domain.rules[rule].name
 
 
 def prior_probabilities(outcomes: Sequence[Outcome]) -> tuple[Fraction, ...]:

@@ -27,9 +27,10 @@ Length = Annotated[float, Meta(ge=0, le=1e3)]
 SquareMetres = Annotated[float, Meta(ge=0, le=1e6)]
 Angle = Annotated[float, Meta(ge=-10, le=10)]
 Probability = Annotated[float, Meta(ge=0, le=1)]
+"""What numbers a file may tell: whatever a run can write lies well within."""
+
 Times = Annotated[float, Meta(ge=0, le=MOST)]
 """How often something was seen; one time may be shared among several."""
-"""What numbers a file may tell: whatever a run can write lies well within."""
 
 
 class FactEntry(NamedTuple):

@@ -29,7 +29,7 @@ from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
-from cleancli.cli.inputs import may_include_outside, open_given, open_loaded
+from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.progress import working
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
@@ -181,8 +181,7 @@ def command(
         raise click.UsageError("--write writes what --learn has learned: ask for both")
     given = open_given(domain, problem)
     if write and not is_own_file(domain):
-        path = given.domain.sources[0].path
-        raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
+        raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match).method(given.domain.model) if learn else None
     known = _known(known, epsilon, delta, learn)
     asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)

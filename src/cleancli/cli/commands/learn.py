@@ -17,7 +17,7 @@ from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import echo_difference
-from cleancli.cli.inputs import may_include_outside, open_loaded
+from cleancli.cli.inputs import may_include_outside, open_loaded, ships_with
 from cleancli.cli.progress import working
 from cleancli.language.diagnostics.diagnostic import Source
 
@@ -80,8 +80,7 @@ def command(
         raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
     if write and not is_own:
-        path = loaded.sources[0].path
-        raise click.UsageError(f"`{domain}` ships with cleancli: copy {path}, and learn into your copy")
+        raise ships_with(domain, loaded)
     counting = Counting(estimator, m, match, add, replace)
     if check:
         with working("reading"):
