@@ -37,7 +37,7 @@ from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule, Value
 from cleancli.learning.estimate import ESTIMATORS
-from cleancli.learning.expectation import Beliefs, SlipRates, maximised
+from cleancli.learning.expectation import Beliefs, SlipRates, maximised, prior_beliefs
 from cleancli.learning.experience import Transition
 from cleancli.learning.learn import learn
 from cleancli.learning.method import DEFAULT, Method
@@ -182,7 +182,8 @@ def _told(domain: Domain, seen: Sequence[Drawn]) -> Beliefs:
         number: tuple(float(numbers[number, index]) for index in range(len(rule.outcomes)))
         for number, rule in enumerate(domain.rules)
     }
-    return maximised(domain, counts, SlipRates(), ESTIMATORS[DEFAULT.estimator], DEFAULT.m)
+    estimator = ESTIMATORS[DEFAULT.estimator]
+    return maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, DEFAULT.m)
 
 
 def curves(name: str, seed: int, most: int) -> Row:

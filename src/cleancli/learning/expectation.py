@@ -102,12 +102,12 @@ def expected(
     """How often each outcome is expected to have happened, with what was counted before, and what that makes
     of the probabilities."""
     groups = {rule: _group(found) for rule, found in _by_rule(evidence).items()}
-    beliefs = prior_beliefs(domain)
+    prior = beliefs = prior_beliefs(domain)
     counts: Counts = {}
     for _ in range(ROUNDS):
         last = beliefs
         counts, slips = _counted(groups, last, before)
-        beliefs = maximised(domain, counts, slips, estimator, m)
+        beliefs = maximised(domain, prior, counts, slips, estimator, m)
         if _difference(beliefs, last) < TOLERANCE:
             break
     return counts, beliefs
@@ -136,13 +136,15 @@ def likeliest(domain: Domain, evidence: Evidence, before: Counts) -> Counts:
     return {rule: tuple(found) for rule, found in counts.items()}
 
 
-def maximised(domain: Domain, counts: Counts, slips: SlipRates, estimator: Estimator, m: float) -> Beliefs:
-    """What counts make of the probabilities, with the estimator's prior."""
+def maximised(
+    domain: Domain, prior: Beliefs, counts: Counts, slips: SlipRates, estimator: Estimator, m: float
+) -> Beliefs:
+    """What counts make of the probabilities, with what was believed before any of them as the prior."""
     parameters = learn_parameters(domain, counts, estimator, m)
     probabilities = {}
     for rule, seen in counts.items():
-        outcomes = outcomes_of(domain, rule)
-        probabilities[rule] = shared_out(outcomes, estimated(outcomes, seen, estimator, m), parameters)
+        estimates = estimated(seen, prior.probabilities[rule], estimator, m)
+        probabilities[rule] = shared_out(outcomes_of(domain, rule), estimates, parameters)
     return Beliefs(probabilities, parameters, slips)
 
 

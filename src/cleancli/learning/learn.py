@@ -19,6 +19,7 @@ from cleancli.learning.expectation import (
     likeliest,
     maximised,
     nothing_counted,
+    prior_beliefs,
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
@@ -70,7 +71,7 @@ def learned_from(
     before = counted(domain) if adding else nothing_counted(domain)
     if method.is_strict:
         counts = likeliest(domain, evidence, before)
-        beliefs = maximised(domain, counts, SlipRates(), estimator, method.m)
+        beliefs = maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, method.m)
     else:
         counts, beliefs = expected(domain, evidence, estimator, method.m, before)
     durations = learn_durations(domain, times, adding)

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from cleancli.language.model import Domain, Outcome, Parameter
 from cleancli.learning.estimate import Estimator
-from cleancli.learning.match import outcomes_of, prior_probabilities
+from cleancli.learning.match import outcomes_of
 
 DIGITS = 4
 """Decimals of a learned probability in the text."""
@@ -103,12 +103,11 @@ def _limit(
 
 
 def estimated(
-    outcomes: Sequence[Outcome], counts: Sequence[float], estimator: Estimator, m: float
+    counts: Sequence[float], priors: Sequence[float], estimator: Estimator, m: float
 ) -> list[float]:
     """What the counts and the priors make of each outcome by itself."""
     total = sum(counts)
-    priors = prior_probabilities(outcomes)
-    return [estimator(count, total, float(prior), m) for count, prior in zip(counts, priors, strict=True)]
+    return [estimator(count, total, prior, m) for count, prior in zip(counts, priors, strict=True)]
 
 
 def shared_out(
