@@ -45,6 +45,8 @@ WORDS = (
     "count",
     "closure",
 )
+LONG = 1 << 28
+"""Bytes of a file that changes leave alone."""
 
 
 # ---- texts
@@ -299,7 +301,7 @@ def folder(path: Path, elsewhere: Path, rng: random.Random) -> None:
     """Change one to three files of a folder, as a disk, an editor or an enemy may do; links lead
     `elsewhere`."""
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
-        files = sorted(each for each in path.rglob("*") if each.is_file() and not each.is_symlink())
+        files = _small(path)
         if not files:
             return
         file = rng.choice(files)
@@ -309,6 +311,13 @@ def folder(path: Path, elsewhere: Path, rng: random.Random) -> None:
             file.write_bytes(_changed(file, rng))
             if file.parent.name == "files" and rng.random() < 0.7:
                 _agreed(path, file)
+
+
+def _small(path: Path) -> list[Path]:
+    """The files of a folder that can be read whole: no links, which may be endless, and none that a change
+    has made very long."""
+    files = (each for each in path.rglob("*") if each.is_file() and not each.is_symlink())
+    return sorted(each for each in files if each.stat().st_size < LONG)
 
 
 def _changed(file: Path, rng: random.Random) -> bytes:
@@ -349,12 +358,13 @@ def _disturbed(file: Path, top: Path, elsewhere: Path, rng: random.Random) -> No
         case 6:
             shutil.rmtree(file.parent) if file.parent != top else file.unlink()
         case _:
-            others = sorted(each for each in top.rglob("*") if each.is_file() and not each.is_symlink())
-            file.write_bytes(rng.choice(others).read_bytes())
+            file.write_bytes(rng.choice(_small(top)).read_bytes())
 
 
 def _agreed(path: Path, file: Path) -> None:
     """Let run.json say the hash of a text that was changed, so that the text is read."""
+    if path / "run.json" not in _small(path):
+        return
     try:
         header = json.loads((path / "run.json").read_bytes())
         for entry in header["files"]:
