@@ -10,8 +10,11 @@ anew.
 starting from the hidden probabilities themselves, which more transitions should not spoil.
 `curves`: the three estimators after 3 to 1,000 examples of each rule, from a wrong prior and from the right
 one.
+`changes`: where the hidden probabilities become others midway, in how many rules that is found, and how far
+off its place; in how many it is found where nothing changed; and what is learned of the later ones with
+forgetting and without.
 
-About four minutes of CPU for five seeds. With --keep each seed is a line of FILE, and not drawn again.
+About five minutes of CPU for five seeds. With --keep each seed is a line of FILE, and not drawn again.
 `--quick` draws 300 transitions of one seed, in about ten seconds.
 """
 
@@ -23,8 +26,9 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 from pathlib import Path
-from statistics import mean, stdev
+from statistics import mean, median, stdev
 
 import numpy as np
 from instances import Rng, shipped
@@ -36,10 +40,13 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule, Value
+from cleancli.learning.changes import FEWEST, RuleChange, changes
 from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.evidence import collected
 from cleancli.learning.expectation import Beliefs, SlipRates, maximised, prior_beliefs
 from cleancli.learning.experience import Transition
-from cleancli.learning.learn import learn
+from cleancli.learning.learn import learn, learned_from
+from cleancli.learning.match import Matcher
 from cleancli.learning.method import DEFAULT, Method
 
 FOLDER = Path(__file__).parent / "domains"
@@ -47,6 +54,9 @@ STEPS = 12
 """Actions of a walk, after which another problem is drawn."""
 TESTED = 300
 """Actions and states on which rules are compared."""
+LITTLE = 0.2
+"""Total variation of a rule's outcomes up to which a change is little."""
+FORGETTING = 0.01
 CURVE = (3, 6, 12, 25, 50, 100, 300, 1000)
 """Examples of a rule."""
 
@@ -211,6 +221,63 @@ def curves(name: str, seed: int, most: int) -> Row:
     return row
 
 
+def changing(name: str, seed: int, transitions: int) -> Row:
+    """Of rules with examples enough on both sides: how many change much and little (by `LITTLE`), and in how
+    many a change is found; the same where none changes; how far off its place it is found, in transitions;
+    and differences from the later rules with and without forgetting."""
+    rng = np.random.default_rng([seed, 3])
+    given = DRAW[name](rng)[0]
+    first, second = hidden(given, rng), hidden(given, rng)
+    old, new = draw(name, first, rng), draw(name, second, rng)
+    earlier, more, later = (list(islice(source, transitions)) for source in (old, old, new))
+    asked = list(islice(new, TESTED))
+    same, changed_midway = ([each.transition for each in (*earlier, *others)] for others in (more, later))
+    row = {"alarms": float(len({each.rule for each in _changes(given, same)}))}
+    found = _changes(given, changed_midway)
+    numbers = [Counter(each.rule for each in part) for part in (earlier, later)]
+    row["tested"] = float(len(given.rules))
+    for size in ("much", "little"):
+        rules = [
+            rule
+            for rule in range(len(given.rules))
+            if min(number[rule] for number in numbers) >= FEWEST
+            and (_apart(first.rules[rule], second.rules[rule]) > LITTLE) == (size == "much")
+        ]
+        row[f"changed {size}"] = float(len(rules))
+        row[f"found {size}"] = float(sum(rule in {each.rule for each in found} for rule in rules))
+    off = [abs(each.transition - transitions) for each in found]
+    row["off"] = float(median(off)) if off else 0.0
+    for share in (0.0, FORGETTING):
+        beliefs = learn(given, changed_midway, Method(forgetting=share)).beliefs
+        row[f"forgetting {share:g}"] = difference(second, taught(given, beliefs), asked)
+    return row
+
+
+def _changes(domain: Domain, transitions: Sequence[Transition]) -> tuple[RuleChange, ...]:
+    evidence = collected(Matcher(domain), transitions)
+    return changes(evidence, learned_from(domain, evidence, DEFAULT).beliefs)
+
+
+def _apart(one: Rule, other: Rule) -> float:
+    """The total variation of their outcomes."""
+    pairs = zip(one.outcomes, other.outcomes, strict=True)
+    return float(sum(abs(a.probability - b.probability) for a, b in pairs)) / 2
+
+
+def _change_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
+    yield "| domain | found of much changed | of little changed | median off | of unchanged |" + "".join(
+        f" forgetting {share:g} |" for share in (0.0, FORGETTING)
+    )
+    yield "|---|---|---|---|---|---|---|"
+    for name in DRAW:
+        rows = [found[name, seed] for seed in seeds]
+        total = {key: sum(row[key] for row in rows) for key in rows[0]}
+        cells = [f"{total[f'found {size}']:g} of {total[f'changed {size}']:g}" for size in ("much", "little")]
+        cells += [f"{median(row['off'] for row in rows):g}", f"{total['alarms']:g} of {total['tested']:g}"]
+        cells += [_mean([row[f"forgetting {share:g}"] for row in rows]) for share in (0.0, FORGETTING)]
+        yield f"| {name} | {' | '.join(cells)} |"
+
+
 def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
     yield "| domain | before | learned | told | share of told | strict | from right | more than told |"
     yield "|---|---|---|---|---|---|---|---|"
@@ -243,12 +310,27 @@ def _mean(values: Sequence[float]) -> str:
     return f"{mean(values):.4f} ± {error:.4f}"
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What is found of a domain by a seed and a number, and the table of all."""
+
+    row: Callable[[str, int, int], Row]
+    table: Callable[[Mapping[tuple[str, int], Row], Sequence[int]], Iterator[str]]
+
+
+PARTS = {
+    "recovery": Part(recovery, _table),
+    "curves": Part(curves, _curve_table),
+    "changes": Part(changing, _change_table),
+}
+
+
 def main() -> None:
     """Draw what is missing, and print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--part", nargs="+", choices=["recovery", "curves"], default=["recovery", "curves"])
+    parser.add_argument("--part", nargs="+", choices=list(PARTS), default=list(PARTS))
     parser.add_argument("--seed", type=int, default=1, help="the first of the seeds")
     parser.add_argument("--seeds", type=int, default=5, help="how many")
     parser.add_argument("--transitions", type=int, default=5000)
@@ -261,9 +343,9 @@ def main() -> None:
     kept = Kept(options.keep)
     most = CURVE[-1] if options.transitions >= CURVE[-1] else 12
     for part in options.part:
-        number = options.transitions if part == "recovery" else most
+        number = most if part == "curves" else options.transitions
         found = {(name, seed): _row(kept, part, name, seed, number) for name in DRAW for seed in seeds}
-        print(*(_table if part == "recovery" else _curve_table)(found, seeds), sep="\n")
+        print(*PARTS[part].table(found, seeds), sep="\n")
 
 
 def _row(kept: Kept, part: str, name: str, seed: int, number: int) -> Row:
@@ -272,7 +354,7 @@ def _row(kept: Kept, part: str, name: str, seed: int, number: int) -> Row:
         if row["job"] == job:
             found: Row = row["found"]
             return found
-    found = (recovery if part == "recovery" else curves)(name, seed, number)
+    found = PARTS[part].row(name, seed, number)
     kept.add({"job": job, "found": found})
     print(f"{part}: {name}, seed {seed}", flush=True)
     return found

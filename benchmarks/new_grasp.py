@@ -26,7 +26,6 @@ from instances import as_shipped
 from kept import Kept
 from strategies import interval
 
-from cleancli.execution.episode_state import Evidence
 from cleancli.execution.events import Checkpoint
 from cleancli.execution.loop import clean
 from cleancli.execution.session import symbolic_session
@@ -34,6 +33,7 @@ from cleancli.execution.setup import EpisodeOptions, within_reach
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Action, Assign, Domain, Literal, Outcome, Rule
+from cleancli.learning.evidence import Evidence
 from cleancli.learning.method import Method
 from planning import layout
 

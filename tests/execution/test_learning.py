@@ -11,13 +11,14 @@ import pytest
 from cleancli.api.executions import execute
 from cleancli.api.lessons import learn
 from cleancli.cli.main import run
-from cleancli.execution.episode_state import EpisodeState, Evidence
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Acted, Checkpoint, Decided, Event, Learned
 from cleancli.execution.loop import clean
 from cleancli.execution.session import symbolic_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
+from cleancli.learning.evidence import Evidence
 from cleancli.learning.match import Fit, Match
 from cleancli.learning.method import Method
 from cleancli.recording import checkpoint
@@ -75,7 +76,7 @@ def test_every_action_is_learned_from_and_told() -> None:
 def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
     states = [event.state for event in events(Method()) if isinstance(event, Checkpoint)]
     state = states[-1]
-    assert sum(number for _, number in state.evidence.matches) == state.actions
+    assert len(state.evidence.order) == state.actions
     for name in ("journal.jsonl", EXPERIENCE):
         (tmp_path / name).touch()
     checkpoint.save(tmp_path, state, {})
@@ -87,22 +88,27 @@ def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "evidence",
     [
-        ((Match(7, (Fit(), None)), 1),),
-        ((Match(-1, (Fit(), None)), 1),),
-        ((Match(0, (Fit(),)), 1),),
-        ((Match(None, (Fit(), None, None)), 1),),
-        ((Match(0, (Fit(), None)), -1),),
-        ((Match(0, (Fit(misses=-2), None)), 1),),
-        ((Match(0, (Fit(quiet=10**12), None)), 1),),
+        Evidence((Match(7, (Fit(), None)),), (0,)),
+        Evidence((Match(-1, (Fit(), None)),), (0,)),
+        Evidence((Match(0, (Fit(),)),), (0,)),
+        Evidence((Match(None, (Fit(), None, None)),), (0,)),
+        Evidence((Match(0, (Fit(), None)),), (0, 1)),
+        Evidence((Match(0, (Fit(), None)),), (-1,)),
+        Evidence((Match(0, (Fit(misses=-2), None)),), (0,)),
+        Evidence((Match(0, (Fit(quiet=10**12), None)),), (0,)),
+        Evidence(times=(("lift", (5800,)),)),
+        Evidence(times=(("push", (-1,)),)),
+        Evidence(times=(("push", (10**15,)),)),
     ],
 )
-def test_evidence_that_no_episode_can_have_is_refused(evidence: tuple[tuple[Match, int], ...]) -> None:
+def test_evidence_that_no_episode_can_have_is_refused(evidence: Evidence) -> None:
     with pytest.raises(ValueError, match="learned"):
-        check_fits(EpisodeState(evidence=Evidence(evidence)), BELIEVED, PROBLEM.objects)
+        check_fits(EpisodeState(evidence=evidence), BELIEVED, PROBLEM.objects)
 
 
+@pytest.mark.parametrize("option", ["", " --forgetting 0.2"])
 def test_a_series_writes_what_learning_offline_from_its_records_does(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str
 ) -> None:
     """Digit for digit, and each episode goes on from what those before have learned."""
     monkeypatch.chdir(tmp_path)
@@ -114,15 +120,16 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
     words = (
         "execute own.nid p.nid --world true.nid --learn --episodes 3 --write --quiet --seed 4 --samples 200"
     )
-    assert run(words.split()) in {0, 3}
+    assert run([*words.split(), *option.split()]) in {0, 3}
     runs = sorted(Path("runs").iterdir())
     assert [folder.name for folder in runs] == ["p-seed4-001", "p-seed5-001", "p-seed6-001"]
-    learn(other, *runs, write=True)
+    learn(other, *runs, forgetting=0.2 if option else None, write=True)
     assert own.read_text() == other.read_text()
     assert "[prior 0.8, seen " in own.read_text()
     first, last = (told(folder) for folder in (runs[0], runs[-1]))
     assert sum(first[0].rules[0].seen) == 1
     assert sum(last[-1].rules[0].seen) > 1
+    assert ("forgetting = 0.2" in own.read_text()) == bool(option)
 
 
 def told(folder: Path) -> list[LearnedEntry]:

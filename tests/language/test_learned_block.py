@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,7 @@ KNOWLEDGE = st.builds(
         max_size=4,
         unique_by=lambda each: each.sha256,
     ).map(tuple),
+    st.floats(0, 0.5),
 )
 
 
@@ -145,6 +147,11 @@ def test_a_block_changes_by_what_is_new_and_comments_stay(
 ) -> None:
     before = TEXT.replace("  # the end\n", COMMENTED).replace("\n", line_end)
     learned = Knowledge("decreasing_m", 10.0, "strict", counted)
+    forgetful = dataclasses.replace(learned, forgetting=0.25)
+    remembering = edited(edited(before, forgetful), learned)
+    assert read(edited(before, forgetful)).learned == forgetful
+    assert read(remembering).learned == learned
+    assert comments_of(remembering) == comments_of(before)
     after = edited(before, learned)
     assert read(after).learned == learned
     assert comments_of(after) == comments_of(before)

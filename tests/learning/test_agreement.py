@@ -14,7 +14,7 @@ from cleancli.cli.main import run
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
 from cleancli.learning.agreement import Agreement, agreements, disagreeing
-from cleancli.learning.expectation import Evidence
+from cleancli.learning.evidence import Evidence
 from cleancli.learning.match import Fit, Match
 
 TEXT = """domain coins {
@@ -35,7 +35,8 @@ FLIPS = tuple(
 
 
 def flips(*numbers: int) -> Evidence:
-    return Counter({match: number for match, number in zip(FLIPS, numbers, strict=True) if number})
+    order = [kind for kind, number in enumerate(numbers) for _ in range(number)]
+    return Evidence(FLIPS, tuple(order))
 
 
 def only(evidence: Evidence) -> Agreement:
@@ -69,8 +70,9 @@ def test_a_right_file_hardly_ever_disagrees_and_a_wrong_one_does() -> None:
 
 
 def test_an_example_that_nothing_explains_disagrees() -> None:
-    odd: Evidence = flips(60, 30, 10) + Counter([Match(0, (None, None, None))])
-    found = only(odd)
+    explained = flips(60, 30, 10)
+    odd = Match(0, (None, None, None))
+    found = only(Evidence((*FLIPS, odd), (*explained.order, len(FLIPS))))
     assert (found.p, found.examples) == (0, 101)
     assert disagreeing((found,)) == (found,)
 

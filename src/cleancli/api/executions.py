@@ -18,6 +18,7 @@ from cleancli.api.runs import (
 from cleancli.execution.events import Event
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.language.checking.learned import MOST_FORGETTING
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import DEFAULT, KNOWN, MATCHES, Method
 from cleancli.planning.registry import PLANNERS
@@ -47,6 +48,7 @@ def execute(
     estimator: str = DEFAULT.estimator,
     m: float = DEFAULT.m,
     match: str = DEFAULT.match,
+    forgetting: float = DEFAULT.forgetting,
     max_actions: int = 60,
     max_seconds: float = 1800,
     runs: str | Path = "runs",
@@ -68,6 +70,7 @@ def execute(
     check_one_of("estimator", estimator, tuple(ESTIMATORS))
     check_one_of("match", match, MATCHES)
     check_seconds("m", m, none_of_it=True)
+    check_seconds("forgetting", forgetting, none_of_it=True, most=MOST_FORGETTING)
     known = (KNOWN if learn else 0) if known is None else known
     check_between(0, MOST, seed=seed, known=known, max_actions=max_actions)
     check_between(1, MOST, samples=samples)
@@ -80,7 +83,7 @@ def execute(
         max_actions,
         max_seconds,
         known=known,
-        learning=Method(estimator, m, match) if learn else None,
+        learning=Method(estimator, m, match, forgetting) if learn else None,
     )
     acting = None if world is None else load_domain(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)

@@ -12,8 +12,8 @@ from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.files.replace import Replacement, write_all
-from cleancli.language.checking.learned import LARGEST_M
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
+from cleancli.language.diagnostics.diagnostic import Source, printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
@@ -21,7 +21,8 @@ from cleancli.language.model import Domain, Experience, Knowledge
 from cleancli.language.printing.learned_edits import learned_edits
 from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import ESTIMATORS
-from cleancli.learning.gathered import GivenFile, gather
+from cleancli.learning.evidence import Evidence
+from cleancli.learning.gathered import GivenFile, Origin, gather
 from cleancli.learning.learn import Learned, Lesson, counted, learned_from
 from cleancli.learning.match import outcomes_of, rule_name
 from cleancli.learning.method import DEFAULT, MATCHES, Method
@@ -61,8 +62,30 @@ class ActionDuration:
     action: str
     prior: float
     seconds: float
-    seen: int
+    seen: float
     spread: float
+
+
+@dataclass(frozen=True, slots=True)
+class FoundChange:
+    """That a rule does something else from a transition of some experience on, by the transition's number
+    there. So much would be found by chance with probability `p`. `before` and `after` are the shares of its
+    outcomes in the examples before and after, up to the changes of the rule that come next."""
+
+    rule: str
+    experience: str
+    transition: int
+    p: float
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+
+    def __str__(self) -> str:
+        before, after = (" ".join(f"{share:.2f}" for share in part) for part in (self.before, self.after))
+        return (
+            f"{self.rule} does something else since transition {self.transition} of"
+            f" {printable(self.experience)} (p = {self.p:.1g}): its outcomes had {before} before, and {after}"
+            " since then; --forgetting lets old examples fade"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +110,7 @@ class LearningResult:
 
     rules: tuple[LearnedRule, ...]
     durations: tuple[ActionDuration, ...]
+    rule_changes: tuple[FoundChange, ...]
     changes: tuple[Change, ...]
     notes: tuple[str, ...]
     is_writable: bool
@@ -134,7 +158,11 @@ class LearningResult:
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli learn --json` prints."""
-        return {"rules": plain(self.rules), "durations": plain(self.durations)}
+        return {
+            "rules": plain(self.rules),
+            "durations": plain(self.durations),
+            "rule_changes": plain(self.rule_changes),
+        }
 
     def __str__(self) -> str:
         return "\n".join(part for part in (self.diff, *self.notes) if part)
@@ -160,6 +188,7 @@ def learn(
     estimator: str | None = None,
     m: float | None = None,
     match: str | None = None,
+    forgetting: float | None = None,
     add: bool = False,
     replace: bool = False,
     write: bool = False,
@@ -168,9 +197,10 @@ def learn(
     for: by `write`, or by the result's method of that name.
 
     `match` says what a transition counts for that several outcomes may have made: "shared", for each as much
-    as it is likely to have; "strict", for the likeliest, which must be right about all objects (§5). What is
-    not said is as the domain's `learned` block says, or as usual. With `add`, what the text has counted
-    counts on; with `replace`, it may be dropped.
+    as it is likely to have; "strict", for the likeliest, which must be right about all objects (§5). With
+    `forgetting`, an example counts for less by that share than the next one of its rule. What is not said is
+    as the domain's `learned` block says, or as usual. With `add`, what the text has counted counts on; with
+    `replace`, it may be dropped.
 
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
@@ -179,12 +209,14 @@ def learn(
     check_one_of("match", match, MATCHES)
     if m is not None:
         check_seconds("m", m, none_of_it=True, most=LARGEST_M)
+    if forgetting is not None:
+        check_seconds("forgetting", forgetting, none_of_it=True, most=MOST_FORGETTING)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
     if write and not is_writable:
         raise BadOption(_NO_FILE.format(loaded.sources[0].path))
-    counting = Counting(estimator, m, match, add, replace)
+    counting = Counting(estimator, m, match, forgetting, add, replace)
     result = lessons(loaded, [Path(each) for each in experience], counting, is_writable)
     if write:
         result.write()
@@ -208,6 +240,7 @@ class Counting:
     estimator: str | None = None
     m: float | None = None
     match: str | None = None
+    forgetting: float | None = None
     adding: bool = False
     replacing: bool = False
 
@@ -218,6 +251,7 @@ class Counting:
             noted.estimator if self.estimator is None else self.estimator,
             noted.m if self.m is None else self.m,
             noted.match if self.match is None else self.match,
+            noted.forgetting if self.forgetting is None else self.forgetting,
         )
 
 
@@ -233,27 +267,44 @@ def lessons(
     files = experience_files(experience)
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
-        lesson = learned_from(model, gathered.evidence, method, gathered.times, counting.adding)
+        lesson = learned_from(model, gathered.evidence, method, counting.adding)
     notes = list(gathered.notes)
     if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
         notes.append("the text does not say which experience its counts came from: they are replaced")
-    return taught(domain, lesson, knowledge(method, gathered.experience), notes, is_writable, include_outside)
+    rests_on = knowledge(method, gathered.experience)
+    changes = rule_changes(model, lesson, gathered.evidence, gathered.origins)
+    return taught(domain, lesson, rests_on, changes, notes, is_writable, include_outside)
+
+
+def rule_changes(
+    model: Domain, lesson: Lesson, evidence: Evidence, origins: Iterable[Origin]
+) -> tuple[FoundChange, ...]:
+    """The rules that began to do something else in the course of the evidence, which is of these origins."""
+    from cleancli.learning.changes import changes  # scipy, which little else here needs
+
+    places = [(each.name, each.first + index) for each in origins for index in range(each.transitions)]
+    return tuple(
+        FoundChange(rule_name(model, each.rule), *places[each.transition], each.p, each.before, each.after)
+        for each in changes(evidence, lesson.beliefs)
+    )
 
 
 def knowledge(method: Method, experience: Sequence[Experience]) -> Knowledge:
     """What a domain's text says that its counts rest on."""
-    return Knowledge(method.estimator.replace("-", "_"), method.m, method.match, tuple(experience))
+    estimator = method.estimator.replace("-", "_")
+    return Knowledge(estimator, method.m, method.match, tuple(experience), method.forgetting)
 
 
 def method_of(noted: Knowledge) -> Method:
     """How the numbers of a domain's text were learned."""
-    return Method(noted.estimator.replace("_", "-"), noted.m, noted.match)
+    return Method(noted.estimator.replace("_", "-"), noted.m, noted.match, noted.forgetting)
 
 
 def taught(
     domain: LoadedDomain,
     lesson: Lesson,
     rests_on: Knowledge,
+    changes: tuple[FoundChange, ...],
     notes: Sequence[str],
     is_writable: bool,
     include_outside: bool = False,
@@ -261,21 +312,22 @@ def taught(
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, sources = domain.model, domain.sources
     learned = lesson.rules
-    changes = (
+    edited = (
         *edits(model, sources, learned, lesson.durations),
         *learned_edits(model, sources[0], rests_on),
     )
-    texts = _edited(sources, changes)
+    texts = _edited(sources, edited)
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
     transitions = sum(each.transitions for each in rests_on.experience)
     return LearningResult(
         tuple(_rule(model, entry) for entry in learned),
         tuple(
-            ActionDuration(each.action, each.prior, each.seconds, each.seen, each.spread)
+            ActionDuration(each.action, each.prior, each.seconds, float(each.seen), each.spread)
             for each in lesson.durations
         ),
+        changes,
         tuple(Change(source.path, source.text, texts[source.path].text) for source in sources),
-        (*notes, *_notes(model, learned, transitions)),
+        (*notes, *_notes(model, learned, transitions), *map(str, changes)),
         is_writable,
     )
 
@@ -349,4 +401,4 @@ def _rule(model: Domain, entry: Learned) -> LearnedRule:
 
 def _examples(entry: Learned) -> int:
     """Those that outcomes explain."""
-    return int(sum(entry.seen))
+    return round(sum(entry.seen))

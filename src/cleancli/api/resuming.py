@@ -18,6 +18,7 @@ from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.untrusted import decoded
+from cleancli.language.checking.learned import MOST_FORGETTING
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
@@ -50,6 +51,7 @@ class _Options(msgspec.Struct):
     estimator: str | None = None
     m: Annotated[float, Meta(ge=0, le=MOST)] = 0.0
     match: str = MATCHES[0]
+    forgetting: Annotated[float, Meta(ge=0, le=MOST_FORGETTING)] = 0.0
 
 
 class _Begun(msgspec.Struct):
@@ -211,8 +213,12 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         header.seed,
         given.objective == "time",
         given.known,
-        None if given.estimator is None else Method(given.estimator, given.m, given.match),
+        None if given.estimator is None else _method(given.estimator, given),
     )
+
+
+def _method(estimator: str, given: _Options) -> Method:
+    return Method(estimator, given.m, given.match, given.forgetting)
 
 
 def _other_versions(header: Header) -> Iterator[str]:

@@ -14,7 +14,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cleancli import __version__
-from cleancli.execution.episode_state import NO_EVIDENCE, Evidence
 from cleancli.execution.episode_state import World as SavedWorld
 from cleancli.execution.session import Session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
@@ -24,6 +23,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused

@@ -26,7 +26,7 @@ from cleancli.api.run_session import (
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.task import NoDurationError
-from cleancli.execution.episode_state import NO_EVIDENCE, EpisodeState, Evidence
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
@@ -36,6 +36,7 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back
@@ -284,6 +285,7 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
             "estimator": learning.estimator if learning else None,
             "m": learning.m if learning else 0,
             "match": learning.match if learning else "shared",
+            "forgetting": learning.forgetting if learning else 0,
             "max_actions": options.max_actions,
             "max_seconds": options.max_seconds,
         },

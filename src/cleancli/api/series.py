@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedProblem
-from cleancli.api.lessons import LearningResult, knowledge, taught
+from cleancli.api.lessons import LearningResult, knowledge, rule_changes, taught
 from cleancli.api.run_session import Inputs
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.believed import lesson_of as lesson_from
 from cleancli.language.model import Experience
-from cleancli.learning.gathered import whole
+from cleancli.learning.gathered import Origin, whole
 from cleancli.recording.folder import EXPERIENCE
 
 CarryOut = Callable[[OpenedRun], RunResult]
@@ -94,9 +94,11 @@ def lesson_of(
     lesson = lesson_from(model, runs[-1].evidence, method)
     before = () if model.learned is None else model.learned.experience
     known = {each.sha256 for each in before}
-    new = [each for run in runs for each in _experience(run.folder) if each.sha256 not in known]
-    rests_on = knowledge(method, (*before, *new))
-    return taught(domain, lesson, rests_on, (), is_writable, include_outside)
+    experience = [each for run in runs for each in _experience(run.folder)]
+    rests_on = knowledge(method, (*before, *(each for each in experience if each.sha256 not in known)))
+    origins = [Origin(each.name, 1, each.transitions) for each in experience]
+    changes = rule_changes(model, lesson, runs[-1].evidence, origins)
+    return taught(domain, lesson, rests_on, changes, (), is_writable, include_outside)
 
 
 def _experience(folder: Path) -> Iterator[Experience]:

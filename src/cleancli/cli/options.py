@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar
 
 import click
 
-from cleancli.language.checking.learned import LARGEST_M
+from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import DEFAULT, MATCHES
 
@@ -72,8 +72,20 @@ def learning() -> Option:
             help="What a transition counts for that several outcomes may have made: each, or the likeliest."
             f"  [default: as DOMAIN notes, or {DEFAULT.match}]",
         ),
+        click.option(
+            "--forgetting",
+            type=click.FloatRange(min=0, max=MOST_FORGETTING),
+            help="By which share an example counts for less than the next one of its rule."
+            f"  [default: as DOMAIN notes, or {DEFAULT.forgetting:g}]",
+        ),
     )
-    return lambda function: given[0](given[1](given[2](function)))
+
+    def added(function: F) -> F:
+        for option in reversed(given):
+            function = option(function)
+        return function
+
+    return added
 
 
 def max_actions(help: str, most: int | None = None) -> Option:

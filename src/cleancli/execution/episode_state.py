@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from cleancli.compiler.task import GroundAction
 from cleancli.language.model import Object, State
-from cleancli.learning.durations import Timed
-from cleancli.learning.match import Match
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
 
@@ -120,18 +119,6 @@ class Account:
     def by_kind(self) -> dict[str, float]:
         """The seconds by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """What there is to learn from: how many transitions there were of each kind, and how long actions took,
-    each in the order in which it was first met."""
-
-    matches: tuple[tuple[Match, int], ...] = ()
-    times: tuple[tuple[str, Timed], ...] = ()
-
-
-NO_EVIDENCE = Evidence()
 
 
 @dataclass(frozen=True, slots=True)

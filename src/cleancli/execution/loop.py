@@ -273,9 +273,9 @@ def _seen_before(setup: EpisodeSetup) -> tuple[tuple[int, Fraction], ...]:
         sum((outcome.seen or Fraction(0) for outcome in rule.outcomes), start=Fraction(0))
         for rule in setup.domain.rules
     ]
-    for match, number in setup.evidence.matches:
-        if match.rule is not None:
-            counts[match.rule] += number
+    for rule, number in setup.evidence.examples().items():
+        if rule is not None:
+            counts[rule] += number
     return tuple((index, count) for index, count in enumerate(counts) if count)
 
 

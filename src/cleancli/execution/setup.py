@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.episode_state import NO_EVIDENCE, ActionKey, Evidence, Move, Situation
+from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import Method
 from cleancli.motion.actions import PICK_UP, SWEEPS, WIPES, can_execute
 from cleancli.planning.plan import Plan

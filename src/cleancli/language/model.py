@@ -257,7 +257,8 @@ class Experience(Record):
 
 class Knowledge(Record):
     """What the counts of a domain mean: the estimator that makes probabilities of them, with a prior that
-    weighs as much as `m` examples, how transitions were matched with outcomes, and what was counted.
+    weighs as much as `m` examples, how transitions were matched with outcomes, what was counted, and by which
+    share an example counts for less than the next one of its rule (`forgetting`).
 
     `span` covers the block that says so, which may stand in a file that the domain includes.
     """
@@ -266,6 +267,7 @@ class Knowledge(Record):
     m: float
     match: str
     experience: tuple[Experience, ...]
+    forgetting: float = 0.0
     span: Span | None = field(default=None, compare=False)
 
 

@@ -9,7 +9,8 @@ from scipy.special import gammaincc
 
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import maximum_likelihood
-from cleancli.learning.expectation import Beliefs, Evidence, expected, log_likelihoods, nothing_counted
+from cleancli.learning.evidence import Evidence, weights
+from cleancli.learning.expectation import Beliefs, expected, log_likelihoods, nothing_counted
 from cleancli.learning.match import outcomes_of
 
 SIGNIFICANT = 0.01
@@ -34,7 +35,8 @@ class Agreement:
 
 def agreements(domain: Domain, evidence: Evidence) -> tuple[Agreement, ...]:
     """One for each rule that has examples, in the domain's order, the default rule last."""
-    _, best = expected(domain, evidence, maximum_likelihood, 0.0, nothing_counted(domain))
+    seen = weights(evidence, 0.0)
+    _, best = expected(domain, seen, maximum_likelihood, 0.0, nothing_counted(domain))
     stated = Beliefs(
         {
             rule: tuple(float(outcome.probability) for outcome in outcomes_of(domain, rule))
@@ -44,14 +46,13 @@ def agreements(domain: Domain, evidence: Evidence) -> tuple[Agreement, ...]:
         best.slips,
     )
     found = []
-    by_stated = log_likelihoods(evidence, stated)
-    for rule, by_best in log_likelihoods(evidence, best).items():
+    by_stated, examples = log_likelihoods(seen, stated), evidence.examples()
+    for rule, by_best in log_likelihoods(seen, best).items():
         # What no outcome explains contradicts the rule, whatever its probabilities.
         statistic = max(0.0, 2 * (by_best - by_stated[rule])) if isfinite(by_best) else inf
         freedom = max(1, len(outcomes_of(domain, rule)) - 1)
-        examples = sum(number for match, number in evidence.items() if match.rule == rule)
         p = float(gammaincc(freedom / 2, statistic / 2))
-        found.append(Agreement(rule, examples, statistic, freedom, p))
+        found.append(Agreement(rule, examples[rule], statistic, freedom, p))
     return tuple(sorted(found, key=lambda each: (each.rule is None, each.rule or 0)))
 
 

@@ -51,7 +51,7 @@ def _edits_of_duration(action: Action, texts: Mapping[str, str], learned: Learne
     old = text[number.start : number.end]
     new = old if learned.seconds == action.duration else f"{print_fraction(Fraction(str(learned.seconds)))} s"
     prior = {"prior": old} if action.duration_prior is None else {}
-    return noted(text, number, whole, new, {**prior, "seen": str(learned.seen)})
+    return noted(text, number, whole, new, {**prior, "seen": print_fraction(learned.seen)})
 
 
 def _edits_of_rule(

@@ -9,7 +9,6 @@ Laird and Rubin 1977).
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ import numpy as np
 from cleancli.array_types import Bools, Floats
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import Estimator
+from cleancli.learning.evidence import Weights
 from cleancli.learning.match import Fit, Match, outcomes_of, prior_probabilities
 from cleancli.learning.share import Counts, estimated, learn_parameters, shared_out
 
@@ -64,10 +64,6 @@ class _Group:
     fits: Floats
 
 
-Evidence = Counter[Match]
-"""How many transitions there were of each kind."""
-
-
 def prior_beliefs(domain: Domain) -> Beliefs:
     """What is believed before any transition was seen."""
     rules = (*range(len(domain.rules)), None)
@@ -97,11 +93,11 @@ def largest(found: Sequence[float]) -> int | None:
 
 
 def expected(
-    domain: Domain, evidence: Evidence, estimator: Estimator, m: float, before: Counts
+    domain: Domain, seen: Weights, estimator: Estimator, m: float, before: Counts
 ) -> tuple[Counts, Beliefs]:
     """How often each outcome is expected to have happened, with what was counted before, and what that makes
     of the probabilities."""
-    groups = {rule: _group(found) for rule, found in _by_rule(evidence).items()}
+    groups = {rule: _group(found) for rule, found in _by_rule(seen).items()}
     prior = beliefs = prior_beliefs(domain)
     counts: Counts = {}
     for _ in range(ROUNDS):
@@ -113,23 +109,23 @@ def expected(
     return counts, beliefs
 
 
-def log_likelihoods(evidence: Evidence, beliefs: Beliefs) -> dict[int | None, float]:
+def log_likelihoods(seen: Weights, beliefs: Beliefs) -> dict[int | None, float]:
     """Of the transitions of each rule, how likely they are by what is believed; minus infinity where no
     outcome explains one."""
     found = {}
-    for rule, matches in _by_rule(evidence).items():
+    for rule, matches in _by_rule(seen).items():
         group = _group(matches)
         logs = _joint(group, beliefs.probabilities[rule], beliefs.slips)
         found[rule] = float(np.logaddexp.reduce(logs, axis=1) @ group.numbers)
     return found
 
 
-def likeliest(domain: Domain, evidence: Evidence, before: Counts) -> Counts:
+def likeliest(domain: Domain, seen: Weights, before: Counts) -> Counts:
     """The paper's strict reading: each transition counts for the one outcome that fits it and was the
     likeliest before learning, of equals for the first; with what was counted before."""
     priors = prior_beliefs(domain).probabilities
     counts = {rule: list(found) for rule, found in before.items()}
-    for match, number in evidence.items():
+    for match, number in seen.items():
         fitting = [index for index, fit in enumerate(match.fits) if fit is not None]
         if fitting:
             counts[match.rule][max(fitting, key=lambda index: priors[match.rule][index])] += number
@@ -148,11 +144,11 @@ def maximised(
     return Beliefs(probabilities, parameters, slips)
 
 
-def _by_rule(evidence: Evidence) -> dict[int | None, list[tuple[Match, int]]]:
+def _by_rule(seen: Weights) -> dict[int | None, list[tuple[Match, float]]]:
     """Always in the same order, whichever came first, so that sums are the same to the last digit."""
-    found: dict[int | None, list[tuple[Match, int]]] = {}
-    for match in sorted(evidence, key=_order):
-        found.setdefault(match.rule, []).append((match, evidence[match]))
+    found: dict[int | None, list[tuple[Match, float]]] = {}
+    for match in sorted(seen, key=_order):
+        found.setdefault(match.rule, []).append((match, seen[match]))
     return found
 
 
@@ -160,7 +156,7 @@ def _order(match: Match) -> tuple[int, tuple[tuple[int, ...], ...]]:
     return -1 if match.rule is None else match.rule, tuple(fit or () for fit in match.fits)
 
 
-def _group(found: Sequence[tuple[Match, int]]) -> _Group:
+def _group(found: Sequence[tuple[Match, float]]) -> _Group:
     fits = [[fit or Fit() for fit in match.fits] for match, _ in found]
     possible = [[fit is not None for fit in match.fits] for match, _ in found]
     return _Group(

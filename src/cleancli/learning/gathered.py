@@ -6,7 +6,6 @@ file. A file that has grown since begins with the same lines, and so is known ag
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +16,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Experience
 from cleancli.language.parsing.read import refused_as
-from cleancli.learning.durations import Timed, Times, once, together
-from cleancli.learning.expectation import Evidence
+from cleancli.learning.evidence import Collector, Evidence, together
 from cleancli.learning.experience import LONGEST, Reading, read_experience
 from cleancli.learning.match import Matcher
 
@@ -35,14 +33,24 @@ class GivenFile:
 
 
 @dataclass(frozen=True, slots=True)
+class Origin:
+    """Where transitions are from: a file by what the user calls it, the number of the first of them there,
+    and how many they are."""
+
+    name: str
+    first: int
+    transitions: int
+
+
+@dataclass(frozen=True, slots=True)
 class Gathered:
-    """All that is to be learned from, with how long actions took: `experience` says which files it is from,
-    those that the domain's text has counted too where they are counted on. `notes` are what a person should
-    know of it."""
+    """All that is to be learned from: `experience` says which files it is from, those that the domain's text
+    has counted too where they are counted on. `origins` are the files of the evidence in turn, and `notes`
+    what a person should know."""
 
     evidence: Evidence
-    times: Times
     experience: tuple[Experience, ...]
+    origins: tuple[Origin, ...]
     notes: tuple[str, ...]
 
 
@@ -53,7 +61,6 @@ class _Read:
 
     file: GivenFile
     evidence: Evidence
-    times: Times
     whole: Part
     parts: frozenset[Part]
     is_cut: bool
@@ -79,17 +86,16 @@ def gather(
         if each.whole not in seen | within and each.whole[0]:
             kept.append(each)
         seen.add(each.whole)
-    evidence: Evidence = Counter()
-    times: Times = {}
-    for each in kept:
-        evidence.update(each.evidence)
-        times = together(times, each.times)
     stays = [each for each in known if adding and _part(each) not in within]
     names = {_part(each) for each in stays}
-    new = [
-        Experience(each.file.name, each.whole[1], each.whole[0]) for each in kept if each.whole not in names
-    ]
-    return Gathered(evidence, times, (*stays, *new), tuple(notes))
+    new = [_experience(each) for each in kept if each.whole not in names]
+    evidence = together(each.evidence for each in kept)
+    return Gathered(evidence, (*stays, *new), tuple(map(_origin, kept)), tuple(notes))
+
+
+def _origin(read: _Read) -> Origin:
+    number = len(read.evidence.order)
+    return Origin(read.file.name, read.whole[0] - number + 1, number)
 
 
 def _experience(read: _Read) -> Experience:
@@ -117,20 +123,16 @@ def _read(
     matcher, reading = Matcher(domain, strict), Reading()
     known = counted | ends
     numbers = {number for number, _ in known}
-    evidence: Evidence = Counter()
-    times: dict[str, Timed] = {}
+    collector = Collector()
     parts: list[Part] = []
     for transition in read_experience(file.path, domain, reading):
-        evidence[matcher.match(transition)] += 1
-        if transition.lasted is not None:
-            times[transition.action] = times.get(transition.action, Timed()) | once(transition.lasted)
+        collector.add(matcher.match(transition), transition.action, transition.lasted)
         if reading.transitions in numbers and (part := (reading.transitions, reading.sha256)) in known:
             parts.append(part)
             if adding and part in counted:
-                evidence.clear()
-                times.clear()
+                collector = Collector()
     whole = (reading.transitions, reading.sha256)
-    return _Read(file, evidence, times, whole, frozenset(parts) - {whole}, reading.is_cut)
+    return _Read(file, collector.evidence, whole, frozenset(parts) - {whole}, reading.is_cut)
 
 
 def _refuse_dropped(dropped: Sequence[Experience]) -> None:

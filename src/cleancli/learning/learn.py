@@ -6,14 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from types import MappingProxyType
 
 from cleancli.language.model import Domain, Outcome
-from cleancli.learning.durations import LearnedDuration, Times, learn_durations
+from cleancli.learning.durations import LearnedDuration, learn_durations
 from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.evidence import Evidence, Weights, collected, weights
 from cleancli.learning.expectation import (
     Beliefs,
-    Evidence,
     SlipRates,
     expected,
     likeliest,
@@ -24,12 +23,7 @@ from cleancli.learning.expectation import (
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
 from cleancli.learning.method import DEFAULT, Method
-from cleancli.learning.share import Counts, exactly, in_units, rounded
-
-NO_TIMES: Times = MappingProxyType({})
-
-COUNTED = 100
-"""Parts of an example that counts are rounded to."""
+from cleancli.learning.share import Counts, counts_rounded, exactly, in_units
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,23 +53,30 @@ class Lesson:
 
 def learn(domain: Domain, transitions: Iterable[Transition], method: Method = DEFAULT) -> Lesson:
     """What transitions teach about a domain's probabilities. Raises `Refused` (E602)."""
-    return learned_from(domain, Counter(map(Matcher(domain, method.is_strict).match, transitions)), method)
+    return learned_from(domain, collected(Matcher(domain, method.is_strict), transitions), method)
 
 
-def learned_from(
-    domain: Domain, evidence: Evidence, method: Method, times: Times = NO_TIMES, adding: bool = False
-) -> Lesson:
-    """The same of transitions that were matched already, and of how long actions took; where `adding`, beside
-    what the domain's text has counted."""
+def learned_from(domain: Domain, evidence: Evidence, method: Method, adding: bool = False) -> Lesson:
+    """The same of transitions that were matched already; where `adding`, beside what the domain's text has
+    counted."""
     estimator = ESTIMATORS[method.estimator]
-    before = counted(domain) if adding else nothing_counted(domain)
+    before = _faded(counted(domain), evidence, method) if adding else nothing_counted(domain)
+    seen = weights(evidence, method.forgetting)
     if method.is_strict:
-        counts = likeliest(domain, evidence, before)
+        counts = likeliest(domain, seen, before)
         beliefs = maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, method.m)
     else:
-        counts, beliefs = expected(domain, evidence, estimator, method.m, before)
-    durations = learn_durations(domain, times, adding)
-    return Lesson(tuple(_rules(domain, evidence, counts, beliefs)), beliefs, durations)
+        counts, beliefs = expected(domain, seen, estimator, method.m, before)
+    durations = learn_durations(domain, evidence.times, adding, method.forgetting)
+    return Lesson(tuple(_rules(domain, seen, counts, beliefs)), beliefs, durations)
+
+
+def _faded(before: Counts, evidence: Evidence, method: Method) -> Counts:
+    """What was counted before, as much as it counts after the examples that came since."""
+    if not method.forgetting:
+        return before
+    kept = {rule: (1 - method.forgetting) ** number for rule, number in evidence.examples().items()}
+    return {rule: tuple(kept.get(rule, 1.0) * count for count in counts) for rule, counts in before.items()}
 
 
 def counted(domain: Domain) -> Counts:
@@ -125,21 +126,22 @@ def revised(domain: Domain, lesson: Lesson) -> Domain:
     return replace(domain, actions=actions, rules=tuple(rules), default=default)
 
 
-def _rules(domain: Domain, evidence: Evidence, counts: Counts, beliefs: Beliefs) -> Iterator[Learned]:
+def _rules(domain: Domain, seen: Weights, counts: Counts, beliefs: Beliefs) -> Iterator[Learned]:
     parameters = in_units(domain, beliefs.parameters)
     changed = {p.name for p in domain.parameters if parameters[p.name] != p.probability}
-    unexplained: Counter[int | None] = Counter()
-    for match, number in evidence.items():
+    unexplained: dict[int | None, float] = {}
+    for match, number in seen.items():
         if not any(match.fits):
-            unexplained[match.rule] += number
+            unexplained[match.rule] = unexplained.get(match.rule, 0) + number
     for rule, probabilities in beliefs.probabilities.items():
         outcomes = outcomes_of(domain, rule)
-        has_examples = any(counts[rule]) or unexplained[rule]
+        left = round(unexplained.get(rule, 0))
+        has_examples = any(counts[rule]) or left
         if has_examples or any(outcome.parameter in changed for outcome in outcomes):
             yield Learned(
                 rule,
                 prior_probabilities(outcomes),
                 exactly(outcomes, probabilities, parameters),
-                rounded(counts[rule], Fraction(round(sum(counts[rule]))), COUNTED),
-                unexplained[rule],
+                counts_rounded(counts[rule]),
+                left,
             )

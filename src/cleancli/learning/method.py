@@ -17,13 +17,15 @@ DELTA = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """The `estimator` by its name, the weight of the prior in examples, and what a transition counts for (see
-    `match.Matcher`): for all outcomes that may have made it, or for the likeliest of those that fit strictly.
+    """The `estimator` by its name, the weight of the prior in examples, what a transition counts for (see
+    `match.Matcher`): for all outcomes that may have made it, or for the likeliest of those that fit strictly;
+    and by which share an example counts for less than the next one of its rule.
     """
 
     estimator: str = "decreasing-m"
     m: float = DEFAULT_M
     match: str = "shared"
+    forgetting: float = 0.0
 
     @property
     def is_strict(self) -> bool:

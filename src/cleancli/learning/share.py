@@ -19,6 +19,9 @@ DIGITS = 4
 
 _UNIT = 10**DIGITS
 
+_COUNTED = 100
+"""Parts of an example that counts are rounded to."""
+
 Counts = Mapping[int | None, tuple[float, ...]]
 """Examples per outcome, of each rule by its index and of the default rule by None."""
 
@@ -158,6 +161,16 @@ def _wanted(
     if total <= 0:
         return {index: left / len(free) for index in free}
     return {index: estimate * (left / total) for index, estimate in free.items()}
+
+
+def counted(number: float) -> Fraction:
+    """A number of examples as the text says it: to hundredths."""
+    return Fraction(round(number * _COUNTED), _COUNTED)
+
+
+def counts_rounded(counts: Sequence[float]) -> tuple[Fraction, ...]:
+    """Counts as the text says them, which sum to what their rounded sum is."""
+    return rounded(counts, counted(sum(counts)), _COUNTED)
 
 
 def rounded(values: Sequence[float], total: Fraction, units: int) -> tuple[Fraction, ...]:

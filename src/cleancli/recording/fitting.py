@@ -52,17 +52,20 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
 
 
 def _check_evidence(episode: EpisodeState, domain: Domain) -> None:
-    """Of rules that there are, with an entry for each outcome."""
-    for match, number in episode.evidence.matches:
+    """Of rules that there are, with an entry for each outcome; and of kinds that there are."""
+    evidence = episode.evidence
+    for match in evidence.kinds:
         if match.rule is not None and not 0 <= match.rule < len(domain.rules):
             raise ValueError("it has learned of rules that the domain has not")
         if len(match.fits) != len(outcomes_of(domain, match.rule)):
             raise ValueError("it has learned of outcomes that the domain has not")
-        if not 0 <= number <= MOST or any(not 0 <= part <= MOST for fit in match.fits for part in fit or ()):
+        if any(not 0 <= part <= MOST for fit in match.fits for part in fit or ()):
             raise ValueError("what it has learned counts absurdly")
+    if any(not 0 <= kind < len(evidence.kinds) for kind in evidence.order):
+        raise ValueError("it has learned of a kind of transition that it does not describe")
     names = {action.name for action in domain.actions}
-    for name, timed in episode.evidence.times:
-        if name not in names or any(not 0 <= part <= MOST**3 for part in timed):
+    for name, timed in evidence.times:
+        if name not in names or any(not 0 <= milliseconds <= 1000 * MOST for milliseconds in timed):
             raise ValueError("what it has learned of durations is none of this domain")
 
 

@@ -153,7 +153,7 @@ class DurationEntry(NamedTuple):
 
     action: str
     seconds: Seconds
-    seen: Count
+    seen: Times
 
 
 @dataclass(frozen=True, slots=True)

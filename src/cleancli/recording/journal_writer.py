@@ -69,7 +69,7 @@ class Entries:
     def _learned(self, lesson: Lesson, domain: Domain) -> journal.Learned:
         """What is new; from now on the domain is what is believed."""
         entries = [_entry(domain, learned) for learned in lesson.rules]
-        durations = [DurationEntry(each.action, each.seconds, each.seen) for each in lesson.durations]
+        durations = [DurationEntry(each.action, each.seconds, float(each.seen)) for each in lesson.durations]
         told = journal.Learned(
             tuple(entry for entry in entries if entry not in self._learnt),
             tuple(entry for entry in durations if entry not in self._timed),

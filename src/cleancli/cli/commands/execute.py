@@ -155,6 +155,7 @@ def command(
     estimator: str | None,
     m: float | None,
     match: str | None,
+    forgetting: float | None,
     episodes: int,
     write: bool,
     max_actions: int,
@@ -182,7 +183,7 @@ def command(
     given = open_given(domain, problem)
     if write and not is_own_file(domain):
         raise ships_with(domain, given.domain)
-    method = Counting(estimator, m, match).method(given.domain.model) if learn else None
+    method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
     known = _known(known, epsilon, delta, learn)
     asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
     acting = None if world is None else open_loaded(world)

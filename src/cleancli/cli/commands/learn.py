@@ -55,6 +55,7 @@ def command(
     estimator: str | None,
     m: float | None,
     match: str | None,
+    forgetting: float | None,
     add: bool,
     replace: bool,
     check: bool,
@@ -81,7 +82,7 @@ def command(
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
     if write and not is_own:
         raise ships_with(domain, loaded)
-    counting = Counting(estimator, m, match, add, replace)
+    counting = Counting(estimator, m, match, forgetting, add, replace)
     if check:
         with working("reading"):
             found = agreement(loaded, experience, counting)

@@ -186,7 +186,8 @@ def _derived(definition: DerivedPredicate, domain: Domain) -> str:
 
 
 def _learned(learned: Knowledge) -> Iterator[str]:
-    yield f"estimator {learned.estimator}, m {learned.m:g}, match {learned.match}"
+    forgotten = f", forgetting {learned.forgetting:g}" if learned.forgetting else ""
+    yield f"estimator {learned.estimator}, m {learned.m:g}, match {learned.match}{forgotten}"
     for each in learned.experience:
         yield f"{plural(each.transitions, 'transition')} of {each.name} (sha256 {each.sha256})"
 
@@ -233,6 +234,7 @@ def _learned_data(learned: Knowledge) -> dict[str, object]:
         "estimator": learned.estimator,
         "m": learned.m,
         "match": learned.match,
+        "forgetting": learned.forgetting,
         "experience": [
             {"name": each.name, "sha256": each.sha256, "transitions": each.transitions}
             for each in learned.experience

@@ -16,14 +16,21 @@ KEYS = {
     "estimator": "how counts and a prior become a probability",
     "m": "how many examples the prior weighs as much as",
     "match": "what a transition counts for that several outcomes may have made",
+    "forgetting": "by which share an example counts for less than the next one of its rule",
 }
 """The settings of the block, and what each means."""
+
+OPTIONAL = frozenset({"forgetting"})
+"""Those that need not be said."""
 
 WORDS = {"estimator": ("decreasing_m", "m", "likelihood"), "match": ("shared", "strict")}
 """What the settings that are words may be, the usual one first."""
 
 LARGEST_M = 1_000_000
 """Examples that a prior may weigh as much as. Chosen: above it nothing is ever learned."""
+
+MOST_FORGETTING = 0.5
+"""Share that may be forgotten with each example. Chosen: above it hardly more than the last one counts."""
 
 HASH_DIGITS = 16
 """Hexadecimal digits of a SHA-256 by which experience is told from other experience. Chosen: 64 bits."""
@@ -35,13 +42,14 @@ def check_learned(node: syntax.Learned, findings: Findings) -> Knowledge:
     """What the block says (E216, E502, E504 to E506, E513)."""
     settings = settings_by_key(sections_of(node.entries, syntax.Setting), KEYS, findings)
     for key in KEYS:
-        if key not in settings:
+        if key not in settings and key not in OPTIONAL:
             _refuse_without(key, node, findings)
     return Knowledge(
         _word(settings.get("estimator"), findings),
         _weight(settings.get("m"), findings),
         _word(settings.get("match"), findings),
         _experience(sections_of(node.entries, syntax.ExperienceNode), findings),
+        _forgetting(settings.get("forgetting"), findings),
         node.span,
     )
 
@@ -65,6 +73,18 @@ def _word(setting: syntax.Setting | None, findings: Findings) -> str:
     if value.text not in WORDS[key]:
         findings.unknown("E506", key, value.text, value.span, WORDS[key])
     return value.text
+
+
+def _forgetting(setting: syntax.Setting | None, findings: Findings) -> float:
+    """The share that is forgotten with each example."""
+    if setting is None:
+        return 0.0
+    if not isinstance(setting.value, syntax.Quantity):
+        findings.error("E504", "`forgetting` wants a number", setting.value.span)
+        return 0.0
+    if not 0 <= setting.value.value <= MOST_FORGETTING:
+        findings.error("E505", f"`forgetting` lies between 0 and {MOST_FORGETTING}", setting.value.span)
+    return float(setting.value.value)
 
 
 def _weight(setting: syntax.Setting | None, findings: Findings) -> float:

@@ -26,7 +26,8 @@ def learned_edits(domain: Domain, source: Source, learned: Knowledge) -> tuple[E
     block = _block(source)
     known, kept = ({each.sha256 for each in known.experience} for known in (before, learned))
     dropped = [e for e in block.entries if isinstance(e, ExperienceNode) and e.sha256.text not in kept]
-    added = print_experience([each for each in learned.experience if each.sha256 not in known])
+    new = print_experience([each for each in learned.experience if each.sha256 not in known])
+    added = [*_added_settings(block, learned), *new]
     lines = "".join(f"    {line}\n" for line in added)
     return (
         *_settings(block, before, learned),
@@ -42,11 +43,22 @@ def _block(source: Source) -> Learned:
 
 
 def _settings(block: Learned, before: Knowledge, learned: Knowledge) -> Iterator[Edit]:
-    """New values of the settings that have others."""
+    """New values of the settings that have others; what is optional and usual now says 0."""
     old, new = print_settings(before), print_settings(learned)
-    for entry in block.entries:
-        if isinstance(entry, Setting) and old[entry.key.text] != new[entry.key.text]:
-            yield Edit(entry.value.span, new[entry.key.text])
+    for entry in _settings_of(block):
+        key = entry.key.text
+        if old.get(key, "0") != new.get(key, "0"):
+            yield Edit(entry.value.span, new.get(key, "0"))
+
+
+def _added_settings(block: Learned, learned: Knowledge) -> list[str]:
+    """Lines of the settings that the block does not name yet."""
+    named = {entry.key.text for entry in _settings_of(block)}
+    return [f"{key} = {value}" for key, value in print_settings(learned).items() if key not in named]
+
+
+def _settings_of(block: Learned) -> list[Setting]:
+    return [entry for entry in block.entries if isinstance(entry, Setting)]
 
 
 def _inserted(source: Source, brace: int, lines: str) -> Edit:

@@ -78,8 +78,11 @@ def print_learned(learned: Knowledge) -> str:
 
 
 def print_settings(learned: Knowledge) -> dict[str, str]:
-    """The values of the settings of that block, by their keys."""
-    return {"estimator": learned.estimator, "m": print_float(learned.m), "match": learned.match}
+    """The values of the settings of that block, by their keys; what is optional only where it is unusual."""
+    settings = {"estimator": learned.estimator, "m": print_float(learned.m), "match": learned.match}
+    if learned.forgetting:
+        settings["forgetting"] = print_float(learned.forgetting)
+    return settings
 
 
 def print_experience(experience: Sequence[Experience]) -> list[str]:

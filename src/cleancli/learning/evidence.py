@@ -1,0 +1,102 @@
+"""Transitions as what learning needs of them, in the order in which they came (§5)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from cleancli.learning.experience import Transition
+from cleancli.learning.match import Match, Matcher
+
+Weights = Mapping[Match, float]
+"""How many transitions there were of each kind; old ones may count for less than one each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What there is to learn from: the `kinds` of transitions, as they were first met, and by its index the
+    kind of each transition in turn; and of actions the milliseconds that each execution took, in turn."""
+
+    kinds: tuple[Match, ...] = ()
+    order: tuple[int, ...] = ()
+    times: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+    def rules(self) -> Iterator[tuple[int | None, list[int]]]:
+        """Each rule that there are transitions of (None: the default rule), with the kinds of these in
+        turn."""
+        found: dict[int | None, list[int]] = {}
+        for kind in self.order:
+            found.setdefault(self.kinds[kind].rule, []).append(kind)
+        yield from found.items()
+
+    def examples(self) -> dict[int | None, int]:
+        """How many transitions there are of each rule."""
+        return {rule: len(kinds) for rule, kinds in self.rules()}
+
+
+NO_EVIDENCE = Evidence()
+
+
+class Collector:
+    """Evidence while it is put together."""
+
+    def __init__(self, evidence: Evidence = NO_EVIDENCE) -> None:
+        self._index = {kind: index for index, kind in enumerate(evidence.kinds)}
+        self._order = list(evidence.order)
+        self._times = {name: list(times) for name, times in evidence.times}
+        self._same: dict[int, int] = {}
+
+    def add(self, match: Match, action: str, lasted: int | None) -> None:
+        """One more transition, of an action that took so many milliseconds, if that is known."""
+        self._order.append(self._index.setdefault(match, len(self._index)))
+        if lasted is not None:
+            # Equal numbers are one object in memory, since there are many more times than different ones.
+            self._times.setdefault(action, []).append(self._same.setdefault(lasted, lasted))
+
+    @property
+    def evidence(self) -> Evidence:
+        """All of it so far."""
+        times = tuple((name, tuple(times)) for name, times in self._times.items())
+        return Evidence(tuple(self._index), tuple(self._order), times)
+
+
+def collected(matcher: Matcher, transitions: Iterable[Transition]) -> Evidence:
+    """What transitions are evidence of. Raises `Refused` (E602)."""
+    return extended(NO_EVIDENCE, matcher, transitions)
+
+
+def extended(evidence: Evidence, matcher: Matcher, transitions: Iterable[Transition]) -> Evidence:
+    """The evidence with some more transitions. Raises `Refused` (E602)."""
+    collector = Collector(evidence)
+    for transition in transitions:
+        collector.add(matcher.match(transition), transition.action, transition.lasted)
+    return collector.evidence
+
+
+def together(parts: Iterable[Evidence]) -> Evidence:
+    """All evidence, one part after the other."""
+    index: dict[Match, int] = {}
+    order: list[int] = []
+    times: dict[str, tuple[int, ...]] = {}
+    for part in parts:
+        own = [index.setdefault(kind, len(index)) for kind in part.kinds]
+        order += [own[kind] for kind in part.order]
+        for name, each in part.times:
+            times[name] = times.get(name, ()) + each
+    return replace(NO_EVIDENCE, kinds=tuple(index), order=tuple(order), times=tuple(times.items()))
+
+
+def weights(evidence: Evidence, forgetting: float) -> Weights:
+    """What the transitions of each kind count for together: one each, or where there is `forgetting`, the
+    last of its rule one, and each before it less by that share than the one after it."""
+    if not forgetting:
+        return {evidence.kinds[kind]: number for kind, number in Counter(evidence.order).items()}
+    found: dict[Match, float] = {}
+    for _, kinds in evidence.rules():
+        weight = 1.0
+        for kind in reversed(kinds):
+            match = evidence.kinds[kind]
+            found[match] = found.get(match, 0.0) + weight
+            weight *= 1 - forgetting
+    return found
