@@ -6,6 +6,7 @@ Everything is drawn from a random generator that is given; nothing here runs a c
 from __future__ import annotations
 
 import contextlib
+import copy
 import functools
 import hashlib
 import io
@@ -94,6 +95,8 @@ def text(source: str, rng: random.Random) -> str:
 def _swapped(source: str, rng: random.Random) -> str:
     """One word in the place of another of its kind."""
     tokens = TOKEN.findall(source)
+    if not tokens:
+        return source
     first = rng.choice([n for n, token in enumerate(tokens) if re.match(r"[?\w]", token)] or [0])
     alike = [token for token in tokens if token[:1].isdigit() == tokens[first][:1].isdigit() and token != " "]
     same = [token for token in alike if token[:1] == "?" or tokens[first][:1] != "?"]
@@ -195,7 +198,8 @@ def value(described: Any, rng: random.Random) -> Any:
             holder[rng.choice(("", "format", "x" * 300, "\x07", "rest"))] = holder.pop(key)
         case 2:
             other, name = rng.choice(parts)
-            holder[key] = other[name]
+            # A copy, since a part may be put into itself.
+            holder[key] = copy.deepcopy(other[name])
         case 3 if isinstance(holder[key], int | float) and not isinstance(holder[key], bool):
             holder[key] = rng.choice((-holder[key], holder[key] * 10**6, holder[key] + 1, holder[key] / 7))
         case 4 if isinstance(holder, list):
