@@ -46,6 +46,8 @@ WORDS = (
     "count",
     "closure",
 )
+MANY = 20_000
+"""Parts of a value that become no more."""
 LONG = 1 << 28
 """Bytes of a file that changes leave alone."""
 
@@ -191,18 +193,19 @@ def value(described: Any, rng: random.Random) -> Any:
     if not parts:
         return rng.choice(VALUES)
     holder, key = rng.choice(parts)
+    small = len(parts) < MANY
     match rng.randrange(6):
         case 0:
             del holder[key]
         case 1 if isinstance(holder, dict):
             holder[rng.choice(("", "format", "x" * 300, "\x07", "rest"))] = holder.pop(key)
-        case 2:
+        case 2 if small:
             other, name = rng.choice(parts)
             # A copy, since a part may be put into itself.
             holder[key] = copy.deepcopy(other[name])
         case 3 if isinstance(holder[key], int | float) and not isinstance(holder[key], bool):
             holder[key] = rng.choice((-holder[key], holder[key] * 10**6, holder[key] + 1, holder[key] / 7))
-        case 4 if isinstance(holder, list):
+        case 4 if small and isinstance(holder, list):
             holder *= rng.choice((2, 50))
         case _:
             holder[key] = rng.choice(VALUES)
