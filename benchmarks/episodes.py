@@ -3,6 +3,9 @@ between any two moves."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, usual_job, within_reach
@@ -10,8 +13,10 @@ from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
+from cleancli.language.model import Domain
 from cleancli.planning.registry import PLANNERS
 from cleancli.scene.check import load_scene
+from cleancli.scene.model import Scene
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.table import PybulletTable
 
@@ -37,12 +42,30 @@ def opened(job: Job, stand_in: type[KinematicTable] | None) -> Opened:
     strategy, planner = planning(named)
     model = load_domain(read_source(find(domain, "domains")))
     place = load_scene(read_source(find(scene, "problems")))
-    way = usual_job(model, place.robot)
     options = EpisodeOptions(strategy=strategy, planner=planner, seed=seed, by_time=True)
+    return placed(model, place, options, stand_in)
+
+
+def placed(
+    model: Domain, place: Scene, options: EpisodeOptions, stand_in: type[KinematicTable] | None
+) -> Opened:
+    """The same of a domain and a scene that are read already."""
+    way = usual_job(model, place.robot)
     setup = EpisodeSetup(model, within_reach(model, place.robot, way), place, way, options)
-    drawn = derived(seed, Stream.WORLD)
+    drawn = derived(options.seed, Stream.WORLD)
     if stand_in is not None:
         table = stand_in(place, drawn)
         return setup, KinematicCell(model, place, table), table
     physics = PybulletTable(place, drawn)
-    return setup, TableCell(model, place, physics, seed), physics
+    return setup, TableCell(model, place, physics, options.seed), physics
+
+
+@contextmanager
+def on_table(model: Domain, place: Scene, options: EpisodeOptions, stand_in: bool) -> Iterator[Opened]:
+    """The same, and the physics is let go of in the end."""
+    setup, cell, table = placed(model, place, options, KinematicTable if stand_in else None)
+    try:
+        yield setup, cell, table
+    finally:
+        if isinstance(table, PybulletTable):
+            table.close()

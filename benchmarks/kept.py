@@ -31,7 +31,7 @@ class Kept:
         return [json.loads(line) for line in whole]
 
     def add(self, row: Row) -> None:
-        """One more row, on the disk when this returns."""
+        """One more row, on the disk when this returns; in one step, since several processes may write."""
         if self.path is not None:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
+            with self.path.open("ab", buffering=0) as file:
+                file.write(f"{json.dumps(row)}\n".encode())

@@ -6,7 +6,8 @@ learned is compared with the hidden rules by the total variation of next states:
 distributions over the states after an action differ by, in the mean over actions and states that are drawn
 anew.
 
-`recovery`: after 5,000 transitions, beside a learner that is told which outcome each transition was; and
+`recovery`: after 5,000 transitions, beside a learner that is told which outcome each transition was, and
+beside the least that any learner without a prior can expect (the bound of Cramér and Rao), told and not; and
 starting from the hidden probabilities themselves, which more transitions should not spoil.
 `curves`: the three estimators after 3 to 1,000 examples of each rule, from a wrong prior and from the right
 one.
@@ -23,7 +24,7 @@ from __future__ import annotations
 import argparse
 import functools
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice
@@ -34,6 +35,7 @@ import numpy as np
 from instances import Rng, shipped
 from kept import Kept, Row
 
+from cleancli.array_types import Floats
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent, Values, values_of
 from cleancli.compiler.ground import ground
@@ -43,10 +45,10 @@ from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule
 from cleancli.learning.changes import FEWEST, RuleChange, changes
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import collected
-from cleancli.learning.expectation import Beliefs, SlipRates, maximised, prior_beliefs
+from cleancli.learning.expectation import Beliefs, SlipRates, maximised, prior_beliefs, shares
 from cleancli.learning.experience import Transition
 from cleancli.learning.learn import learn, learned_from
-from cleancli.learning.match import Matcher
+from cleancli.learning.match import Match, Matcher
 from cleancli.learning.method import DEFAULT, Method
 
 FOLDER = Path(__file__).parent / "domains"
@@ -150,16 +152,9 @@ def difference(one: Domain, other: Domain, asked: Sequence[Drawn]) -> float:
 
 
 def _difference(rules: LiftedRules, one: Domain, other: Domain, asked: Drawn) -> float:
-    given = asked.transition
-    state = rules.state(given.objects, given.before)
-    covering = rules.covering(state, given.action, given.arguments)
-    assert covering is not None
-    more: dict[frozenset[tuple[Fluent, Value]], float] = {}
     outcomes = zip(one.rules[asked.rule].outcomes, other.rules[asked.rule].outcomes, strict=True)
-    for sets, (p, q) in zip(results(rules, state, *covering), outcomes, strict=True):
-        after = frozenset(changed(given.before, sets).items())
-        more[after] = more.get(after, 0.0) + float(p.probability - q.probability)
-    return sum(map(abs, more.values())) / 2
+    more = np.array([float(p.probability - q.probability) for p, q in outcomes])
+    return float(np.abs(np.array(_led_to(rules, asked)) @ more).sum()) / 2
 
 
 # ---- the parts
@@ -182,7 +177,71 @@ def recovery(name: str, seed: int, transitions: int) -> Row:
         "from right": taught(truth, learn(truth, experience).beliefs),
         "right and told": taught(truth, _told(truth, seen)),
     }
-    return {key: difference(truth, domain, asked) for key, domain in found.items()}
+    row = {key: difference(truth, domain, asked) for key, domain in found.items()}
+    matches = map(Matcher(truth).match, experience)
+    row["bound"] = expected_difference(truth, _least_errors(truth, matches), asked)
+    row["bound when told"] = expected_difference(truth, _errors_when_told(truth, seen), asked)
+    return row
+
+
+Errors = Mapping[int, Floats]
+"""By the rule, the covariance of the errors of its probabilities (outcomes, outcomes)."""
+
+
+def _errors_when_told(truth: Domain, seen: Sequence[Drawn]) -> Errors:
+    """Of the shares of outcomes that are known: those of multinomial counts."""
+    numbers = Counter(each.rule for each in seen)
+    return {rule: _spread_of(truth, rule) / number for rule, number in numbers.items()}
+
+
+def _least_errors(truth: Domain, matches: Iterable[Match]) -> Errors:
+    """Of any unbiased estimate from what is seen, at least (Cramér and Rao). The score of an outcome's logit
+    is its share less its probability."""
+    priors = {rule: _chances(truth, rule) for rule in range(len(truth.rules))}
+    beliefs = Beliefs({rule: tuple(p) for rule, p in priors.items()}, {}, SlipRates(1e-9, 1e-9))
+    scores: dict[int, list[Floats]] = {}
+    for match in matches:
+        if match.rule is not None:
+            score = np.array(shares(match, beliefs)) - priors[match.rule]
+            scores.setdefault(match.rule, []).append(score)
+    found = {}
+    for rule, each in scores.items():
+        slope = _spread_of(truth, rule)  # of probabilities by their logits
+        information = np.array(each).T @ np.array(each)
+        found[rule] = slope @ np.linalg.pinv(information, rcond=1e-9, hermitian=True) @ slope
+    return found
+
+
+def _spread_of(truth: Domain, rule: int) -> Floats:
+    """The covariance of one draw of an outcome."""
+    chances = _chances(truth, rule)
+    return np.diag(chances) - np.outer(chances, chances)
+
+
+def _chances(truth: Domain, rule: int) -> Floats:
+    return np.array([float(outcome.probability) for outcome in truth.rules[rule].outcomes])
+
+
+def expected_difference(truth: Domain, errors: Errors, asked: Sequence[Drawn]) -> float:
+    """The total variation of next states that errors come to if they follow the normal distribution, whose
+    mean distance from 0 is the standard deviation times the root of 2 / π."""
+    rules = LiftedRules(truth)
+    found = []
+    for each in asked:
+        alike = np.array(_led_to(rules, each))
+        variances = np.einsum("so,op,sp->s", alike, errors[each.rule], alike)
+        found.append(np.sqrt(np.maximum(variances, 0) * 2 / np.pi).sum() / 2)
+    return float(mean(found))
+
+
+def _led_to(rules: LiftedRules, asked: Drawn) -> list[list[float]]:
+    """A row for each state that may come next, with a 1 for each outcome that leads to it."""
+    given = asked.transition
+    state = rules.state(given.objects, given.before)
+    covering = rules.covering(state, given.action, given.arguments)
+    assert covering is not None
+    after = [frozenset(changed(given.before, sets).items()) for sets in results(rules, state, *covering)]
+    return [[float(other == each) for other in after] for each in dict.fromkeys(after)]
 
 
 def _told(domain: Domain, seen: Sequence[Drawn]) -> Beliefs:
@@ -279,14 +338,19 @@ def _change_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) ->
 
 
 def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
-    yield "| domain | before | learned | told | share of told | strict | from right | more than told |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield (
+        "| domain | before | learned | told | learned / told | the same of the bounds | strict | from right |"
+        " more than told |"
+    )
+    yield "|---|---|---|---|---|---|---|---|---|"
     for name in DRAW:
         rows = [found[name, seed] for seed in seeds]
         learned, told = (mean(row[key] for row in rows) for key in ("learned", "told"))
         more = [row["from right"] - row["right and told"] for row in rows]
         cells = [_mean([row[key] for row in rows]) for key in ("before", "learned", "told")]
-        cells += [f"{learned / told:.2f}", _mean([row["strict"] for row in rows])]
+        bound, when_told = (mean(row[key] for row in rows) for key in ("bound", "bound when told"))
+        cells += [f"{learned / told:.2f}", f"{bound / when_told:.2f}"]
+        cells += [_mean([row["strict"] for row in rows])]
         yield f"| {name} | {' | '.join([*cells, _mean([row['from right'] for row in rows]), _mean(more)])} |"
 
 

@@ -45,6 +45,7 @@ LONG = {
     "identity.py",
     "ink.py",
     "learning.py",
+    "learning_tables.py",
     "new_grasp.py",
     "perception.py",
     "physics.py",
