@@ -5,12 +5,15 @@ from __future__ import annotations
 import shutil
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from cleancli.api.executions import execute
+from cleancli.api.executions import execute, resume
 from cleancli.api.lessons import learn
 from cleancli.cli.main import run
+from cleancli.execution import believed
+from cleancli.execution.believed import lesson_of
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Acted, Checkpoint, Decided, Event, Learned
 from cleancli.execution.loop import clean
@@ -18,14 +21,16 @@ from cleancli.execution.session import symbolic_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Domain
 from cleancli.learning.evidence import Evidence
+from cleancli.learning.learn import Lesson
 from cleancli.learning.match import Fit, Match
 from cleancli.learning.method import Method
 from cleancli.recording import checkpoint
 from cleancli.recording.fitting import check_fits
 from cleancli.recording.folder import EXPERIENCE
 from cleancli.recording.journal import Learned as LearnedEntry
-from cleancli.recording.journal import read_journal
+from cleancli.recording.journal import Resumed, Started, read_journal
 
 TEXT = """domain doors {
   types { door }
@@ -36,6 +41,7 @@ TEXT = """domain doors {
   rule pulled: pull(?d) { when not open(?d) then 0.4: open(?d) rest: nothing }
   reward { decrease(shut) }
 }"""
+TRUE_TEXT = TEXT % "0.05"
 BELIEVED, TRUE = (load_domain(Source("doors.nid", TEXT % chance)) for chance in ("0.8", "0.05"))
 DOORS = "problem p { domain = doors objects { a b c - door } init { } }"
 PROBLEM = load_problem(Source("p.nid", DOORS), BELIEVED)
@@ -83,6 +89,47 @@ def test_an_episode_goes_on_from_what_it_had_learned(tmp_path: Path) -> None:
     read = checkpoint.read(tmp_path, next((tmp_path / "state").iterdir())).episode
     assert read.evidence == state.evidence
     check_fits(read, BELIEVED, PROBLEM.objects)
+
+
+def test_what_is_learned_is_worked_out_once_after_each_action(monkeypatch: pytest.MonkeyPatch) -> None:
+    worked_out: list[Evidence] = []
+
+    def counted(domain: Domain, evidence: Evidence, method: Method) -> Lesson:
+        worked_out.append(evidence)
+        return lesson_of(domain, evidence, method)
+
+    monkeypatch.setattr(believed, "lesson_of", counted)
+    found = events(Method(), most=5)
+    assert len(worked_out) == len(actions(found)) > 1
+    assert len(set(worked_out)) == len(worked_out)
+
+
+def test_a_run_that_goes_on_expects_what_was_learned_before(tmp_path: Path) -> None:
+    """Its next action is explained by that, and not by what the text says."""
+    (tmp_path / "own.nid").write_text(TEXT % "0.8", encoding="utf-8")
+    seen: list[Event] = []
+
+    def stopping(event: Event) -> None:
+        seen.append(event)
+        if len(actions(seen)) == 2 and isinstance(event, Checkpoint):
+            raise KeyboardInterrupt
+
+    asked: dict[str, Any] = {"learn": True, "estimator": "likelihood", "strategy": "plan-1", "samples": 200}
+    asked |= {"seed": 3, "runs": tmp_path, "world": TRUE_TEXT}
+    with pytest.raises(KeyboardInterrupt):
+        execute(tmp_path / "own.nid", DOORS, on_event=stopping, **asked)
+    (folder,) = (path.parent for path in tmp_path.glob("*/run.json"))
+    resume(folder)
+    records = read_journal(folder).records
+    (resumed,) = (number for number, record in enumerate(records) if isinstance(record, Resumed))
+    before = [record for record in records[:resumed] if isinstance(record, LearnedEntry)]
+    believed_now = {entry.rule: entry.probabilities for record in before for entry in record.rules}
+    expected = next(record.expected for record in records[resumed:] if isinstance(record, Started))
+    by_text = {rule.name: tuple(float(o.probability) for o in rule.outcomes) for rule in BELIEVED.rules}
+    chances = tuple(outcome.probability for outcome in expected.outcomes)
+    assert expected.rule is not None
+    assert chances == {**by_text, **believed_now}[expected.rule]
+    assert believed_now["pushed"] != by_text["pushed"]
 
 
 @pytest.mark.parametrize(

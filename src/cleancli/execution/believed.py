@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from cleancli.execution.setup import EpisodeSetup
 from cleancli.language.model import Domain
 from cleancli.learning.evidence import Evidence, extended
@@ -9,6 +11,16 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.learn import Lesson, learned_from, revised
 from cleancli.learning.match import Matcher
 from cleancli.learning.method import Method
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """The domain with the probabilities and durations that are believed by some evidence, and the `lesson`
+    that made them so; None where nothing has been learned."""
+
+    evidence: Evidence
+    lesson: Lesson | None
+    domain: Domain
 
 
 def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transition) -> Evidence:
@@ -19,20 +31,15 @@ def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transit
     return extended(evidence, Matcher(setup.domain, method.is_strict), [transition])
 
 
-def lesson(setup: EpisodeSetup, evidence: Evidence) -> Lesson | None:
-    """What the evidence teaches, beside what the domain's text has counted; None where nothing is learned."""
+def belief(setup: EpisodeSetup, evidence: Evidence) -> Belief:
+    """What is believed now: what the evidence teaches beside what the domain's text has counted."""
     method = setup.options.learning
     if method is None or not evidence.order:
-        return None
-    return lesson_of(setup.domain, evidence, method)
+        return Belief(evidence, None, setup.domain)
+    lesson = lesson_of(setup.domain, evidence, method)
+    return Belief(evidence, lesson, revised(setup.domain, lesson))
 
 
 def lesson_of(domain: Domain, evidence: Evidence, method: Method) -> Lesson:
-    """The same of a domain, by some method."""
+    """What the evidence teaches about a domain by some method, beside what its text has counted."""
     return learned_from(domain, evidence, method, adding=True)
-
-
-def believed(setup: EpisodeSetup, evidence: Evidence) -> Domain:
-    """The domain with what is believed now."""
-    taught = lesson(setup, evidence)
-    return setup.domain if taught is None else revised(setup.domain, taught)

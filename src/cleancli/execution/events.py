@@ -98,7 +98,8 @@ class Acted:
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What an action and those before it teach, and the domain with the probabilities that are believed."""
+    """What was learned so far, and the domain with what is believed since: after each action that is learned
+    from, and first of all in an episode that goes on from what was learned before."""
 
     lesson: Lesson
     domain: Domain

@@ -15,7 +15,7 @@ from functools import partial
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
-from cleancli.execution.believed import believed, lesson, with_transition
+from cleancli.execution.believed import Belief, belief, with_transition
 from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
@@ -45,7 +45,6 @@ from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition, milliseconds
-from cleancli.learning.learn import revised
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered
 from cleancli.perception.tracking import Stroke
@@ -70,12 +69,22 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
         state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
     elif state.situation is not None and not state.reason:
         state = yield from _look(cell, replace(state, clear_looks=0), Purpose.AFTER, None)
+    now = yield from _learned(belief(setup, state.evidence))
     while not (reason := _over(setup, cell, state)):
         yield Checkpoint(state)
-        state = yield from _step(setup, cell, state)
+        state = yield from _step(setup, cell, state, now.domain)
+        if state.evidence != now.evidence:
+            now = yield from _learned(belief(setup, state.evidence))
     state = replace(state, reason=reason)
     yield Checkpoint(state)
     yield Ended(reason, reason == CLEAN, state.actions, state.spent, cell.clock, state.loading)
+
+
+def _learned(now: Belief) -> Generator[Event, None, Belief]:
+    """Say what is believed from now on, if something was learned."""
+    if now.lesson is not None:
+        yield Learned(now.lesson, now.domain)
+    return now
 
 
 def _over(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> str:
@@ -91,8 +100,8 @@ def _over(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> str:
     return ""
 
 
-def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> Steps:
-    """Whatever is due: a look, a decision, or a move."""
+def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, believed: Domain) -> Steps:
+    """Whatever is due: a look, a decision by the domain as it is believed, or a move."""
     if state.situation is None:
         return (yield from _clear_look(cell, state, Purpose.FIRST))
     hides = state.situation.shows_nothing and not state.clear_looks
@@ -100,15 +109,17 @@ def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> Steps:
         return (yield from _clear_look(cell, replace(state, queue=()), Purpose.EXTRA))
     if state.queue:
         return (yield from _carry_out(setup, cell, state, state.situation))
-    return (yield from _decide(setup, cell, state, state.situation))
+    return (yield from _decide(setup, cell, state, state.situation, believed))
 
 
-def _decide(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation) -> Steps:
+def _decide(
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Domain
+) -> Steps:
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
     options = setup.options
     started = time.perf_counter()
     now = DecisionContext(
-        within(setup.feasible, believed(setup, state.evidence)),
+        within(setup.feasible, believed),
         cell.problem(situation),
         setup.scene,
         setup.job,
@@ -229,9 +240,6 @@ def _concluded(
     yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)
     if seen and transition is not None:
         state = replace(state, evidence=with_transition(setup, state.evidence, transition))
-        taught = lesson(setup, state.evidence)
-        if taught is not None:
-            yield Learned(taught, revised(setup.domain, taught))
     return state
 
 

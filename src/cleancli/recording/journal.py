@@ -158,8 +158,8 @@ class DurationEntry(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What is believed since an action was learned from, of the `rules` and the `durations` of which that is
-    something new."""
+    """What is believed from now on, since an action was learned from or since the run began or went on, of
+    the `rules` and the `durations` of which that is something new."""
 
     rules: tuple[RuleEntry, ...]
     durations: tuple[DurationEntry, ...] = ()
