@@ -6,7 +6,7 @@ loaded before it is asked for.
 
 TYPE_CHECKING = False  # mypy takes it for true by its name; `typing` takes longer to load than all of this
 if TYPE_CHECKING:
-    from cleancli.api.executions import execute, resume
+    from cleancli.api.executions import execute, execute_series, resume
     from cleancli.api.explanations import explain
     from cleancli.api.inputs import load_domain, load_problem
     from cleancli.api.lessons import learn
@@ -22,6 +22,7 @@ __all__ = [
     "__version__",
     "evaluate",
     "execute",
+    "execute_series",
     "explain",
     "learn",
     "load_domain",
@@ -36,6 +37,7 @@ _PLACES = {
     "Refused": "language.diagnostics.refused",
     "evaluate": "api.plans",
     "execute": "api.executions",
+    "execute_series": "api.executions",
     "explain": "api.explanations",
     "learn": "api.lessons",
     "load_domain": "api.inputs",

@@ -11,6 +11,7 @@ import pytest
 
 import cleancli
 from cleancli.cli.main import run
+from cleancli.execution.events import Ended, Event
 
 ROOT = Path(__file__).parents[2]
 TIMES = {"seconds", "planning", "planning_median", "planning_95", "loading", "robot_clock"}
@@ -113,6 +114,46 @@ def test_execute_and_learn(
     learned = cleancli.learn("cleaning", result.folder, m=5)
     assert learned.to_dict() == told(capsys, "learn", "cleaning", result.folder, "--m", 5)
     assert printed(capsys, "learn", "cleaning", result.folder, "--m", 5) == f"{learned}\n"
+
+
+def test_a_series(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also what it writes, and what it prints in the end."""
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "domains" / "cleaning.nid").read_text(encoding="utf-8")
+    for name in ("one.nid", "other.nid"):
+        Path(name).write_text(text, encoding="utf-8")
+    asked: dict[str, Any] = {"episodes": 2, "seed": 5, "samples": 50, "learn": True, "m": 5, "write": True}
+    capsys.readouterr()
+    followed: list[Event] = []
+    result = cleancli.execute_series("one.nid", "three_areas", runs="one", on_event=followed.append, **asked)
+    assert capsys.readouterr() == ("", ""), "nothing is printed"
+    assert sum(isinstance(event, Ended) for event in followed) == len(result.runs) == 2
+    words = ["three_areas", "--episodes", 2, "--seed", 5, "--samples", 50, "--learn", "--m", 5, "--write"]
+    same(
+        unplaced(result.to_dict()), unplaced(told(capsys, "execute", "other.nid", *words, "--runs", "other"))
+    )
+    written = [Path(name).read_text(encoding="utf-8").replace(name, "") for name in ("one.nid", "other.nid")]
+    hashes = re.compile(r"[0-9a-f]{16}|one|other")
+    assert hashes.sub("", written[0]) == hashes.sub("", written[1]) != text
+    assert result.learned is not None
+    assert result.learned.text == Path("one.nid").read_text(encoding="utf-8")
+    assert str(result).endswith(str(result.learned))
+    again = cleancli.execute_series("one.nid", "three_areas", episodes=1, seed=5, samples=50)
+    assert again.learned is None
+    assert [known_of(each) for each in (again, result)] == [0, 12]
+
+
+def known_of(result: Any) -> Any:
+    """After how many examples a rule was known."""
+    return result.runs[0].to_dict()["options"]["known"]
+
+
+def unplaced(data: Any) -> Any:
+    """Without the files that went in."""
+    episodes = [{name: part for name, part in each.items() if name != "files"} for each in data["episodes"]]
+    return {**data, "episodes": episodes}
 
 
 def test_what_is_learned_is_written_as_the_command_writes_it(

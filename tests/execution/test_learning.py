@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from cleancli.api.executions import execute, resume
+from cleancli.api import series
+from cleancli.api.executions import execute, execute_series, resume
 from cleancli.api.lessons import learn
 from cleancli.cli.main import run
 from cleancli.execution import believed
@@ -23,6 +24,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain
 from cleancli.learning.evidence import Evidence
+from cleancli.learning.gathered import whole
 from cleancli.learning.learn import Lesson
 from cleancli.learning.match import Fit, Match
 from cleancli.learning.method import Method
@@ -123,13 +125,13 @@ def test_a_run_that_goes_on_expects_what_was_learned_before(tmp_path: Path) -> N
     records = read_journal(folder).records
     (resumed,) = (number for number, record in enumerate(records) if isinstance(record, Resumed))
     before = [record for record in records[:resumed] if isinstance(record, LearnedEntry)]
-    believed_now = {entry.rule: entry.probabilities for record in before for entry in record.rules}
+    chances: dict[str | None, tuple[float, ...]]
+    chances = {rule.name: tuple(float(o.probability) for o in rule.outcomes) for rule in BELIEVED.rules}
+    by_text = chances["pushed"]
+    chances |= {entry.rule: entry.probabilities for record in before for entry in record.rules}
     expected = next(record.expected for record in records[resumed:] if isinstance(record, Started))
-    by_text = {rule.name: tuple(float(o.probability) for o in rule.outcomes) for rule in BELIEVED.rules}
-    chances = tuple(outcome.probability for outcome in expected.outcomes)
-    assert expected.rule is not None
-    assert chances == {**by_text, **believed_now}[expected.rule]
-    assert believed_now["pushed"] != by_text["pushed"]
+    assert tuple(outcome.probability for outcome in expected.outcomes) == chances[expected.rule]
+    assert chances["pushed"] != by_text
 
 
 @pytest.mark.parametrize(
@@ -177,6 +179,22 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
     assert sum(first[0].rules[0].seen) == 1
     assert sum(last[-1].rules[0].seen) > 1
     assert ("forgetting = 0.2" in own.read_text()) == bool(option)
+
+
+def test_the_record_of_each_episode_is_hashed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not again after each of those that follow."""
+    hashed: list[Path] = []
+
+    def counted(path: Path) -> tuple[int, str]:
+        hashed.append(path)
+        return whole(path)
+
+    monkeypatch.setattr(series, "whole", counted)
+    result = execute_series(
+        TEXT % "1", DOORS, episodes=3, learn=True, seed=1, samples=50, runs=tmp_path, video=False
+    )
+    assert hashed == [run.folder / EXPERIENCE for run in result.runs]
+    assert [each.transitions for each in result.experience] == [run.actions for run in result.runs]
 
 
 def told(folder: Path) -> list[LearnedEntry]:

@@ -7,20 +7,13 @@ from pathlib import Path
 
 from cleancli.api.checks import OBJECTIVES, check_between, check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_domain, load_problem
-from cleancli.api.runs import (
-    OpenedRun,
-    RunResult,
-    carry_out,
-    inputs_of,
-    new_run,
-    resumed_run,
-)
+from cleancli.api.lessons import Counting, check_writable, is_own_file
+from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of, resumed_run
+from cleancli.api.series import MOST_EPISODES, Series, SeriesResult, carried_out
 from cleancli.execution.events import Event
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
-from cleancli.language.checking.learned import MOST_FORGETTING
-from cleancli.learning.estimate import ESTIMATORS
-from cleancli.learning.method import DEFAULT, KNOWN, MATCHES, Method
+from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.report.page import write_page
 
@@ -45,10 +38,10 @@ def execute(
     known: int | None = None,
     world: GivenDomain | None = None,
     learn: bool = False,
-    estimator: str = DEFAULT.estimator,
-    m: float = DEFAULT.m,
-    match: str = DEFAULT.match,
-    forgetting: float = DEFAULT.forgetting,
+    estimator: str | None = None,
+    m: float | None = None,
+    match: str | None = None,
+    forgetting: float | None = None,
     max_actions: int = 60,
     max_seconds: float = 1800,
     runs: str | Path = "runs",
@@ -57,38 +50,90 @@ def execute(
 ) -> RunResult:
     """Carry a problem out: look, decide, act, until nothing is left to do. A scene is carried out on a
     simulated table, any other problem in the symbolic world, by the rules of `world` or else of the domain.
-    Leaves a folder in `runs`. Where it is to `learn`, plans go by what was learned so far (§5).
+    Leaves a folder in `runs`. Where it is to `learn`, plans go by what was learned so far (§5); how, where it
+    is not said, the domain's `learned` block says, or is as usual.
 
     Ctrl-C ends it in good order with a KeyboardInterrupt that says how to go on. Raises Refused for mistakes
     in the texts and for what cannot be planned, ValueError for options that make no sense, OSError where the
     record cannot be written.
     """
+    done = execute_series(
+        domain,
+        problem,
+        episodes=1,
+        seed=seed,
+        strategy=strategy,
+        planner=planner,
+        samples=samples,
+        objective=objective,
+        job=job,
+        known=known,
+        world=world,
+        learn=learn,
+        estimator=estimator,
+        m=m,
+        match=match,
+        forgetting=forgetting,
+        max_actions=max_actions,
+        max_seconds=max_seconds,
+        runs=runs,
+        video=video,
+        on_event=on_event,
+    )
+    return done.runs[0]
+
+
+def execute_series(
+    domain: GivenDomain,
+    problem: GivenProblem,
+    *,
+    episodes: int,
+    seed: int | None = None,
+    strategy: str = DEFAULT_STRATEGY,
+    planner: str | None = None,
+    samples: int = 10_000,
+    objective: str | None = None,
+    job: str | None = None,
+    known: int | None = None,
+    world: GivenDomain | None = None,
+    learn: bool = False,
+    estimator: str | None = None,
+    m: float | None = None,
+    match: str | None = None,
+    forgetting: float | None = None,
+    write: bool = False,
+    max_actions: int = 60,
+    max_seconds: float = 1800,
+    runs: str | Path = "runs",
+    video: bool = True,
+    on_event: Follow = _unfollowed,
+) -> SeriesResult:
+    """Carry a problem out so often, each time with the next seed, as `execute` does; what was learned goes on
+    from one episode to the next (§6.3), and with `write` into the domain's file after each.
+
+    Raises what `execute` does, and where it is to `write` what `LearningResult.write` does.
+    """
     check_one_of("strategy", strategy, tuple(STRATEGIES))
     check_one_of("planner", planner, tuple(PLANNERS))
     check_one_of("objective", objective, OBJECTIVES)
     check_one_of("job", job, [each.value for each in Job])
-    check_one_of("estimator", estimator, tuple(ESTIMATORS))
-    check_one_of("match", match, MATCHES)
-    check_seconds("m", m, none_of_it=True)
-    check_seconds("forgetting", forgetting, none_of_it=True, most=MOST_FORGETTING)
-    known = (KNOWN if learn else 0) if known is None else known
     check_between(0, MOST, seed=seed, known=known, max_actions=max_actions)
     check_between(1, MOST, samples=samples)
+    check_between(1, MOST_EPISODES, episodes=episodes)
     check_seconds("max_seconds", max_seconds, none_of_it=True, most=MOST)
-    given = load_problem(problem, domain)
-    asked = EpisodeOptions(
-        strategy,
-        planner,
-        samples,
-        max_actions,
-        max_seconds,
-        known=known,
-        learning=Method(estimator, m, match, forgetting) if learn else None,
-    )
+    counting = Counting(estimator, m, match, forgetting)
+    if write and not learn:
+        raise BadOption("`write` writes what `learn` has learned: ask for both")
+    given, is_writable = load_problem(problem, domain), is_own_file(domain)
+    if write:
+        check_writable(given.domain.sources[0], is_writable)
+    method = counting.method(given.domain.model) if learn else None
+    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, learning=method)
     acting = None if world is None else load_domain(world)
-    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)
-    with new_run(inputs, Path(runs), video) as run:
-        return _followed(run, on_event)
+    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
+    series = Series(given, inputs, episodes, Path(runs), video, is_writable, write)
+    *_, done = carried_out(series, lambda run: _followed(run, on_event))
+    return done
 
 
 def resume(folder: str | Path, *, on_event: Follow = _unfollowed) -> RunResult:

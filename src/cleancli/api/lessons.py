@@ -205,22 +205,22 @@ def learn(
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
     """
-    check_one_of("estimator", estimator, tuple(ESTIMATORS))
-    check_one_of("match", match, MATCHES)
-    if m is not None:
-        check_seconds("m", m, none_of_it=True, most=LARGEST_M)
-    if forgetting is not None:
-        check_seconds("forgetting", forgetting, none_of_it=True, most=MOST_FORGETTING)
+    counting = Counting(estimator, m, match, forgetting, add, replace)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
-    if write and not is_writable:
-        raise BadOption(_NO_FILE.format(loaded.sources[0].path))
-    counting = Counting(estimator, m, match, forgetting, add, replace)
+    if write:
+        check_writable(loaded.sources[0], is_writable)
     result = lessons(loaded, [Path(each) for each in experience], counting, is_writable)
     if write:
         result.write()
     return result
+
+
+def check_writable(domain: Source, is_writable: bool) -> None:
+    """Raise BadOption where what is learned cannot be written into the domain's text."""
+    if not is_writable:
+        raise BadOption(_NO_FILE.format(domain.path))
 
 
 def is_own_file(domain: GivenDomain) -> bool:
@@ -235,7 +235,7 @@ def is_own_file(domain: GivenDomain) -> bool:
 class Counting:
     """How to learn: the parts of `method` that are None are those that the domain's text names, or the usual
     ones. `adding`: what the text has counted counts on, and experience that it has counted is passed over;
-    `replacing`: it may be dropped."""
+    `replacing`: it may be dropped. Raises BadOption for what makes no sense."""
 
     estimator: str | None = None
     m: float | None = None
@@ -243,6 +243,12 @@ class Counting:
     forgetting: float | None = None
     adding: bool = False
     replacing: bool = False
+
+    def __post_init__(self) -> None:
+        check_one_of("estimator", self.estimator, tuple(ESTIMATORS))
+        check_one_of("match", self.match, MATCHES)
+        check_seconds("m", self.m, none_of_it=True, most=LARGEST_M)
+        check_seconds("forgetting", self.forgetting, none_of_it=True, most=MOST_FORGETTING)
 
     def method(self, domain: Domain) -> Method:
         """What is asked for, or what the domain's numbers were learned with, or what is usual."""

@@ -37,6 +37,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.method import KNOWN
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back
@@ -197,19 +198,22 @@ def inputs_of(
     seed: int | None,
     objective: str | None,
     job: str | None,
+    known: int | None = None,
     world: LoadedDomain | None = None,
 ) -> Inputs:
-    """What goes into a run: where it is not asked for, the problem's seed, and time as the objective if the
-    domain says how long each action takes. Raises Refused (E902) where time is asked for and one is not
-    known."""
+    """What goes into a run: where it is not asked for, the problem's seed, time as the objective if the
+    domain says how long each action takes, and as many examples as make a rule known where one learns (§6.3).
+
+    Raises Refused (E902) where time is asked for and one is not known."""
     with planning_refused(given.sources):
         by_time = _by_time(objective, given.domain.model)
     chosen = next(n for n in (seed, given.model.seed, asked.seed) if n is not None)
+    usual = asked.known if asked.learning is None else KNOWN
     return Inputs(
         given.domain.model,
         given.model,
         given.sources,
-        replace(asked, seed=chosen, by_time=by_time),
+        replace(asked, seed=chosen, by_time=by_time, known=usual if known is None else known),
         None if job is None else Job(job),
         world=None if world is None else World(world.model, world.sources),
     )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedProblem
@@ -11,7 +11,7 @@ from cleancli.api.lessons import LearningResult, knowledge, rule_changes, taught
 from cleancli.api.run_session import Inputs
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
-from cleancli.execution.believed import lesson_of as lesson_from
+from cleancli.execution.believed import lesson_of
 from cleancli.language.model import Experience
 from cleancli.learning.gathered import Origin, whole
 from cleancli.recording.folder import EXPERIENCE
@@ -19,12 +19,33 @@ from cleancli.recording.folder import EXPERIENCE
 CarryOut = Callable[[OpenedRun], RunResult]
 
 
+MOST_EPISODES = 10_000
+"""Of one series."""
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """A series that is about to begin. `inputs` are those of the first episode. `writes`: what was learned
+    goes into the domain's file after each, which `is_writable`."""
+
+    given: LoadedProblem
+    inputs: Inputs
+    episodes: int
+    runs: Path
+    video: bool
+    is_writable: bool
+    writes: bool = False
+    include_outside: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class SeriesResult:
-    """What a series of episodes came to; `learned` from all of them, None where nothing is learned."""
+    """What a series of episodes came to; `learned` from all of them, None where nothing is learned, and the
+    `experience` that this rests on."""
 
     runs: tuple[RunResult, ...]
     learned: LearningResult | None
+    experience: tuple[Experience, ...] = field(default=(), repr=False)
 
     @property
     def is_clean(self) -> bool:
@@ -61,44 +82,40 @@ class SeriesResult:
         return f"<div>{self.table().html()}{learned}</div>"
 
 
-def episodes(
-    inputs: Inputs, number: int, runs: Path, video: bool, carry_out: CarryOut
-) -> Iterator[RunResult]:
-    """Carry out so many episodes in turn, the seed of each one more than that of the one before.
+def carried_out(series: Series, carry_out: CarryOut) -> Iterator[SeriesResult]:
+    """Carry out the episodes in turn, the seed of each one more than that of the one before, and give after
+    each what the series has come to; what was learned is in the domain's file by then, where it is written.
 
-    Raises what `new_run` does, and what carrying an episode out does.
+    Raises what `new_run` and carrying an episode out do, and what writing does (`LearningResult.write`).
     """
-    for index in range(number):
-        own = replace(inputs, options=replace(inputs.options, seed=inputs.options.seed + index))
-        with new_run(own, runs, video) as run:
+    inputs, so_far = series.inputs, SeriesResult((), None)
+    for index in range(series.episodes):
+        options = replace(inputs.options, seed=series.inputs.options.seed + index)
+        with new_run(replace(inputs, options=options), series.runs, series.video) as run:
             result = carry_out(run)
-        yield result
+        before, so_far = so_far, _with(series, so_far, result)
+        if series.writes and so_far.learned is not None:
+            so_far.learned.write(before.learned)
         inputs = replace(inputs, evidence=result.evidence)
+        yield so_far
 
 
-def lesson_of(
-    given: LoadedProblem,
-    inputs: Inputs,
-    runs: Sequence[RunResult],
-    is_writable: bool,
-    include_outside: bool = False,
-) -> LearningResult | None:
-    """What a series teaches so far, beside what the domain's text has counted; None where nothing is learned.
-
-    Raises Refused.
-    """
-    method, domain = inputs.options.learning, given.domain
+def _with(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
+    """The series with one more episode, and what all of them teach beside what the domain's text has counted.
+    Raises Refused."""
+    runs = (*before.runs, result)
+    domain, method = series.given.domain, series.inputs.options.learning
     if method is None:
-        return None
-    model = domain.model
-    lesson = lesson_from(model, runs[-1].evidence, method)
-    before = () if model.learned is None else model.learned.experience
-    known = {each.sha256 for each in before}
-    experience = [each for run in runs for each in _experience(run.folder)]
-    rests_on = knowledge(method, (*before, *(each for each in experience if each.sha256 not in known)))
+        return SeriesResult(runs, None)
+    experience = (*before.experience, *_experience(result.folder))
+    noted = () if domain.model.learned is None else domain.model.learned.experience
+    known = {each.sha256 for each in noted}
+    rests_on = knowledge(method, (*noted, *(each for each in experience if each.sha256 not in known)))
+    lesson = lesson_of(domain.model, result.evidence, method)
     origins = [Origin(each.name, 1, each.transitions) for each in experience]
-    changes = rule_changes(model, lesson, runs[-1].evidence, origins)
-    return taught(domain, lesson, rests_on, changes, (), is_writable, include_outside)
+    changes = rule_changes(domain.model, lesson, result.evidence, origins)
+    learned = taught(domain, lesson, rests_on, changes, (), series.is_writable, series.include_outside)
+    return SeriesResult(runs, learned, experience)
 
 
 def _experience(folder: Path) -> Iterator[Experience]:

@@ -11,9 +11,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
-from cleancli.api.inputs import LoadedProblem
-from cleancli.api.lessons import Counting, LearningResult, is_own_file
-from cleancli.api.run_session import Inputs
+from cleancli.api.lessons import Counting, is_own_file
 from cleancli.api.runs import (
     OpenedRun,
     RunResult,
@@ -22,8 +20,7 @@ from cleancli.api.runs import (
     inputs_of,
     resumed_run,
 )
-from cleancli.api.series import SeriesResult, lesson_of
-from cleancli.api.series import episodes as carried_out
+from cleancli.api.series import MOST_EPISODES, Series, SeriesResult, carried_out
 from cleancli.api.symbolic import told_of
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
@@ -82,7 +79,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     type=click.IntRange(min=0, max=MOST),
     metavar="T",
     help="Move the arm out of view after an action whose rule was seen less than T times (§5.2)."
-    "  [default: 12 with --learn, else 0]",
+    f"  [default: {KNOWN} with --learn, else 0]",
 )
 @click.option(
     "--epsilon",
@@ -102,12 +99,12 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--learn",
     is_flag=True,
-    help="Learn from each action, and plan with what was learned (§5).  [known: 12 unless said, as in §6.3]",
+    help="Learn from each action, and plan with what was learned (§5).",
 )
 @options.learning()
 @click.option(
     "--episodes",
-    type=click.IntRange(min=1, max=10_000),
+    type=click.IntRange(min=1, max=MOST_EPISODES),
     default=1,
     show_default=True,
     help="Carry PROBLEM out so often, with one seed after the other.",
@@ -184,12 +181,13 @@ def command(
     if write and not is_own_file(domain):
         raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
-    known = _known(known, epsilon, delta, learn)
-    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, known=known, learning=method)
+    known = _known(known, epsilon, delta)
+    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, learning=method)
     acting = None if world is None else open_loaded(world)
-    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, world=acting)
-    results = carried_out(inputs, episodes, runs, video, lambda opened: _carry_out(opened, said))
-    return _tell(_series(results, given, inputs, is_own_file(domain), write, said), said)
+    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
+    is_own, may_include = is_own_file(domain), may_include_outside()
+    series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
+    return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
 
 
 def _resumed(folder: Path, said: _Said) -> SeriesResult:
@@ -198,36 +196,26 @@ def _resumed(folder: Path, said: _Said) -> SeriesResult:
         after = 0 if opened.resumed is None else opened.resumed.after
         if not said.silently:
             echo(f"going on after {plural(after, 'action')}", err=True)
-        result = _carry_out(opened, said)
-    if not said.silently:
-        echo(str(result))
-    return SeriesResult((result,), None)
+        return _shown([SeriesResult((_carry_out(opened, said),), None)], said)
 
 
-def _series(
-    results: Iterable[RunResult], given: LoadedProblem, inputs: Inputs, is_own: bool, write: bool, said: _Said
-) -> SeriesResult:
-    """All episodes; what they teach is written after each, if that is wanted."""
-    done: list[RunResult] = []
-    learned: LearningResult | None = None
+def _shown(results: Iterable[SeriesResult], said: _Said) -> SeriesResult:
+    """The last of what a series has come to after each episode, which is told."""
     for result in results:
-        done.append(result)
-        last, learned = learned, lesson_of(given, inputs, done, is_own, may_include_outside())
-        if write and learned is not None:
-            learned.write(last)
         if not said.silently:
-            echo(str(result))
-    return SeriesResult(tuple(done), learned)
+            echo(str(result.runs[-1]))
+    return result
 
 
-def _known(known: int | None, epsilon: float | None, delta: float | None, learn: bool) -> int:
-    """After how many examples a rule is known. Raises UsageError for more than one way of saying so."""
+def _known(known: int | None, epsilon: float | None, delta: float | None) -> int | None:
+    """After how many examples a rule is known, if that is said. Raises UsageError for more than one way of
+    saying so."""
     if known is not None and (epsilon, delta) != (None, None):
         raise click.UsageError("--known and --epsilon say the same: ask for one")
     if epsilon is None:
         if delta is not None:
             raise click.UsageError("--delta is for --epsilon: ask for both")
-        return (KNOWN if learn else 0) if known is None else known
+        return known
     needed = examples_needed(epsilon, DELTA if delta is None else delta)
     if needed > MOST:
         raise click.UsageError(f"--epsilon {epsilon:g} would take {needed} examples of each rule")
