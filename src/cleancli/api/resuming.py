@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import errno
-import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -22,8 +21,8 @@ from cleancli.language.checking.learned import MOST_FORGETTING
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import checked_domain, kind_of, load_problem
-from cleancli.language.model import Domain, Problem
+from cleancli.language.load import kind_of, load_problem
+from cleancli.language.model import Problem
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import MATCHES, Method
 from cleancli.planning.plan import BadOption
@@ -31,9 +30,10 @@ from cleancli.planning.registry import PLANNERS
 from cleancli.recording import checkpoint
 from cleancli.recording.checkpoint import Saved
 from cleancli.recording.fitting import check_fits
-from cleancli.recording.folder import RUN, checkpoints, read_inside, read_text, refuse_other_names, refused
+from cleancli.recording.folder import RUN, checkpoints, read_text, refuse_other_names
 from cleancli.recording.journal import Count, Seconds, Started
-from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
+from cleancli.report.run import LARGEST_HEADER, Header, Run, read_run
+from cleancli.report.texts import copy_of, domain_of, text_of
 from cleancli.scene.check import load_scene
 
 
@@ -138,59 +138,25 @@ def reopened(folder: Path, begun: Unfinished, note: Note = _untold) -> tuple[Sav
 
 def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:
     """The texts that went in, read anew from their copies. Raises Refused, OSError."""
-    sources = tuple(_text(run, file) for file in run.header.files)
+    sources = tuple(text_of(run, file) for file in run.header.files)
     if not sources:
         help = "only runs of this version and later ones can be gone on with"
         raise Refused(
             [Diagnostic("E705", f"`{run.folder}` does not hold the files that went in", None, help=help)]
         )
-    domain, last = _domain(sources), sources[-1]
+    domain, last = domain_of(sources), sources[-1]
     if kind_of(last) == "scene":
         return Inputs(domain, load_scene(last, lambda _: _calibration(run)), sources, options, job)
-    acting = tuple(_text(run, file) for file in run.header.world)
-    world = World(_domain(acting), acting) if acting else None
+    acting = tuple(text_of(run, file) for file in run.header.world)
+    world = World(domain_of(acting), acting) if acting else None
     return Inputs(domain, load_problem(last, domain), sources, options, job, world=world)
-
-
-def _domain(sources: Sequence[Source]) -> Domain:
-    """The domain that the first of the texts is. Raises Refused."""
-    return checked_domain(sources[0], True, lambda path: _included(path, sources)).get()
-
-
-def _included(path: Path, sources: Sequence[Source]) -> Source:
-    """The text of a file that the domain includes. Raises Refused (E001) for one that did not go in."""
-    for source in sources:
-        if source.path == str(path):
-            return source
-    raise Refused([Diagnostic("E001", f"`{path}` is not among the files that went into the run", None)])
-
-
-def _text(run: Run, file: InputFile) -> Source:
-    """A text that went in, from its copy. Raises Refused (E705) where that has changed."""
-    return Source(file.path, _copy(run, file).decode("utf-8"))
 
 
 def _calibration(run: Run) -> bytes:
     """The calibration that went in; OSError where none did."""
     if run.header.calibration is None:
         raise OSError(errno.ENOENT, "the run holds no copy of it", str(run.folder))
-    return _copy(run, run.header.calibration)
-
-
-def _copy(run: Run, file: InputFile) -> bytes:
-    path, help = run.folder / file.copy, "put it back, or start a new run"
-    try:
-        data = read_inside(run.folder, file.copy)
-    except FileNotFoundError:
-        raise refused(path, "it is missing", help) from None
-    if hashlib.sha256(data).hexdigest() != file.sha256:
-        message = f"`{path}` is not the text any more that the run began with"
-        raise Refused([Diagnostic("E705", message, None, help=help)])
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError:
-        raise refused(path, "it is no UTF-8 text", help) from None
-    return data
+    return copy_of(run, run.header.calibration)
 
 
 def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
