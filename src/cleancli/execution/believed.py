@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cleancli.execution.setup import EpisodeSetup
 from cleancli.language.model import Domain
-from cleancli.learning.evidence import Evidence, extended
+from cleancli.learning.evidence import Evidence, extended, weights
 from cleancli.learning.experience import Transition
+from cleancli.learning.intervals import Intervals, intervals
 from cleancli.learning.learn import Lesson, learned_from, revised
 from cleancli.learning.match import Matcher
 from cleancli.learning.method import Method
@@ -16,11 +17,12 @@ from cleancli.learning.method import Method
 @dataclass(frozen=True, slots=True)
 class Belief:
     """The domain with the probabilities and durations that are believed by some evidence, and the `lesson`
-    that made them so; None where nothing has been learned."""
+    that made them so, with how sure it is; None where nothing has been learned."""
 
     evidence: Evidence
-    lesson: Lesson | None
     domain: Domain
+    lesson: Lesson | None = None
+    intervals: Intervals = field(default_factory=dict)
 
 
 def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transition) -> Evidence:
@@ -35,9 +37,10 @@ def belief(setup: EpisodeSetup, evidence: Evidence) -> Belief:
     """What is believed now: what the evidence teaches beside what the domain's text has counted."""
     method = setup.options.learning
     if method is None or not evidence.order:
-        return Belief(evidence, None, setup.domain)
+        return Belief(evidence, setup.domain)
     lesson = lesson_of(setup.domain, evidence, method)
-    return Belief(evidence, lesson, revised(setup.domain, lesson))
+    sure = intervals(setup.domain, weights(evidence, method.forgetting), lesson)
+    return Belief(evidence, revised(setup.domain, lesson), lesson, sure)
 
 
 def lesson_of(domain: Domain, evidence: Evidence, method: Method) -> Lesson:

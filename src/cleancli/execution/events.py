@@ -9,6 +9,7 @@ from cleancli.execution.episode_state import Account, EpisodeState, Move, Situat
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition
+from cleancli.learning.intervals import Intervals
 from cleancli.learning.learn import Lesson
 from cleancli.motion.path import ToolPath
 from cleancli.planning.plan import Plan
@@ -98,11 +99,12 @@ class Acted:
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """What was learned so far, and the domain with what is believed since: after each action that is learned
-    from, and first of all in an episode that goes on from what was learned before."""
+    """What was learned so far, and the domain with what is believed since, and how surely: after each action
+    that is learned from, and first of all in an episode that goes on from what was learned before."""
 
     lesson: Lesson
     domain: Domain
+    intervals: Intervals
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,7 +83,7 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
 def _learned(now: Belief) -> Generator[Event, None, Belief]:
     """Say what is believed from now on, if something was learned."""
     if now.lesson is not None:
-        yield Learned(now.lesson, now.domain)
+        yield Learned(now.lesson, now.domain, now.intervals)
     return now
 
 

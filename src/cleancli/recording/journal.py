@@ -140,12 +140,13 @@ class Acted:
 
 
 class RuleEntry(NamedTuple):
-    """A rule by its name (null: the default rule), what is believed of its outcomes, and how often each was
-    seen."""
+    """A rule by its name (null: the default rule), what is believed of its outcomes, how often each was
+    seen, and between which probabilities the examples leave each."""
 
     rule: str | None
     probabilities: tuple[Probability, ...]
     seen: tuple[Times, ...]
+    intervals: tuple[tuple[Probability, Probability], ...] = ()
 
 
 class DurationEntry(NamedTuple):

@@ -15,8 +15,10 @@ from cleancli.execution.episode_state import Account, Situation
 from cleancli.language.model import Domain, Fact, Object, State, Value
 from cleancli.learning.expectation import likeliest_outcome, prior_beliefs
 from cleancli.learning.experience import Transition
+from cleancli.learning.intervals import Interval, Intervals
 from cleancli.learning.learn import Learned, Lesson
 from cleancli.learning.match import Matcher, outcomes_of
+from cleancli.learning.share import DIGITS
 from cleancli.recording import journal
 from cleancli.recording.journal import (
     AreaEntry,
@@ -59,16 +61,16 @@ class Entries:
             case events.Acted():
                 yield self._acted(event)
                 self._failure = ""
-            case events.Learned(lesson, domain):
-                yield self._learned(lesson, domain)
+            case events.Learned(lesson, domain, intervals):
+                yield self._learned(lesson, domain, intervals)
             case events.Checkpoint(state):
                 yield from self._spent_since(state.spent)
             case events.Ended(reason, clean, actions, spent, clock):
                 yield journal.Ended(clock, reason, clean, actions, spent.by_kind())
 
-    def _learned(self, lesson: Lesson, domain: Domain) -> journal.Learned:
+    def _learned(self, lesson: Lesson, domain: Domain, intervals: Intervals) -> journal.Learned:
         """What is new; from now on the domain is what is believed."""
-        entries = [_entry(domain, learned) for learned in lesson.rules]
+        entries = [_entry(domain, learned, intervals[learned.rule]) for learned in lesson.rules]
         durations = [DurationEntry(each.action, each.seconds, float(each.seen)) for each in lesson.durations]
         told = journal.Learned(
             tuple(entry for entry in entries if entry not in self._learnt),
@@ -184,9 +186,10 @@ def _changed(transition: Transition) -> tuple[FactEntry, ...]:
     return tuple(FactEntry(*key, after.get(key, None if key in functions else False)) for key in keys)
 
 
-def _entry(domain: Domain, learned: Learned) -> RuleEntry:
+def _entry(domain: Domain, learned: Learned, intervals: Sequence[Interval]) -> RuleEntry:
     name = None if learned.rule is None else domain.rules[learned.rule].name
-    return RuleEntry(name, tuple(map(float, learned.probabilities)), tuple(map(float, learned.seen)))
+    sure = tuple((round(low, DIGITS), round(high, DIGITS)) for low, high in intervals)
+    return RuleEntry(name, tuple(map(float, learned.probabilities)), tuple(map(float, learned.seen)), sure)
 
 
 def _entries(changes: Mapping[Fluent, Value]) -> tuple[FactEntry, ...]:
