@@ -6,7 +6,7 @@ loaded before it is asked for.
 
 TYPE_CHECKING = False  # mypy takes it for true by its name; `typing` takes longer to load than all of this
 if TYPE_CHECKING:
-    from cleancli.api.executions import execute, execute_series, resume
+    from cleancli.api.executions import execute, execute_series, resume, resume_series
     from cleancli.api.explanations import explain
     from cleancli.api.inputs import load_domain, load_problem
     from cleancli.api.lessons import learn
@@ -30,6 +30,7 @@ __all__ = [
     "perceive",
     "plan",
     "resume",
+    "resume_series",
     "simulate",
 ]
 
@@ -45,6 +46,7 @@ _PLACES = {
     "perceive": "api.observations",
     "plan": "api.plans",
     "resume": "api.executions",
+    "resume_series": "api.executions",
     "simulate": "api.simulations",
 }
 """The module that each name is loaded from when it is first asked for."""

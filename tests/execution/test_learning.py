@@ -170,7 +170,9 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
         "execute own.nid p.nid --world true.nid --learn --episodes 3 --write --quiet --seed 4 --samples 200"
     )
     assert run([*words.split(), *option.split()]) in {0, 3}
-    runs = sorted(Path("runs").iterdir())
+    (folder,) = Path("runs").iterdir()
+    assert folder.name == "p-seed4-series-001"
+    runs = sorted(path for path in folder.iterdir() if path.is_dir())
     assert [folder.name for folder in runs] == ["p-seed4-001", "p-seed5-001", "p-seed6-001"]
     learn(other, *runs, forgetting=0.2 if option else None, write=True)
     assert own.read_text() == other.read_text()
@@ -217,7 +219,7 @@ def test_episodes_in_which_the_same_happens_all_count(
         == 0
     )
     assert "[prior 1, seen 9]" in (tmp_path / "own.nid").read_text()
-    shutil.copytree("runs/p-seed2-001", "runs/copy")
+    shutil.copytree("runs/p-seed1-series-001/p-seed2-001", "runs/copy")
     (tmp_path / "own.nid").write_text(certain, encoding="utf-8")
     result = learn("own.nid", "runs")
     assert result.rules[0].examples == 9

@@ -154,6 +154,14 @@ def test_what_is_fixed_has_no_width_and_the_others_share_what_it_leaves() -> Non
     assert found[1] == pytest.approx(np.multiply(0.5, interval(3, 10)))
 
 
+def test_what_is_never_told_apart_lies_within_what_must_and_may_be_its() -> None:
+    both = Match(0, (None, FIT, FIT))
+    evidence = {only(0, 0, 3): 10, only(0, 1, 3): 4, both: 16}
+    low, high = intervals(DOMAIN, evidence, lesson_of(evidence))[0][1]
+    assert low >= interval(4, 30)[0] - 1e-3, "counts are rounded to hundredths"
+    assert high <= interval(20, 30)[1] + 1e-3 < 0.9
+
+
 def test_examples_narrow_an_interval_and_shared_ones_narrow_it_less() -> None:
     def width(number: int, shared: int) -> float:
         both = Match(0, (None, FIT, FIT))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from cleancli.cli.main import run
 from cleancli.recording.pictures import VIDEO_INTERVAL, Video
-from support.run_folders import RECORDS, write_run
+from support.run_folders import LAMPS, RECORDS, write_run, write_series
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
@@ -80,15 +80,36 @@ def test_the_chart_says_what_run_json_says(browser: Browser, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("width", [320, 600, 1600])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_sticks_out(browser: Browser, width: int, scheme: str, tmp_path: Path) -> None:
-    run_folder = write_run(tmp_path / "two_groups-seed1-001")
-    assert run(["report", str(run_folder)]) == 0
-    page, _ = opened(browser, run_folder / "report.html", width, scheme)
+@pytest.mark.parametrize("write", [write_run, write_series])
+def test_nothing_sticks_out(
+    browser: Browser, width: int, scheme: str, write: Callable[[Path], Path], tmp_path: Path
+) -> None:
+    folder = write(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(folder)]) == 0
+    page, wrong = opened(browser, folder / "report.html", width, scheme)
+    assert wrong == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     ground, ink = (
         page.evaluate(f"getComputedStyle(document.body).{what}") for what in ("backgroundColor", "color")
     )
     assert (brightness(ground) > brightness(ink)) == (scheme == "light")
+
+
+def test_the_columns_of_a_series_are_as_high_as_its_seconds(browser: Browser, tmp_path: Path) -> None:
+    folder = write_series(tmp_path / "evening")
+    assert run(["report", str(folder)]) == 0
+    page, wrong = opened(browser, folder / "report.html")
+    assert wrong == []
+    box = page.locator(".stacks").evaluate("e => e.getBoundingClientRect().height")
+    for column, kinds in zip(
+        page.locator(".stacks a").all(), ((1, 20, 6), (1, 20, 4), (1, 10, 2)), strict=True
+    ):
+        heights = [
+            bar.evaluate("e => e.getBoundingClientRect().height") for bar in column.locator("span").all()
+        ]
+        assert heights == pytest.approx([box * seconds / 27 for seconds in kinds], abs=0.5)
+    line = page.locator("[data-rule=pressed] polyline").first
+    assert line.evaluate("e => getComputedStyle(e).stroke") not in ("none", "rgb(0, 0, 0)")
 
 
 LONG: dict[str, Any] = {
@@ -108,14 +129,17 @@ def test_long_names_stay_within_the_window_and_their_box(
     browser: Browser, width: int, tmp_path: Path
 ) -> None:
     one, two = write_run(tmp_path / ("n" * 200), pictures=1, **LONG), write_run(tmp_path / "two", pictures=0)
+    domain = LAMPS.replace("hot(", f"{'h' * 100}(")
+    series = write_series(tmp_path / ("s" * 200), domain, options={"known": 3, **LONG["options"]})
     assert run(["report", str(one)]) == 0
     assert run(["report", str(one), str(two), "--html", str(tmp_path / "both.html")]) == 0
-    for path in (one / "report.html", tmp_path / "both.html"):
+    assert run(["report", str(series)]) == 0
+    for path in (one / "report.html", tmp_path / "both.html", series / "report.html"):
         page, _ = opened(browser, path, width)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         out = page.evaluate(
             """[...document.querySelectorAll('.card')].flatMap(card => [...card.querySelectorAll('*')].filter(
-              e => !e.closest('.scroll, .curve, .time, .axis')
+              e => !e.closest('.scroll, .curve, .time, .axis, .axis-x, svg')
                 && e.getBoundingClientRect().right > card.getBoundingClientRect().right + 1
             ).map(e => e.outerHTML.slice(0, 80)))"""
         )

@@ -16,8 +16,9 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
 from cleancli.report.account import row_of
-from cleancli.report.page import comparison_page, run_page, ticks
+from cleancli.report.page import comparison_page, run_page
 from cleancli.report.pictures import data_uri
+from cleancli.report.plots import ticks
 from cleancli.report.run import read_run
 from support.golden import check_golden
 from support.run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run

@@ -18,9 +18,11 @@ from cleancli.recording.journal import (
     Expected,
     FactEntry,
     Failed,
+    Learned,
     Looked,
     Planned,
     Record,
+    RuleEntry,
     Spent,
     Started,
     StepEntry,
@@ -113,4 +115,68 @@ def write_run(folder: Path, records: tuple[Record, ...] = RECORDS, pictures: int
     for number in range(pictures):
         picture = cv2.resize(rng.integers(0, 255, (5, 12, 3), np.uint8), (1280, 508))
         cv2.imwrite(str(folder / f"step-{number:03d}.png"), picture)
+    return folder
+
+
+LAMPS = """domain lamps {
+  types      { lamp }
+  predicates { lit(?l - lamp) hot(?l - lamp) }
+  derived    { burning := count ?l - lamp: lit(?l) }
+  actions    { press(?l - lamp) turn(?l - lamp) }
+  rule pressed: press(?l) { when lit(?l) then 0.9: not lit(?l)  0.1: nothing }
+  rule turned: turn(?l) { when lit(?l) then 0.5 [prior 0.7, seen 8]: not lit(?l)  rest [seen 8]: hot(?l) }
+  reward { decrease(burning) }
+}
+"""
+
+
+def believed(rule: str | None, first: float, seen: tuple[float, float], width: float = 0.1) -> Learned:
+    """What is believed of a rule with two outcomes, so far to both sides."""
+    low, high = round(first - width, 4), round(first + width, 4)
+    intervals = ((low, high), (round(1 - high, 4), round(1 - low, 4)))
+    return Learned((RuleEntry(rule, (first, 1 - first), seen, intervals),))
+
+
+PRESSED = RECORDS[4:8]
+"""An action that was begun and is over, with what it took."""
+
+LESSONS: tuple[tuple[Record, ...], ...] = (
+    (*PRESSED, believed("pressed", 0.8, (1, 1), 0.2), *PRESSED, believed("pressed", 0.7, (2, 1), 0.3)),
+    (believed("pressed", 0.7, (2, 1), 0.3), *PRESSED, *PRESSED, believed("pressed", 0.6, (3, 2), 0.2)),
+    (*PRESSED, believed("turned", 0.4, (8, 9))),
+)
+"""The journals of three episodes, of two actions each but for the last one."""
+
+
+def write_series(
+    folder: Path, domain: str = LAMPS, known: int = 3, episodes: int = 3, **changes: Any
+) -> Path:
+    """The folder of a series of which three episodes have begun."""
+    source = domain.encode()
+    sha256, unlike = hashlib.sha256(source).hexdigest(), hashlib.sha256(b"text").hexdigest()
+    files = [
+        {"path": "lamps.nid", "sha256": sha256, "copy": "files/lamps.nid"},
+        {"path": "evening.nid", "sha256": unlike, "copy": "files/evening.nid"},
+    ]
+    for number, records in enumerate(LESSONS):
+        actions = sum(isinstance(record, Acted) for record in records)
+        seconds = {"planning": 1.0, "actions": 10.0 * actions, "learning": 2.0 * (3 - number)}
+        episode = {
+            "reason": "nothing is left to do",
+            "clean": True,
+            "actions": actions,
+            "seconds": {**seconds, "total": sum(seconds.values())},
+        }
+        changed = {
+            "seed": 4 + number,
+            "files": files,
+            "options": {"known": known},
+            "episode": episode,
+            **changes,
+        }
+        run = write_run(folder / f"evening-seed{4 + number}-001", records, 0, **changed)
+        (run / "files").mkdir()
+        (run / "files" / "lamps.nid").write_bytes(source)
+    told = {"format": 1, "episodes": episodes, "seed": 4, "video": False, "writes": True}
+    (folder / "series.json").write_text(json.dumps(told), encoding="utf-8")
     return folder

@@ -8,13 +8,15 @@ from pathlib import Path
 from cleancli.api.checks import OBJECTIVES, check_between, check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_domain, load_problem
 from cleancli.api.lessons import Counting, check_writable, is_own_file
-from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of, resumed_run
-from cleancli.api.series import MOST_EPISODES, Series, SeriesResult, carried_out
+from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of
+from cleancli.api.series import Series, SeriesResult, carried_out
+from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
+from cleancli.recording.series import MOST_EPISODES, is_series, to_go_on_from
 from cleancli.report.page import write_page
 
 Follow = Callable[[Event], object]
@@ -138,9 +140,17 @@ def execute_series(
 
 def resume(folder: str | Path, *, on_event: Follow = _unfollowed) -> RunResult:
     """Go on with a run that was cut short, as it began. Raises as `execute` does, ValueError also where the
-    run has ended or another process works on it."""
-    with resumed_run(Path(folder), lambda _: None) as run:
-        return _followed(run, on_event)
+    run has ended, another process works on it, or it is one of a series."""
+    if is_series(to_go_on_from(Path(folder))):
+        raise BadOption(f"{folder} is of a series: go on with `resume_series`")
+    return resume_series(folder, on_event=on_event).runs[0]
+
+
+def resume_series(folder: str | Path, *, on_event: Follow = _unfollowed) -> SeriesResult:
+    """Go on with a series that was cut short, as it began: the episode under way, and those that are left.
+    Raises as `execute_series` does, ValueError also where it has ended or another process works on it."""
+    *_, done = resumed(Path(folder), lambda _: None, lambda run: _followed(run, on_event))
+    return done
 
 
 def _followed(run: OpenedRun, on_event: Follow) -> RunResult:

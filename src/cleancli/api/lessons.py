@@ -28,6 +28,7 @@ from cleancli.learning.match import outcomes_of, rule_name
 from cleancli.learning.method import DEFAULT, MATCHES, Method
 from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE, RUN, check_folder
+from cleancli.recording.series import SERIES
 from cleancli.resources import shipped
 
 _NO_FILE = "`{}` ships with cleancli or is a text: copy it to a file, and learn into your copy"
@@ -339,7 +340,7 @@ def taught(
 
 
 def experience_files(experience: Iterable[Path]) -> list[GivenFile]:
-    """Those that paths lead to: a file, that of a run's folder, or those of all runs in a folder.
+    """Those that paths lead to: a file, that of a run's folder, or those of all runs and series in a folder.
 
     Raises Refused (E705) for a run's folder that is not as a run leaves it.
     """
@@ -350,10 +351,16 @@ def _files_of(path: Path) -> Iterator[GivenFile]:
     if not path.is_dir():
         yield GivenFile(str(path), path)
         return
-    runs = [path] if (path / RUN).exists() else sorted(run.parent for run in path.glob(f"*/{RUN}"))
-    for folder in runs or [path]:
+    for folder in [path] if (path / RUN).exists() else list(_runs_in(path)) or [path]:
         check_folder(folder)
         yield GivenFile(str(folder), folder / EXPERIENCE)
+
+
+def _runs_in(path: Path) -> Iterator[Path]:
+    """The run folders in a folder, and in those of series in it."""
+    series = sorted(found.parent for found in path.glob(f"*/{SERIES}"))
+    for folder in (path, *series):
+        yield from sorted(run.parent for run in folder.glob(f"*/{RUN}"))
 
 
 def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:

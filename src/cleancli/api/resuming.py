@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,6 +13,7 @@ from msgspec import Meta
 
 from cleancli import __version__
 from cleancli.api.run_session import LIBRARIES, Inputs, World, open_session, versions
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.session import Session
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
@@ -22,8 +23,9 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import kind_of, load_problem
-from cleancli.language.model import Problem
+from cleancli.language.model import Object, Problem
 from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import MATCHES, Method
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
@@ -79,20 +81,15 @@ def _untold(_: str) -> None:
     """Tell nobody."""
 
 
-def unfinished(folder: Path, note: Note = _untold) -> Unfinished:
+def unfinished(folder: Path, evidence: Evidence = NO_EVIDENCE, note: Note = _untold) -> Unfinished:
     """Read a run that has not ended; nothing is changed. Raises Refused, OSError, and BadOption for one that
     has ended."""
     run = read_run(folder)
     if run.header.episode is not None:
         raise BadOption(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
-    began = run.header.versions.get("cleancli")
-    if began != __version__:
-        raise BadOption(f"{folder} began with cleancli {began}, and this is {__version__}: use that one")
     refuse_other_names(folder)
-    source = read_text(folder, RUN, LARGEST_HEADER)
-    options = _options(run.header, decoded(source, _Begun, "E705", "record of a run").options, source)
-    raw = msgspec.json.decode(source.text, type=dict[str, Any])
-    inputs = _inputs(run, options, Job(run.header.options["job"]))
+    inputs = replace(inputs_of_run(run), evidence=evidence)
+    raw = msgspec.json.decode(read_text(folder, RUN, LARGEST_HEADER).text, type=dict[str, Any])
     for difference in _other_versions(run.header):
         note(difference)
     return Unfinished(
@@ -103,20 +100,29 @@ def unfinished(folder: Path, note: Note = _untold) -> Unfinished:
     )
 
 
+def inputs_of_run(run: Run) -> Inputs:
+    """What went into a run, read anew from its folder. Raises Refused, OSError, and BadOption where another
+    version has begun it."""
+    began = run.header.versions.get("cleancli")
+    if began != __version__:
+        raise BadOption(f"{run.folder} began with cleancli {began}, and this is {__version__}: use that one")
+    source = read_text(run.folder, RUN, LARGEST_HEADER)
+    options = _options(run.header, decoded(source, _Begun, "E705", "record of a run").options, source)
+    return _inputs(run, options, Job(run.header.options["job"]))
+
+
 def reopened(folder: Path, begun: Unfinished, note: Note = _untold) -> tuple[Saved | None, Session]:
     """The last checkpoint from which the run can go on, which is told if it is not the newest, and the place
     as it was then; the place as in the beginning, where the run came to no checkpoint.
 
     Raises Refused (E706) where none of them fits.
     """
-    given = begun.inputs.given
-    objects = given.objects if isinstance(given, Problem) else None
     failed: list[Diagnostic] = []
     for path in reversed(checkpoints(folder)):
         try:
             saved = checkpoint.read(folder, path)
             try:
-                check_fits(saved.episode, begun.inputs.domain, objects)
+                check_fits(saved.episode, begun.inputs.domain, _objects(begun.inputs))
                 session = open_session(begun.inputs, saved.world)
             except ValueError as error:
                 raise checkpoint.refused(path, str(error)) from None
@@ -134,6 +140,26 @@ def reopened(folder: Path, begun: Unfinished, note: Note = _untold) -> tuple[Sav
         message = f"`{folder}` has no checkpoint, though it had begun {plural(begun.begun, 'action')}"
         raise Refused([Diagnostic("E706", message, None, help="start a new run")])
     return None, open_session(begun.inputs)
+
+
+def last_checkpoint(folder: Path, inputs: Inputs) -> EpisodeState:
+    """What was known at the end of a run that has ended. Raises Refused (E706) where that is not there, or
+    does not fit the run."""
+    paths = checkpoints(folder)
+    if not paths:
+        message = f"`{folder}` has no checkpoint of its end"
+        raise Refused([Diagnostic("E706", message, None, help="start a new series")])
+    saved = checkpoint.read(folder, paths[-1]).episode
+    try:
+        check_fits(saved, inputs.domain, _objects(inputs))
+    except ValueError as error:
+        raise checkpoint.refused(paths[-1], str(error)) from None
+    return saved
+
+
+def _objects(inputs: Inputs) -> tuple[Object, ...] | None:
+    """Those of a problem; a table has none of its own."""
+    return inputs.given.objects if isinstance(inputs.given, Problem) else None
 
 
 def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:

@@ -13,7 +13,7 @@ from typing import Any
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem
 from cleancli.api.plain import plain
-from cleancli.api.resuming import Note, reopened, unfinished
+from cleancli.api.resuming import Note, last_checkpoint, reopened, unfinished
 from cleancli.api.run_session import (
     Inputs,
     World,
@@ -38,15 +38,16 @@ from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import KNOWN
+from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back
-from cleancli.recording.folder import FILES, RUN
+from cleancli.recording.folder import FILES, PAGE, RUN, read_text
 from cleancli.recording.journal import Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, write_run
-from cleancli.report.page import PAGE
-from cleancli.report.run import FORMAT
+from cleancli.recording.series import to_go_on_from
+from cleancli.report.run import FORMAT, LARGEST_HEADER, Run
 from cleancli.scene.calibration import as_text
 
 _SHORT = 0.05
@@ -122,6 +123,34 @@ class RunResult:
         yield f"record: {self.folder}/  page: {PAGE}" + ("  video: video.mp4" if self.video else "")
 
 
+def ended_result(run: Run, inputs: Inputs) -> RunResult:
+    """What a run that has ended came to, from its folder. Raises Refused, OSError, and BadOption for one that
+    has not ended."""
+    folder, ended, given = run.folder, run.header.episode, inputs.given
+    if ended is None:
+        raise BadOption(f"{folder} has not ended")
+    saved = last_checkpoint(folder, inputs)
+    record: dict[str, Any] = json.loads(read_text(folder, RUN, LARGEST_HEADER).text)
+    told, situation = "", saved.situation
+    if isinstance(given, Problem) and situation is not None:
+        told = told_of(inputs.domain, given)(situation)
+    seconds = {kind: spent for kind, spent in ended.seconds.items() if kind != "total"}
+    truth = record.get("truth") or {}
+    filmed = bool(run.videos)
+    return RunResult(
+        folder,
+        ended.clean,
+        ended.reason,
+        ended.actions,
+        seconds,
+        truth,
+        told,
+        filmed,
+        record,
+        saved.evidence,
+    )
+
+
 @contextmanager
 def new_run(inputs: Inputs, runs: Path, video: bool) -> Iterator[OpenedRun]:
     """A run that begins, in a new folder in `runs`; a folder that would tell nothing is removed. Raises
@@ -136,10 +165,11 @@ def new_run(inputs: Inputs, runs: Path, video: bool) -> Iterator[OpenedRun]:
 
 
 @contextmanager
-def resumed_run(folder: Path, note: Note) -> Iterator[OpenedRun]:
-    """A run that was cut short, from its last checkpoint on. Raises Refused, BadOption, OSError."""
+def resumed_run(folder: Path, note: Note, evidence: Evidence = NO_EVIDENCE) -> Iterator[OpenedRun]:
+    """A run that was cut short, from its last checkpoint on; `evidence` is what runs before it have seen.
+    Raises Refused, BadOption, OSError."""
     with alone_in(folder):
-        begun = unfinished(folder, note)
+        begun = unfinished(folder, evidence, note)
         saved, session = reopened(folder, begun, note)
         with closing(session):
             dropped = cut_back(folder, saved)
@@ -154,7 +184,7 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     Raises RunStopped on Ctrl-C, TERM and HUP, Refused for what cannot be planned, and OSError with a note
     where the record cannot be written; in each case the run can go on from its folder.
     """
-    inputs, cell, folder = run.inputs, run.session.cell, run.folder
+    inputs, cell, folder, again = run.inputs, run.session.cell, run.folder, to_go_on_from(run.folder)
     told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
     last, event, evidence = "", None, inputs.evidence
     entries = Entries(inputs.domain, lambda: cell.clock, None if run.saved is None else run.saved.spent)
@@ -180,10 +210,10 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
             run.session.stop()
             recorder.note(Interrupted(cell.clock))
             how = "stopped with the tool up" if told is None else "stopped"
-            raise RunStopped(f"{how}; go on with: cleancli execute --resume {folder}", folder) from None
+            raise RunStopped(f"{how}; go on with: cleancli execute --resume {again}", again) from None
         except OSError as error:
             run.session.stop()
-            error.add_note(f"go on later with `cleancli execute --resume {folder}`")
+            error.add_note(f"go on later with `cleancli execute --resume {again}`")
             raise
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = run.session.truth()

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedProblem
 from cleancli.api.lessons import LearningResult, knowledge, rule_changes, taught
-from cleancli.api.run_session import Inputs
+from cleancli.api.run_session import Inputs, alone_in
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.believed import lesson_of
 from cleancli.language.model import Experience
+from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.gathered import Origin, whole
-from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.folder import EXPERIENCE, PAGE
+from cleancli.recording.series import SeriesHeader, begun_series, remove_if_empty
+from cleancli.report.series_page import write_series_page
 
 CarryOut = Callable[[OpenedRun], RunResult]
 
 
-MOST_EPISODES = 10_000
-"""Of one series."""
+PAGES = 10
+"""The page is written anew after each of so many episodes, and then each time that the series has grown by
+one in so many. Chosen: each time all episodes are read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +45,11 @@ class Series:
 @dataclass(frozen=True, slots=True)
 class SeriesResult:
     """What a series of episodes came to; `learned` from all of them, None where nothing is learned, and the
-    `experience` that this rests on."""
+    `experience` of each. `folder`: that of the series; None of a single episode."""
 
     runs: tuple[RunResult, ...]
     learned: LearningResult | None
+    folder: Path | None = None
     experience: tuple[Experience, ...] = field(default=(), repr=False)
 
     @property
@@ -74,8 +79,14 @@ class SeriesResult:
         return TextTable(heads, rows, (1,))
 
     def __str__(self) -> str:
-        parts = [str(self.table())] if len(self.runs) > 1 else []
-        return "\n".join([*parts, *([] if self.learned is None else [str(self.learned)])])
+        return "\n".join(self._parts())
+
+    def _parts(self) -> Iterator[str]:
+        if self.folder is not None:
+            yield str(self.table())
+            yield f"series: {self.folder}/  page: {PAGE}"
+        if self.learned is not None:
+            yield str(self.learned)
 
     def _repr_html_(self) -> str:
         learned = "" if self.learned is None else self.learned._repr_html_()
@@ -85,37 +96,77 @@ class SeriesResult:
 def carried_out(series: Series, carry_out: CarryOut) -> Iterator[SeriesResult]:
     """Carry out the episodes in turn, the seed of each one more than that of the one before, and give after
     each what the series has come to; what was learned is in the domain's file by then, where it is written.
+    Several episodes have a folder of their own, with a page about them.
 
     Raises what `new_run` and carrying an episode out do, and what writing does (`LearningResult.write`).
     """
-    inputs, so_far = series.inputs, SeriesResult((), None)
-    for index in range(series.episodes):
-        options = replace(inputs.options, seed=series.inputs.options.seed + index)
-        with new_run(replace(inputs, options=options), series.runs, series.video) as run:
+    if series.episodes == 1:
+        yield from episodes_left(series, SeriesResult((), None), carry_out)
+        return
+    options = series.inputs.options
+    header = SeriesHeader(series.episodes, options.seed, series.video, series.writes)
+    folder = begun_series(series.runs, f"{series.given.name}-seed{options.seed}-series", header)
+    try:
+        with alone_in(folder):
+            yield from episodes_left(series, SeriesResult((), None, folder), carry_out)
+    finally:
+        remove_if_empty(folder)
+
+
+def episodes_left(series: Series, so_far: SeriesResult, carry_out: CarryOut) -> Iterator[SeriesResult]:
+    """Carry out those that are left, as `carried_out` does."""
+    where = series.runs if so_far.folder is None else so_far.folder
+    while len(so_far.runs) < series.episodes:
+        with new_run(_next(series, so_far.runs), where, series.video) as run:
             result = carry_out(run)
-        before, so_far = so_far, _with(series, so_far, result)
-        if series.writes and so_far.learned is not None:
-            so_far.learned.write(before.learned)
-        inputs = replace(inputs, evidence=result.evidence)
+        so_far = ended(series, so_far, result)
         yield so_far
 
 
-def _with(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
-    """The series with one more episode, and what all of them teach beside what the domain's text has counted.
-    Raises Refused."""
-    runs = (*before.runs, result)
-    domain, method = series.given.domain, series.inputs.options.learning
-    if method is None:
-        return SeriesResult(runs, None)
-    experience = (*before.experience, *_experience(result.folder))
+def _next(series: Series, done: Sequence[RunResult]) -> Inputs:
+    """What goes into the next episode."""
+    inputs = series.inputs
+    options = replace(inputs.options, seed=inputs.options.seed + len(done))
+    return replace(inputs, options=options, evidence=evidence_after(done))
+
+
+def evidence_after(done: Sequence[RunResult]) -> Evidence:
+    """What the episodes have seen."""
+    return done[-1].evidence if done else NO_EVIDENCE
+
+
+def ended(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
+    """The series with one more episode: what it teaches is written where it is to be, and the page as well.
+    Raises Refused, OSError."""
+    after = with_lesson(series, with_run(series, before, result))
+    if series.writes and after.learned is not None:
+        after.learned.write(before.learned)
+    number = len(after.runs)
+    if after.folder is not None and (number % (number // PAGES + 1) == 0 or number == series.episodes):
+        write_series_page(after.folder)
+    return after
+
+
+def with_run(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
+    """The series with one more episode."""
+    runs, experience = (*before.runs, result), (*before.experience, *_experience(result.folder))
+    return SeriesResult(runs, None, before.folder, experience)
+
+
+def with_lesson(series: Series, done: SeriesResult) -> SeriesResult:
+    """The series with what it teaches, beside what the domain's text has counted. Raises Refused."""
+    method, domain = series.inputs.options.learning, series.given.domain
+    if method is None or not done.runs:
+        return done
     noted = () if domain.model.learned is None else domain.model.learned.experience
     known = {each.sha256 for each in noted}
-    rests_on = knowledge(method, (*noted, *(each for each in experience if each.sha256 not in known)))
-    lesson = lesson_of(domain.model, result.evidence, method)
-    origins = [Origin(each.name, 1, each.transitions) for each in experience]
-    changes = rule_changes(domain.model, lesson, result.evidence, origins)
+    rests_on = knowledge(method, (*noted, *(each for each in done.experience if each.sha256 not in known)))
+    evidence = done.runs[-1].evidence
+    lesson = lesson_of(domain.model, evidence, method)
+    origins = [Origin(each.name, 1, each.transitions) for each in done.experience]
+    changes = rule_changes(domain.model, lesson, evidence, origins)
     learned = taught(domain, lesson, rests_on, changes, (), series.is_writable, series.include_outside)
-    return SeriesResult(runs, learned, experience)
+    return replace(done, learned=learned)
 
 
 def _experience(folder: Path) -> Iterator[Experience]:

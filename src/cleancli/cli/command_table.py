@@ -94,7 +94,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             (Argument("domain", domains, settings=_MAYBE), Argument("problem", problems, settings=_MAYBE)),
         ),
         "report": CommandRow(
-            "A run as a page, or several runs compared.",
+            "A run or a series as a page, or several runs compared.",
             (Argument("folders", None, -1, {"metavar": "RUN...", "type": click.Path(path_type=Path)}),),
         ),
         "scene": CommandRow(

@@ -37,10 +37,14 @@ Intervals = Mapping[int | None, tuple[Interval, ...]]
 
 
 class Told(NamedTuple):
-    """Of how many examples an outcome was the result."""
+    """What `examples` tell of an outcome: how many are held to be its, how many must be and how many may be;
+    `effective` is how many would tell as much if each was known to be one outcome's."""
 
-    seen: float = 0.0
     examples: float = 0.0
+    seen: float = 0.0
+    surely: float = 0.0
+    possibly: float = 0.0
+    effective: float = 0.0
 
 
 def intervals(domain: Domain, evidence: Weights, lesson: Lesson) -> Intervals:
@@ -66,8 +70,17 @@ def _of_rule(
         if outcome.fixed:
             yield float(outcome.probability), float(outcome.probability)
             continue
-        low, high = interval(*(of_rule if outcome.parameter is None else pooled[outcome.parameter]))
+        low, high = _interval(of_rule if outcome.parameter is None else pooled[outcome.parameter])
         yield low * left, high * left
+
+
+def _interval(told: Told) -> Interval:
+    """An outcome is at least as likely as an example that must be its, and at most as one that may be."""
+    low, high = interval(told.effective * told.seen / max(told.examples, _LEAST), told.effective)
+    return (
+        max(low, interval(told.surely, told.examples)[0]),
+        min(high, interval(told.possibly, told.examples)[1]),
+    )
 
 
 def interval(seen: float, examples: float) -> Interval:
@@ -100,18 +113,31 @@ def effective_examples(shared: Floats, numbers: Floats, counted: Floats) -> Floa
     found[between] = (1 - probabilities[between]) / (
         probabilities[between] * np.maximum(variances[between], _LEAST)
     )
-    return np.minimum(found, total)
+    effective: Floats = np.minimum(found, total)
+    return effective
 
 
 def _told(domain: Domain, evidence: Weights, beliefs: Beliefs, learned: Learned) -> list[Told]:
     """What a rule's examples tell of each outcome, what is fixed aside."""
-    free = np.array([not outcome.fixed for outcome in outcomes_of(domain, learned.rule)])
+    free = [index for index, outcome in enumerate(outcomes_of(domain, learned.rule)) if not outcome.fixed]
     found = [(match, number) for match, number in evidence.items() if match.rule == learned.rule]
-    shared = np.array([shares(match, beliefs) for match, _ in found], dtype=float).reshape(-1, len(free))
-    numbers = np.array([number for _, number in found], dtype=float)
-    seen = np.array([float(each) for each in learned.seen])
+    of_all = np.array([shares(match, beliefs) for match, _ in found], dtype=float)
+    shared, numbers = (
+        of_all.reshape(-1, len(learned.seen))[:, free],
+        np.array([number for _, number in found], dtype=float),
+    )
+    seen = np.array([float(learned.seen[index]) for index in free])
     counted = np.maximum(0.0, seen - numbers @ shared)
-    effective = np.zeros(len(free))
-    effective[free] = effective_examples(shared[:, free], numbers, counted[free])
-    total = max(float(seen[free].sum()), _LEAST)
-    return [Told(float(of * count / total), float(of)) for of, count in zip(effective, seen, strict=True)]
+    possible = shared > 0
+    alone = possible & (possible.sum(axis=1, keepdims=True) == 1)
+    parts = np.stack(
+        [
+            np.full(len(free), seen.sum()),
+            seen,
+            numbers @ alone + counted,
+            numbers @ possible + counted,
+            effective_examples(shared, numbers, counted),
+        ]
+    )
+    told = dict(zip(free, (Told(*column) for column in parts.T.tolist()), strict=True))
+    return [told.get(index, Told()) for index in range(len(learned.seen))]

@@ -15,18 +15,16 @@ import jinja2
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
+from cleancli.recording.folder import PAGE
 from cleancli.recording.journal import Planned
 from cleancli.report.account import RunRow, colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
+from cleancli.report.plots import marks
 from cleancli.report.run import Run, read_run
 from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
 from cleancli.report.timeline import Count, Stretch, in_order, timeline
 
-PAGE = "report.html"
-"""The page of a run, in its folder."""
-
 CURVE_HEIGHT = 100.0
-TICKS = 8  # at most about so many along the axis of time
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +85,7 @@ def run_page(run: Run) -> str:
     stretches, counts = timeline(run.records)
     axis = max((s.start + s.seconds for s in stretches), default=0.0)
     return (
-        _templates()
+        templates()
         .get_template("run.html")
         .render(
             run=run,
@@ -97,7 +95,7 @@ def run_page(run: Run) -> str:
             account=bars(run.spent()),
             total=run.total(),
             segments=[_segment(stretch, axis, steps) for stretch in stretches],
-            ticks=[(tick, 100 * tick / axis) for tick in ticks(axis)] if axis else [],
+            ticks=marks(axis),
             curve=_curve(counts, axis),
             most_areas=max((count.areas for count in counts), default=0),
             first=data_uri(run.picture(0)),
@@ -112,7 +110,7 @@ def comparison_page(rows: Sequence[RunRow]) -> str:
     longest = max((row.total for row in rows), default=0.0)
     kinds = in_order({kind: 0.0 for row in rows for kind in row.seconds})
     return (
-        _templates()
+        templates()
         .get_template("compare.html")
         .render(
             rows=[(row, bars(row.seconds, longest)) for row in rows],
@@ -131,15 +129,9 @@ def bars(seconds: Mapping[str, float], whole: float | None = None) -> tuple[Bar,
     )
 
 
-def ticks(longest: float) -> tuple[float, ...]:
-    """Round times from 0 on, at most some eight, for an axis that ends at `longest` seconds."""
-    steps = (factor * 10.0**power for power in range(-3, 7) for factor in (1, 2, 5))
-    step = next((step for step in steps if longest / step <= TICKS), longest)
-    return tuple(step * number for number in range(int(longest / step) + 1))
-
-
 @functools.cache
-def _templates() -> jinja2.Environment:
+def templates() -> jinja2.Environment:
+    """Those of all pages."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("cleancli.report"),
         autoescape=True,
@@ -148,14 +140,15 @@ def _templates() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["plural"] = plural
-    environment.filters["seconds"] = _seconds_text
+    environment.filters["seconds"] = seconds_text
     environment.filters["call"] = lambda step: call(step.action, step.arguments)
     environment.filters["likely"] = step_text
     environment.filters["measure"] = _measure
     return environment
 
 
-def _seconds_text(seconds: float) -> str:
+def seconds_text(seconds: float) -> str:
+    """With as many digits as are of use."""
     return f"{seconds:.2f} s" if seconds < 10 else f"{seconds:.1f} s"
 
 
@@ -195,7 +188,7 @@ def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
 def _segment(stretch: Stretch, axis: float, steps: Sequence[Step]) -> Segment:
     calls = {step.number: step.call for step in steps}
     what = f"{stretch.number}. {calls[stretch.number]}: " if stretch.number in calls else ""
-    title = f"{what}{name_of(stretch.kind)}, {_seconds_text(stretch.seconds)} from {stretch.start:.1f} s on"
+    title = f"{what}{name_of(stretch.kind)}, {seconds_text(stretch.seconds)} from {stretch.start:.1f} s on"
     left, width = 100 * stretch.start / axis, 100 * stretch.seconds / axis
     return Segment(colour_of(stretch.kind), left, width, title, stretch.number)
 

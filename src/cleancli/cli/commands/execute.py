@@ -18,9 +18,9 @@ from cleancli.api.runs import (
     RunStopped,
     carry_out,
     inputs_of,
-    resumed_run,
 )
-from cleancli.api.series import MOST_EPISODES, Series, SeriesResult, carried_out
+from cleancli.api.series import Series, SeriesResult, carried_out
+from cleancli.api.series_resuming import resumed
 from cleancli.api.symbolic import told_of
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
@@ -37,8 +37,9 @@ from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
 from cleancli.planning.registry import PLANNERS
-from cleancli.recording.folder import RUN
-from cleancli.report.page import PAGE, write_page
+from cleancli.recording.folder import PAGE, RUN
+from cleancli.recording.series import MOST_EPISODES
+from cleancli.report.page import write_page
 
 
 def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:
@@ -53,7 +54,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     "--resume",
     type=click.Path(path_type=Path, file_okay=False, exists=True),
     metavar="RUN",
-    help="Go on with the run in this folder, as it began; takes no other arguments.",
+    help="Go on with the run or the series in this folder, as it began; takes no other arguments.",
 )
 @options.seed(usual="PROBLEM's, or 1")
 @click.option(
@@ -172,7 +173,8 @@ def command(
     said = _Said(as_data, quiet)
     if resume is not None:
         _refuse_beside_resume()
-        return _tell(_resumed(resume, said), said)
+        results = resumed(resume, _note, lambda opened: _carry_out(opened, said))
+        return _tell(_shown(results, said), said)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     if write and not learn:
@@ -188,15 +190,6 @@ def command(
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
-
-
-def _resumed(folder: Path, said: _Said) -> SeriesResult:
-    """A run that was cut short, to its end."""
-    with resumed_run(folder, lambda text: echo(f"note: {text}", err=True)) as opened:
-        after = 0 if opened.resumed is None else opened.resumed.after
-        if not said.silently:
-            echo(f"going on after {plural(after, 'action')}", err=True)
-        return _shown([SeriesResult((_carry_out(opened, said),), None)], said)
 
 
 def _shown(results: Iterable[SeriesResult], said: _Said) -> SeriesResult:
@@ -246,8 +239,14 @@ def _refuse_beside_resume() -> None:
             raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
 
 
+def _note(text: str) -> None:
+    echo(f"note: {text}", err=True)
+
+
 def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     """The run to its end, shown while it lasts."""
+    if opened.resumed is not None and not said.silently:
+        echo(f"going on after {plural(opened.resumed.after, 'action')}", err=True)
     setup, cell, given = opened.session.setup, opened.session.cell, opened.inputs.given
     told = told_of(opened.inputs.domain, given) if isinstance(given, Problem) else None
     limit = setup.options.max_actions

@@ -17,9 +17,14 @@ from cleancli.cli.progress import working
 from cleancli.cli.views.tables import plain_table, print_table
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
+from cleancli.recording.folder import PAGE
+from cleancli.recording.series import is_series
 from cleancli.report.account import RunRow, name_of, row_of
-from cleancli.report.page import PAGE, comparison_page, run_page
-from cleancli.report.run import read_run
+from cleancli.report.page import comparison_page, run_page
+from cleancli.report.rules import courses
+from cleancli.report.run import Run, read_run
+from cleancli.report.series import Series, read_series
+from cleancli.report.series_page import series_page
 from cleancli.report.timeline import in_order
 
 
@@ -27,25 +32,32 @@ from cleancli.report.timeline import in_order
 @click.option("--html", type=options.FILE, help="Write the page to this file.")
 @options.as_json("Print the figures as JSON; write only --html's file.")
 def command(folders: tuple[Path, ...], html: Path | None, as_data: bool) -> None:
-    """Tell what became of each RUN, the folder that `execute` has made.
+    """Tell what became of each RUN, the folder that `execute` has made of a run or of a series.
 
-    One RUN: its page is written to RUN/report.html, also if the run was cut short. Several: a table compares
-    them; the page that shows the same is written only where --html says.
+    One RUN: its page is written to RUN/report.html, also if it was cut short. Several: a table compares them;
+    the page that shows the same is written only where --html says.
     """
-    runs = [read_run(folder) for folder in folders]
-    rows = [row_of(run) for run in runs]
-    if html is None and len(runs) == 1 and not as_data:
+    told = [read_series(folder) if is_series(folder) else read_run(folder) for folder in folders]
+    rows = [row_of(run) for each in told for run in (each.runs if isinstance(each, Series) else (each,))]
+    if html is None and len(told) == 1 and not as_data:
         html = folders[0] / PAGE
     if html is not None:
         with working(f"writing {html.name}", as_data):
-            page = run_page(runs[0]) if len(runs) == 1 else comparison_page(rows)
+            page = _page(told[0]) if len(told) == 1 else comparison_page(rows)
             replace_file(html, printable(page, keep="\n\t"))
     if as_data:
-        click.echo(json.dumps({"runs": [asdict(row) for row in rows]}, indent=2))
+        data = {"runs": [asdict(row) for row in rows]}
+        if len(told) == 1 and isinstance(told[0], Series):
+            data["rules"] = [asdict(course) for course in courses(told[0].runs)]
+        click.echo(json.dumps(data, indent=2))
         return
     print_table(_table(rows))
     if html is not None:
         echo(f"page: {html}")
+
+
+def _page(told: Run | Series) -> str:
+    return series_page(told) if isinstance(told, Series) else run_page(told)
 
 
 def _table(rows: Sequence[RunRow]) -> Table:
