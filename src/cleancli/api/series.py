@@ -12,6 +12,7 @@ from cleancli.api.run_session import Inputs, alone_in
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.believed import lesson_of
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Experience
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.gathered import Origin, whole
@@ -140,11 +141,26 @@ def ended(series: Series, before: SeriesResult, result: RunResult) -> SeriesResu
     Raises Refused, OSError."""
     after = with_lesson(series, with_run(series, before, result))
     if series.writes and after.learned is not None:
-        after.learned.write(before.learned)
+        write(after, before.learned)
     number = len(after.runs)
     if after.folder is not None and (number % (number // PAGES + 1) == 0 or number == series.episodes):
         write_series_page(after.folder)
     return after
+
+
+def write(done: SeriesResult, last: LearningResult | None) -> None:
+    """Put what a series has learned into the domain's file, where it stands as it was written `last`. Raises
+    Refused that says what becomes of the episodes, OSError."""
+    assert done.learned is not None
+    domain, records = done.learned.changes[0].path, done.folder or done.runs[-1].folder
+    try:
+        done.learned.write(last)
+    except Refused as refused:
+        help = (
+            f"nothing was written; to count these episodes as well: cleancli learn {domain} {records} --add"
+        )
+        told = [replace(found, help=f"{help} --write") for found in refused.diagnostics]
+        raise Refused(told, refused.sources) from None
 
 
 def with_run(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:

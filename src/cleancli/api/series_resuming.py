@@ -20,6 +20,7 @@ from cleancli.api.series import (
     evidence_after,
     with_lesson,
     with_run,
+    write,
 )
 from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
@@ -71,7 +72,7 @@ def _opened(begun: Begun) -> tuple[Series, SeriesResult]:
             before, so_far = so_far, with_run(series, so_far, ended_result(run, inputs))
     so_far = with_lesson(series, so_far)
     if series.writes and so_far.learned is not None:
-        so_far.learned.write(_as_it_stands(so_far.learned, with_lesson(series, before).learned))
+        write(so_far, _as_it_stands(so_far.learned, with_lesson(series, before).learned))
     return series, so_far
 
 
