@@ -1,11 +1,12 @@
 """Nothing is torn, left over or overwritten: `python benchmarks/kills.py [--kills N] [--races N] [--seed N]`.
 
-Kills: `fmt`, `learn --write`, `rename --write`, `convert` and `execute` (in the symbolic world) are ended at
-a moment drawn evenly over the time that they take, by KILL, TERM, INT and HUP in turn, each in a process of
-its own; who ends before does not count. Then every file must hold its old or its new content, whole; files
-that are written together must be all old or all new, but where KILL came (how often it parted them is told);
-nothing may lie beside them, but where KILL came, and the next command that writes there must remove that. A
-run must go on to the end and the actions that it would have had.
+Kills: `fmt`, `learn --write`, `rename --write`, `convert`, `execute`, and a series of `execute --learn
+--write` (both in the symbolic world) are ended at a moment drawn evenly over the time that they take, by
+KILL, TERM, INT and HUP in turn, each in a process of its own; who ends before does not count. Then every file
+must hold its old or its new content, whole; files that are written together must be all old or all new, but
+where KILL came (how often it parted them is told); nothing may lie beside them, but where KILL came, and the
+next command that writes there must remove that. A run must go on to the end and the actions that it would
+have had, and a series to the text that it would have learned, byte for byte.
 
 Races: while a command works, an editor saves a file that it writes, in place or by renaming, once or many
 times. What was saved last must be in the file afterwards.
@@ -241,6 +242,60 @@ def run_harm(where: Path, folder: Path, whole: list[str]) -> str:
     return "" if actions(where) == whole else "it went on to another end"
 
 
+# ---- kills of series
+
+DOORS = """domain doors {
+  types { door }
+  predicates { open(?d - door) }
+  derived { shut := count ?d - door: not open(?d) }
+  actions { push(?d - door) [duration = 1 s] }
+  rule pushed: push(?d) { when not open(?d) then CHANCE: open(?d) rest: nothing }
+  reward { decrease(shut) }
+}
+"""
+SERIES: Files = {
+    "own.nid": DOORS.replace("CHANCE", "0.8").encode(),
+    "true.nid": DOORS.replace("CHANCE", "0.3").encode(),
+    "p.nid": b"problem p { domain = doors objects { a b - door } init { } }",
+}
+LEARNING = "execute own.nid p.nid --world true.nid --learn --write --episodes 4 --samples 20 --quiet"
+
+
+def series_kills(number: int, rng: random.Random, folder: Path) -> Iterator[tuple[str, str]]:
+    """The same for a series that writes what it has learned after each episode."""
+    words = LEARNING.split()
+    put(SERIES, folder)
+    begun = time.perf_counter()
+    assert ended(started(words, folder)) in (0, 3)
+    seconds, whole = time.perf_counter() - begun, (folder / "own.nid").read_bytes()
+    assert whole != SERIES["own.nid"]
+    signals = itertools.cycle(SIGNALS)
+    which, done = next(signals), 0
+    while done < number:
+        put(SERIES, folder)
+        if killed(words, rng.uniform(0, seconds), which, folder) is None:
+            continue
+        found = [path.parent for path in folder.glob("runs/*/*/run.json")]
+        if not found:
+            if (folder / "own.nid").read_bytes() != SERIES["own.nid"]:
+                yield which.name, "it has learned from nothing"
+            continue
+        yield which.name, series_harm(found[0].parent, folder, whole)
+        done, which = done + 1, next(signals)
+
+
+def series_harm(where: Path, folder: Path, whole: bytes) -> str:
+    """What is wrong with what a series has written after a kill, and after it has gone on."""
+    if ended(started(["check", "own.nid"], folder)) != 0:
+        return "torn: own.nid"
+    code = ended(started(["execute", "--resume", str(where), "--quiet"], folder))
+    if code not in (0, 2, 3):  # 2: it had ended
+        return f"--resume ends with {code}"
+    if hidden := [str(path.relative_to(folder)) for path in folder.rglob(".*")]:
+        return f"left over: {hidden}"
+    return "" if (folder / "own.nid").read_bytes() == whole else "it has learned something else"
+
+
 # ---- races
 
 
@@ -345,6 +400,8 @@ def main() -> int:
                 right.append(told(f"races with {name}", races(case, asked.races, rng, folder), asked.races))
         if asked.only in (None, "execute"):
             right.append(told("kills of execute", run_kills(asked.kills, rng, folder), asked.kills))
+        if asked.only in (None, "series"):
+            right.append(told("kills of a series", series_kills(asked.kills, rng, folder), asked.kills))
     print(f"load {os.getloadavg()[0]:.1f}")
     return 0 if all(right) else 1
 

@@ -115,7 +115,7 @@ def test_a_series_that_is_cut_short_goes_on_to_the_same_end(
     """Digit for digit what it would have written, and a row for every episode."""
     with pytest.raises(error):
         whole(on_event=at(episode, kind, error))
-    result = resume_series(Path("runs") / NAME)
+    result = resume_series((Path("runs") / NAME).absolute())
     text, expected = undisturbed
     assert own.read_text(encoding="utf-8") == text
     assert untimed(result) == untimed(expected)

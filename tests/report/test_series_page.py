@@ -111,7 +111,7 @@ def broken(folder: Path, what: str) -> None:
         case "no number":
             (folder / "series.json").write_text('{"episodes": "many"}', encoding="utf-8")
         case "too many":
-            told = {"format": 1, "episodes": 10**9, "seed": 1, "video": False, "writes": False}
+            told = {"format": 1, "episodes": 10**9, "seed": 1, "video": False, "writes": False, "called": ""}
             (folder / "series.json").write_text(json.dumps(told), encoding="utf-8")
         case "too large":
             (folder / "series.json").write_text(" " * (1 << 17), encoding="utf-8")

@@ -177,6 +177,6 @@ def write_series(
         run = write_run(folder / f"evening-seed{4 + number}-001", records, 0, **changed)
         (run / "files").mkdir()
         (run / "files" / "lamps.nid").write_bytes(source)
-    told = {"format": 1, "episodes": episodes, "seed": 4, "video": False, "writes": True}
+    told = {"format": 1, "episodes": episodes, "seed": 4, "video": False, "writes": True, "called": "runs/it"}
     (folder / "series.json").write_text(json.dumps(told), encoding="utf-8")
     return folder

@@ -17,7 +17,7 @@ from cleancli.language.model import Experience
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.gathered import Origin, whole
 from cleancli.recording.folder import EXPERIENCE, PAGE
-from cleancli.recording.series import SeriesHeader, begun_series, remove_if_empty
+from cleancli.recording.series import begun_series, remove_if_empty
 from cleancli.report.series_page import write_series_page
 
 CarryOut = Callable[[OpenedRun], RunResult]
@@ -31,7 +31,8 @@ one in so many. Chosen: each time all episodes are read."""
 @dataclass(frozen=True, slots=True)
 class Series:
     """A series that is about to begin. `inputs` are those of the first episode. `writes`: what was learned
-    goes into the domain's file after each, which `is_writable`."""
+    goes into the domain's file after each, which `is_writable`, and names the records as being in a folder
+    that is `called` so; "": as being where they are."""
 
     given: LoadedProblem
     inputs: Inputs
@@ -41,6 +42,7 @@ class Series:
     is_writable: bool
     writes: bool = False
     include_outside: bool = False
+    called: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +107,14 @@ def carried_out(series: Series, carry_out: CarryOut) -> Iterator[SeriesResult]:
         yield from episodes_left(series, SeriesResult((), None), carry_out)
         return
     options = series.inputs.options
-    header = SeriesHeader(series.episodes, options.seed, series.video, series.writes)
-    folder = begun_series(series.runs, f"{series.given.name}-seed{options.seed}-series", header)
+    stem = f"{series.given.name}-seed{options.seed}-series"
+    folder, header = begun_series(
+        series.runs, stem, series.episodes, options.seed, series.video, series.writes
+    )
     try:
         with alone_in(folder):
-            yield from episodes_left(series, SeriesResult((), None, folder), carry_out)
+            begun = replace(series, called=header.called)
+            yield from episodes_left(begun, SeriesResult((), None, folder), carry_out)
     finally:
         remove_if_empty(folder)
 
@@ -165,8 +170,8 @@ def write(done: SeriesResult, last: LearningResult | None) -> None:
 
 def with_run(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
     """The series with one more episode."""
-    runs, experience = (*before.runs, result), (*before.experience, *_experience(result.folder))
-    return SeriesResult(runs, None, before.folder, experience)
+    experience = (*before.experience, *_experience(series, result.folder))
+    return SeriesResult((*before.runs, result), None, before.folder, experience)
 
 
 def with_lesson(series: Series, done: SeriesResult) -> SeriesResult:
@@ -185,8 +190,9 @@ def with_lesson(series: Series, done: SeriesResult) -> SeriesResult:
     return replace(done, learned=learned)
 
 
-def _experience(folder: Path) -> Iterator[Experience]:
+def _experience(series: Series, folder: Path) -> Iterator[Experience]:
     """That of a run, if it has any."""
     transitions, sha256 = whole(folder / EXPERIENCE)
     if transitions:
-        yield Experience(str(folder), sha256, transitions)
+        called = Path(series.called) / folder.name if series.called else folder
+        yield Experience(str(called), sha256, transitions)

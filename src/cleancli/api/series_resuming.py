@@ -62,9 +62,16 @@ def _opened(begun: Begun) -> tuple[Series, SeriesResult]:
     if header.writes and not is_writable:
         path = inputs.sources[0].path
         raise BadOption(f"the series writes into {path}, which is not here: go on where it was begun")
-    given = _given(inputs)
     series = Series(
-        given, inputs, header.episodes, begun.folder, header.video, is_writable, header.writes, True
+        _given(inputs),
+        inputs,
+        header.episodes,
+        begun.folder,
+        header.video,
+        is_writable,
+        header.writes,
+        include_outside=True,
+        called=header.called,
     )
     before = so_far = SeriesResult((), None, begun.folder)
     for run in begun.runs:

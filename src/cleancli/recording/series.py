@@ -13,6 +13,7 @@ from msgspec import Meta
 
 from cleancli.files.replace import replace_file
 from cleancli.files.untrusted import decoded
+from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.recording.folder import RUN, read_text, refused
 
 SERIES = "series.json"
@@ -30,16 +31,20 @@ MOST_EPISODES = 10_000
 @dataclass(frozen=True, slots=True)
 class SeriesHeader:
     """What a series was begun for: so many episodes, the first with this seed; whether they are filmed, and
-    whether what is learned is written into the domain's file after each."""
+    whether what is learned is written into the domain's file after each. `called`: the folder's path as it
+    was when the series began, by which that file names its records."""
 
     episodes: Annotated[int, Meta(ge=1, le=MOST_EPISODES)]
     seed: Annotated[int, Meta(ge=0)]
     video: bool
     writes: bool
+    called: str
     format: Annotated[int, Meta(ge=1, le=FORMAT)] = FORMAT
 
 
-def begun_series(parent: Path, stem: str, header: SeriesHeader) -> Path:
+def begun_series(
+    parent: Path, stem: str, episodes: int, seed: int, video: bool, writes: bool
+) -> tuple[Path, SeriesHeader]:
     """A new folder under a name after `stem`, numbered so that nothing is overwritten. Raises OSError."""
     parent.mkdir(parents=True, exist_ok=True)
     for number in itertools.count(1):
@@ -49,8 +54,9 @@ def begun_series(parent: Path, stem: str, header: SeriesHeader) -> Path:
         except FileExistsError:
             continue
         break
+    header = SeriesHeader(episodes, seed, video, writes, printable(str(folder)))
     replace_file(folder / SERIES, msgspec.json.format(msgspec.json.encode(asdict(header))).decode() + "\n")
-    return folder
+    return folder, header
 
 
 def remove_if_empty(folder: Path) -> None:
