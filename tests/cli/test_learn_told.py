@@ -45,3 +45,48 @@ def test_a_default_that_is_not_written_is_no_rule(
     Path("seen.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
     assert run(["learn", "lamps.nid", "seen.jsonl"]) == 0
     assert told in capsys.readouterr().out
+
+
+def learned(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """What `learn` prints of a lamp that went out and one that did not."""
+    capsys.readouterr()
+    Path("lamps.nid").write_text(DOMAIN % "", encoding="utf-8")
+    before, after = [["lit", ["l1"], True]], list[object]()
+    line = {
+        "action": "press",
+        "arguments": ["l1"],
+        "objects": {"l1": "lamp"},
+        "before": before,
+        "after": after,
+    }
+    Path("seen.jsonl").write_text(json.dumps(line) + "\n", encoding="utf-8")
+    assert run(["learn", "lamps.nid", "seen.jsonl", *words]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_change_is_printed_where_nothing_is_written_or_where_it_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    alone = learned(capsys)
+    assert "+  rule go_out: press(?l) { when lit(?l) then 0.9091 [prior 0.9, seen 1]" in alone
+    diff = alone[: alone.index("1 transition,")]
+    for writing, wrote in ((["--write"], "wrote lamps.nid\n"), (["--output", "new.nid"], "wrote new.nid\n")):
+        Path("new.nid").unlink(missing_ok=True)
+        assert learned(capsys, *writing) == alone[len(diff) :] + wrote
+        Path("new.nid").unlink(missing_ok=True)
+        assert learned(capsys, *writing, "--diff") == alone + wrote
+    assert learned(capsys, "--diff") == alone
+    data = json.loads(learned(capsys, "--json", "--diff"))
+    assert data.pop("diff") + "\n" == diff
+    assert data == json.loads(learned(capsys, "--json"))
+
+
+@pytest.mark.parametrize("other", ["--check", "--explain"])
+def test_where_nothing_is_learned_there_is_no_change_to_print(
+    other: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    learned(capsys)
+    assert run(["learn", "lamps.nid", "seen.jsonl", other, "--diff"]) == 2
+    assert "learns nothing" in capsys.readouterr().err

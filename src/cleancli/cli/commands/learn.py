@@ -11,7 +11,7 @@ import click
 from cleancli.api.accounts import Accounts, suggested, told
 from cleancli.api.accounts import as_data as account_data
 from cleancli.api.agreements import agreement
-from cleancli.api.lessons import Counting, lessons
+from cleancli.api.lessons import Counting, LearningResult, lessons
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
@@ -48,6 +48,9 @@ from cleancli.language.diagnostics.diagnostic import Source
 @click.option(
     "--write", is_flag=True, help="Change the probabilities in the domain's file and those it includes."
 )
+@click.option(
+    "--diff", is_flag=True, help="Print the change as a diff also with --write, --output or --json."
+)
 @options.as_json("Print what was learned as JSON.")
 def command(
     domain: str,
@@ -62,19 +65,21 @@ def command(
     explain: bool,
     output: Path | None,
     write: bool,
+    diff: bool,
     as_data: bool,
 ) -> int:
     """Learn the probabilities of DOMAIN from EXPERIENCE: experience.jsonl files, run folders, or folders of
     runs.
 
-    Prints the change as a diff; only --write changes files. The prior stays in the file beside the learned
-    number, and the file says which experience was counted, so that learning again from the same experience
-    changes nothing: give every file that shall count, or --add to what was counted. With --check the exit
-    code is 1 if a rule disagrees.
+    Prints the change as a diff; only --write changes files, and says which. The prior stays in the file
+    beside the learned number, and the file says which experience was counted, so that learning again from the
+    same experience changes nothing: give every file that shall count, or --add to what was counted. With
+    --check the exit code is 1 if a rule disagrees.
     """
-    if (check or explain) and (add or replace or write or output):
+    if (check or explain) and (add or replace or write or output or diff):
         asked = "--check" if check else "--explain"
-        raise click.UsageError(f"{asked} learns nothing: leave out --add, --replace, --output and --write")
+        others = "--add, --replace, --output, --write and --diff"
+        raise click.UsageError(f"{asked} learns nothing: leave out {others}")
     if output is not None and write:
         raise click.UsageError("--write changes DOMAIN, and --output leaves it alone: ask for one")
     if add and replace:
@@ -94,12 +99,10 @@ def command(
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     if as_data:
-        click.echo(json.dumps(learned.to_dict(), indent=2))
+        data = {**learned.to_dict(), "diff": learned.diff} if diff else learned.to_dict()
+        click.echo(json.dumps(data, indent=2))
     else:
-        for change in learned.changes:
-            echo_difference(Source(change.path, change.before), change.after, "learned")
-        for note in learned.notes:
-            echo(note)
+        _tell(learned, diff or not (write or output is not None))
     if write:
         for changed in learned.write():
             echo(f"wrote {changed}", err=as_data)
@@ -107,6 +110,14 @@ def command(
         learned.write_copy(output)
         echo(f"wrote {output}", err=as_data)
     return ExitCode.DONE
+
+
+def _tell(learned: LearningResult, diff: bool) -> None:
+    """What is noteworthy of what was learned, below the change if that is wanted."""
+    for change in learned.changes if diff else ():
+        echo_difference(Source(change.path, change.before), change.after, "learned")
+    for note in learned.notes:
+        echo(note)
 
 
 def _explain(accounts: Accounts, as_data: bool) -> None:
