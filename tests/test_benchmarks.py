@@ -396,7 +396,7 @@ def test_nothing_is_torn_left_over_or_overwritten_by_commands_that_write(tmp_pat
     """A few kills and races; the figures of many are in docs/commands.md."""
     result = _run("kills.py", "--kills", "4", "--races", "2", cwd=tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
-    for name in ("fmt", "learn", "rename", "convert", "execute"):
+    for name in ("fmt", "learn", "rename", "convert", "execute", "a series"):
         assert f"kills of {name}: 4 (1 SIGHUP, 1 SIGINT, 1 SIGKILL, 1 SIGTERM), 0 failures" in result.stdout
     for name in ("fmt", "learn", "rename", "convert"):
         assert re.search(rf"races with {name}: 2 .*, 0 failures", result.stdout)

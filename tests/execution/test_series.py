@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -102,7 +99,6 @@ def at(episode: int, kind: type[Event], error: type[BaseException]) -> Callable[
         (1, Acted, Killed),
         (2, Acted, KeyboardInterrupt),
         (2, Ended, Killed),
-        (3, Acted, Killed),
     ],
 )
 def test_a_series_that_is_cut_short_goes_on_to_the_same_end(
@@ -113,8 +109,10 @@ def test_a_series_that_is_cut_short_goes_on_to_the_same_end(
     undisturbed: tuple[str, SeriesResult],
 ) -> None:
     """Digit for digit what it would have written, and a row for every episode."""
-    with pytest.raises(error):
+    with pytest.raises(error) as stopped:
         whole(on_event=at(episode, kind, error))
+    if error is KeyboardInterrupt:
+        assert str(stopped.value).endswith(f"go on with: cleancli execute --resume runs/{NAME}")
     result = resume_series((Path("runs") / NAME).absolute())
     text, expected = undisturbed
     assert own.read_text(encoding="utf-8") == text
@@ -150,23 +148,11 @@ def test_a_series_that_is_killed_while_it_writes_goes_on(
     assert own.read_text(encoding="utf-8") == undisturbed[0]
 
 
-def test_a_process_that_is_killed_in_its_second_episode(
+def test_the_command_goes_on_with_a_series_also_where_its_run_is_named(
     own: Path, undisturbed: tuple[str, SeriesResult], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """By a signal that nothing can meet; and the command goes on, if its run is named as well."""
-    code = f"""
-import os, signal
-from cleancli.api.executions import execute_series
-from cleancli.execution.events import Acted, Ended
-ended = []
-def follow(event):
-    ended.extend([event] if isinstance(event, Ended) else [])
-    if ended and isinstance(event, Acted):
-        os.kill(os.getpid(), signal.SIGKILL)
-execute_series("own.nid", "p.nid", world="true.nid", on_event=follow, **{ASKED!r})
-"""
-    assert subprocess.run([sys.executable, "-c", code]).returncode == -signal.SIGKILL
-    assert own.read_text(encoding="utf-8") != DOORS % "0.8", "the first episode is written"
+    with pytest.raises(Killed):
+        whole(on_event=at(2, Acted, Killed))
     cut_short = Path("runs") / NAME / "p-seed5-001"
     with pytest.raises(ValueError, match="resume_series"):
         resume(cut_short)
@@ -175,11 +161,6 @@ execute_series("own.nid", "p.nid", world="true.nid", on_event=follow, **{ASKED!r
     shown = capsys.readouterr()
     assert "going on after" in shown.err
     assert f"series: runs/{NAME}/" in shown.out
-
-
-def test_an_interrupted_series_says_how_to_go_on(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(KeyboardInterrupt, match=rf"--resume runs/{NAME}$"):
-        whole(on_event=at(2, Acted, KeyboardInterrupt))
 
 
 def test_a_file_that_was_edited_before_a_series_goes_on_stays_as_it_is(own: Path) -> None:

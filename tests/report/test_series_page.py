@@ -15,7 +15,7 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.execution.events import Event, Started
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.report.plots import Step, band, numbered, stairs, thinned
+from cleancli.report.plots import Step, band, line, numbered, stairs, thinned, ticks
 from cleancli.report.rules import courses
 from cleancli.report.series import read_series
 from cleancli.report.series_page import series_page
@@ -63,6 +63,12 @@ def test_it_tells_what_each_episode_took(tmp_path: Path) -> None:
     assert re.findall(r'<a href="([^"]*)">evening', page) == [
         f"evening-seed{seed}-001/report.html" for seed in (4, 5, 6)
     ]
+
+
+def test_a_single_episode_is_a_dot_and_actions_are_counted_by_whole_numbers() -> None:
+    assert line([3], 4) == "500.0,25.0 500.0,25.0"
+    assert ticks(3.0, 8, 1.0) == (0, 1, 2, 3)
+    assert ticks(3.0, 8) == (0, 0.5, 1, 1.5, 2, 2.5, 3)
 
 
 def test_it_tells_how_each_rule_changed_with_its_prior_and_from_where_on_it_is_known(tmp_path: Path) -> None:

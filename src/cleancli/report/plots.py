@@ -27,16 +27,17 @@ class Step:
     high: float
 
 
-def ticks(longest: float, most: int = TICKS) -> tuple[float, ...]:
-    """Round numbers from 0 on, at most about so many, for an axis that ends at the longest."""
+def ticks(longest: float, most: int = TICKS, least: float = 0.0) -> tuple[float, ...]:
+    """Round numbers from 0 on, at most about so many and at least so far apart, for an axis that ends at the
+    longest."""
     steps = (factor * 10.0**power for power in range(-3, 7) for factor in (1, 2, 5))
-    step = next((step for step in steps if longest / step <= most), longest)
+    step = next((step for step in steps if longest / step <= most and step >= least), longest)
     return tuple(step * number for number in range(int(longest / step) + 1))
 
 
-def marks(longest: float, most: int = TICKS) -> Marks:
+def marks(longest: float, most: int = TICKS, least: float = 0.0) -> Marks:
     """Those of an axis from 0 to `longest`."""
-    return tuple((tick, 100 * tick / longest) for tick in ticks(longest, most)) if longest else ()
+    return tuple((tick, 100 * tick / longest) for tick in ticks(longest, most, least)) if longest else ()
 
 
 def numbered(count: int) -> Marks:
@@ -47,9 +48,10 @@ def numbered(count: int) -> Marks:
 
 
 def line(values: Sequence[float], top: float) -> str:
-    """A value for each column of an axis, joined."""
+    """A value for each column of an axis, joined; a single one is a dot."""
     columns = len(values)
-    return _points((WIDTH * (i + 0.5) / columns, _y(value, top)) for i, value in enumerate(values))
+    values = values if columns > 1 else [*values, *values]
+    return _points((WIDTH * (i % columns + 0.5) / columns, _y(value, top)) for i, value in enumerate(values))
 
 
 def stairs(steps: Sequence[Step], end: float) -> str:

@@ -92,13 +92,16 @@ def series_page(series: Series) -> str:
             problem=first.problem,
             verdict=_verdict(series, rows),
             figures=list(_figures(series, rows)),
-            curves=[_curve("seconds", [r.total for r in rows]), _curve("actions", [r.actions for r in rows])],
+            curves=[
+                _curve("seconds", [row.total for row in rows]),
+                _curve("actions", [row.actions for row in rows], least=1.0),
+            ],
             episodes=[EpisodeView(n, row, bars(row.seconds, longest)) for n, row in enumerate(rows, 1)],
             numbers=numbered(len(rows)),
             heights=marks(longest),
             kinds=[(kind, name_of(kind), colour_of(kind)) for kind in kinds],
             rules=[_rule(course, end) for course in courses(series.runs)] if end else [],
-            action_marks=marks(end),
+            action_marks=marks(end, least=1.0),
             ends=[100 * each / end for each in ends[:-1]] if end else [],
             header=first.header,
         )
@@ -127,9 +130,9 @@ def _figures(series: Series, rows: Sequence[RunRow]) -> Iterator[tuple[str, str]
         yield f"an episode, of the last {half}", seconds_text(last)
 
 
-def _curve(name: str, values: Sequence[float]) -> Curve:
+def _curve(name: str, values: Sequence[float], least: float = 0.0) -> Curve:
     top = max(values)
-    return Curve(name, line(values, top), marks(top, UPWARDS), tuple(values))
+    return Curve(name, line(values, top), marks(top, UPWARDS, least), tuple(values))
 
 
 def _rule(course: RuleCourse, end: float) -> RuleView:
