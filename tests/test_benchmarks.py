@@ -44,6 +44,7 @@ LONG = {
     "fresh_tables.py",
     "identity.py",
     "ink.py",
+    "intervals.py",
     "learning.py",
     "learning_tables.py",
     "new_grasp.py",
@@ -114,6 +115,21 @@ def test_what_strategies_lose_is_compared_by_seed(
     assert plan == "| plan-1 | 6 | 35.5 ± 2.0 | 0 |  | 0.0 ± 0.0 | 0 |  | 4.0 | 0 |"
     start = "| determinized:likeliest | 6 | 33.5 ± 2.0 | -2.0 ± 0.0 | 0.03 | 2.0 ± 0.9 | 2.0 ± 0.9 | 0.03"
     assert other.startswith(start)
+
+
+def test_intervals_hold_most_hidden_probabilities(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A few transitions; what many come to is in docs/learning.md."""
+    words = ("--quick", "--seed", "2", "--keep", str(tmp_path / "kept.jsonl"))
+    _main("intervals", monkeypatch, *words)
+    told = capsys.readouterr().out
+    found = re.findall(r"^\| (\w+) \| 60 \| (\d+) \| ([\d.]+)% \|", told, re.M)
+    assert [name for name, _, _ in found] == ["cleaning", "coins"]
+    assert int(found[0][1]) > 50
+    assert float(found[0][2]) > 85
+    _main("intervals", monkeypatch, *words)
+    assert capsys.readouterr().out == told[told.index("| domain") :], "nothing is drawn again"
 
 
 @pytest.mark.parametrize("named", ["plans", "determinized:likely"])
