@@ -9,12 +9,12 @@ from random import Random
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import special, stats
 
 from cleancli.api.lessons import LearningResult, learn
 from cleancli.cli.main import run
 from cleancli.language.load import load_domain, read_source
-from cleancli.learning.changes import FEWEST, SIGNIFICANT, fluctuation
+from cleancli.learning.changes import FEWEST, SIGNIFICANT, fluctuation, kolmogorov
 
 TEXT = """domain coins {
   types { coin }
@@ -214,6 +214,16 @@ def test_the_statistic_is_that_of_a_slow_reference() -> None:
         terms = [(-1) ** (k - 1) * np.exp(-2 * k**2 * furthest**2) for k in range(1, 200)]
         shares = np.array([[shown, not shown] for shown in results], dtype=float)
         assert fluctuation(shares)[0] == pytest.approx(min(1, 2 * sum(terms)), abs=1e-9)
+
+
+@pytest.mark.parametrize("distance", [0.01, 0.19, 0.2, 0.21, 0.3, 0.5, 1.0, 1.628, 3.0, 8.0])
+def test_the_tail_of_kolmogorovs_distribution_is_that_of_scipy(distance: float) -> None:
+    assert kolmogorov(distance) == pytest.approx(special.kolmogorov(distance), rel=1e-9, abs=1e-12)
+
+
+def test_results_that_take_turns_are_no_change() -> None:
+    """They are more even than chance makes them: so small a statistic is certain to be exceeded."""
+    assert fluctuation(np.eye(2)[np.arange(10_000) % 2])[0] == 1
 
 
 def test_the_command_tells_changes(domain: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
