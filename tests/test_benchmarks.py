@@ -93,6 +93,17 @@ def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
     assert int(most[1]) <= 60
 
 
+def test_the_seconds_and_the_memory_of_learning_are_measured(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    monkeypatch.setattr(importlib.import_module("learning_speed"), "DRAWN", 20)
+    _main("learning_speed", monkeypatch, "--transitions", "400")
+    rows = re.findall(r"^\| (\d+) \| (\d+\.\d) \| (\d+) MiB \|$", capsys.readouterr().out, re.M)
+    assert [int(number) for number, _, _ in rows] == [40, 400]
+    assert all(float(seconds) > 0 and int(memory) > 0 for _, seconds, memory in rows)
+
+
 def test_what_strategies_lose_is_compared_by_seed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

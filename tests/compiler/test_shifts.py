@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from random import Random
 
 import pytest
@@ -265,7 +265,7 @@ def test_effects_of_an_outcome_mean_what_the_document_says(seed: int) -> None:
         found = explain(domain, problem, "both", (x, y)).covering
         assert found is not None
         assert {(c.fact.symbol, c.fact.objects): c.fact.value for c in found.outcomes[0].changes} == expected
-        assert outcome_of(domain, replace(still, after=values_of(moved(problem, expected)))) == 0
+        assert outcome_of(domain, still._replace(after=values_of(moved(problem, expected)))) == 0
         if task is not None:
             wanted = {frozenset(expected.items()): 0.75, frozenset(): 0.25}
             assert changed_by(task, (x, y)) == (wanted if expected else {frozenset(): 1.0})

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from cleancli.compiler.fluents import Fluent, Values, parameters_of, shifted
 from cleancli.compiler.objects_by_type import ObjectsByType
@@ -32,19 +32,19 @@ Names = tuple[str, ...]
 Slots = Mapping[Variable, int]
 
 
-@dataclass(frozen=True, slots=True)
-class LiftedState:
+class LiftedState(NamedTuple):
     """A state by its fluents' values; `found` remembers what satisfied a guard, by the guard's number."""
 
     values: Values
     objects: ObjectsByType
-    found: dict[tuple[int, Names], list[Names]] = field(default_factory=dict)
+    found: dict[tuple[int, Names], list[Names]]
 
 
 Test = Callable[[LiftedState, Names], bool]
 Extender = Callable[[LiftedState, Names], Iterator[Names]]
 Changes = Callable[[LiftedState, Names], dict[Fluent, Value]]
 Key = Callable[[Names], Fluent]
+Guard = Callable[[LiftedState, Names], list[Names]]
 _Happening = Callable[[LiftedState, Names], Iterable[tuple[Assign | Shift, Fluent]]]
 
 
@@ -89,8 +89,9 @@ class Lifted:
 
         def extended(state: LiftedState, names: Names) -> Iterator[Names]:
             for more in itertools.product(*[state.objects[each] for each in types]):
-                if test(state, names + more):
-                    yield names + more
+                everything = names + more
+                if test(state, everything):
+                    yield everything
 
         return extended
 
@@ -116,6 +117,10 @@ class Lifted:
             follows, read = self.follows(literal.symbol), _reader(literal.terms, slots)
             return lambda state, names: follows(state, read(names)) in values
         key, missing = self.key(literal.symbol, literal.terms, slots), self.missing(literal.symbol)
+        match literal.terms:
+            case [Variable() as only]:  # The same in fewer calls, as most literals are of one variable.
+                symbol, slot = literal.symbol, slots[only]
+                return lambda state, names: state.values.get((symbol, (names[slot],)), missing) in values
         return lambda state, names: state.values.get(key(names), missing) in values
 
     def is_derived(self, symbol: str) -> bool:
@@ -191,12 +196,12 @@ class Lifted:
             return lambda _, names: [(effect, key(names))]
         inner = further(slots, effect.variables)
         keys = [(each, self.key(each.symbol, each.terms, inner)) for each in effect.effects]
-        satisfying = self._guard(effect, slots)
+        satisfying = self.guard(effect, slots)
         return lambda state, names: [
             (each, key(extended)) for extended in satisfying(state, names) for each, key in keys
         ]
 
-    def _guard(self, effect: ForAll, slots: Slots) -> Callable[[LiftedState, Names], list[Names]]:
+    def guard(self, effect: ForAll, slots: Slots) -> Guard:
         """What satisfies the condition of a `forall`, found once for all outcomes that have the same one."""
         same = (effect.variables, effect.condition, tuple(slots.items()))
         number = self._guards.setdefault(same, len(self._guards))
@@ -219,15 +224,16 @@ def further(slots: Slots, variables: Sequence[Variable]) -> dict[Variable, int]:
 
 def _reader(terms: Sequence[Term], slots: Slots) -> Callable[[Names], Names]:
     """The objects that terms stand for."""
-    if not terms:
-        return lambda _: ()
-    if not all(isinstance(term, Variable) for term in terms):
-        parts = [(slots[term], "") if isinstance(term, Variable) else (-1, term.name) for term in terms]
-        return lambda names: tuple([name or names[slot] for slot, name in parts])
-    first, *others = (slots[term] for term in terms if isinstance(term, Variable))
-    if others:
-        return operator.itemgetter(first, *others)
-    return lambda names: (names[first],)
+    constants = tuple(term.name for term in terms if not isinstance(term, Variable))
+    if len(constants) == len(terms):
+        return lambda _: constants
+    # Constants are read as names after all others, from the end.
+    after = itertools.count(-len(constants))
+    first, *others = [slots[term] if isinstance(term, Variable) else next(after) for term in terms]
+    if not others:
+        return lambda names: (names[first],)
+    read = operator.itemgetter(first, *others)
+    return (lambda names: read(names + constants)) if constants else read
 
 
 def _reached(state: LiftedState, start: str, type_name: str, steps: Extender) -> set[str]:

@@ -11,19 +11,37 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cleancli.compiler.fluents import Binding, Fluent, Values, names_of, values_of
-from cleancli.compiler.lifted import Changes, Extender, Lifted, LiftedState, Names, Test, further
+from cleancli.compiler.lifted import Changes, Extender, Guard, Lifted, LiftedState, Names, Test, further
 from cleancli.compiler.objects_by_type import ObjectsByType
-from cleancli.language.model import Condition, Domain, Literal, Object, Rule, State, Value, Variable
+from cleancli.language.model import (
+    Assign,
+    Condition,
+    Domain,
+    ForAll,
+    Literal,
+    Object,
+    Rule,
+    Shift,
+    State,
+    Value,
+    Variable,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class LiftedRule:
-    """A rule as functions of a state; `variables` are its own and then those of its references."""
+    """A rule as functions of a state; `variables` are its own and then those of its references.
+
+    What the outcomes set follows from what the variables stand for and from what satisfies the `guards`, the
+    conditions of their `forall`s; where one of them `shifts` a number, from the values before as well.
+    """
 
     variables: tuple[Variable, ...]
     condition: Test
     references: tuple[Extender, ...]
     changes: tuple[Changes, ...]
+    guards: tuple[Guard, ...]
+    shifts: bool
 
     def covers(self, state: LiftedState, names: Names) -> Names | None:
         """The objects that all variables stand for; None where the rule does not cover these arguments."""
@@ -56,7 +74,7 @@ class LiftedRules:
         if objects is not self._objects:
             self._by_type = ObjectsByType(self.domain, (*self.domain.constants, *objects))
             self._objects = objects
-        return LiftedState(values, self._by_type)
+        return LiftedState(values, self._by_type, {})
 
     def covering(self, state: LiftedState, action: str, arguments: Names) -> tuple[int, Names] | None:
         """The one rule that covers these arguments (§3.3.2), and what its variables stand for; or None."""
@@ -79,7 +97,14 @@ def _lifted(meaning: Lifted, rule: Rule) -> LiftedRule:
         references.append(meaning.extender(reference.variables, reference.condition, slots))
         slots = further(slots, reference.variables)
     changes = tuple(meaning.changes(outcome, slots) for outcome in rule.outcomes)
-    return LiftedRule(tuple(slots), condition, tuple(references), changes)
+    effects = [effect for outcome in rule.outcomes for effect in outcome.effects]
+    foralls = {(each.variables, each.condition): each for each in effects if isinstance(each, ForAll)}
+    guards = tuple(meaning.guard(each, slots) for each in foralls.values())
+    return LiftedRule(tuple(slots), condition, tuple(references), changes, guards, any(map(_shifts, effects)))
+
+
+def _shifts(effect: Assign | Shift | ForAll) -> bool:
+    return isinstance(effect, Shift) or (isinstance(effect, ForAll) and any(map(_shifts, effect.effects)))
 
 
 class StateView:

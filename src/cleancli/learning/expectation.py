@@ -10,7 +10,7 @@ Laird and Rubin 1977).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -99,14 +99,25 @@ def expected(
     of the probabilities."""
     groups = {rule: _group(found) for rule, found in _by_rule(seen).items()}
     prior = beliefs = prior_beliefs(domain)
+    concerned = {
+        rule: found for rule, found in before.items() if rule in groups or _has_parameter(domain, rule)
+    }
     counts: Counts = {}
     for _ in range(ROUNDS):
         last = beliefs
-        counts, slips = _counted(groups, last, before)
+        counts, slips = _counted(groups, last, concerned)
         beliefs = maximised(domain, prior, counts, slips, estimator, m)
         if _difference(beliefs, last) < TOLERANCE:
             break
-    return counts, beliefs
+    # Nothing changes what is believed of the other rules.
+    others = maximised(domain, prior, before, beliefs.slips, estimator, m)
+    probabilities = {**others.probabilities, **beliefs.probabilities}
+    return {**before, **counts}, replace(beliefs, probabilities=probabilities)
+
+
+def _has_parameter(domain: Domain, rule: int | None) -> bool:
+    """Whether a rule shares a parameter."""
+    return any(outcome.parameter is not None for outcome in outcomes_of(domain, rule))
 
 
 def log_likelihoods(seen: Weights, beliefs: Beliefs) -> dict[int | None, float]:

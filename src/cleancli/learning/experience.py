@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
-from collections.abc import Iterable, Iterator, Mapping, Set
-from dataclasses import dataclass
+import operator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, BinaryIO, TypeVar
+from typing import Annotated, BinaryIO, NamedTuple, TypeVar
 
 import msgspec
 from msgspec import Meta
@@ -34,12 +35,13 @@ REMEMBERED = 1 << 16
 _Fact = tuple[str, tuple[str, ...], bool | int | str]
 _Seconds = Annotated[float, Meta(ge=0, le=1e6)]
 _FALSE: Fluent = ("", ())
+_objects_of = operator.itemgetter(1)
+"""Of a fact or a fluent."""
 _Key = TypeVar("_Key")
 _Read = TypeVar("_Read")
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+class Transition(NamedTuple):
     """An executed action between two observed states.
 
     `objects` are those known before or after it. An object that is gone keeps its place in `after`, without
@@ -205,8 +207,10 @@ class _Line(msgspec.Struct):
 
 
 _DECODER = msgspec.json.Decoder(_Line)
-_FACTS = msgspec.json.Decoder(tuple[_Fact, ...])
+_FACTS: msgspec.json.Decoder[tuple[_Fact, ...]] = msgspec.json.Decoder(tuple[_Fact, ...])
 """A fact is a symbol, its objects and its value."""
+_TEXTS: msgspec.json.Decoder[tuple[msgspec.Raw, ...]] = msgspec.json.Decoder(tuple[msgspec.Raw, ...])
+"""Each fact as it is written."""
 
 
 class _Reader:
@@ -218,8 +222,7 @@ class _Reader:
         self._arity = {action.name: len(action.parameters) for action in domain.actions}
         self._types = {each.name for each in domain.types}
         self._constants = frozenset(constant.name for constant in domain.constants)
-        # By the type of the value too, since 1 and true are equal.
-        self._facts: dict[type, dict[_Fact, tuple[Fluent, Value]]] = {}
+        self._facts: dict[bytes, tuple[Fluent, Value]] = {}
         self._last: tuple[msgspec.Raw, tuple[Object, ...], Values] = (msgspec.Raw(), (), {})
         self._objects: dict[tuple[tuple[str, str], ...], tuple[Object, ...]] = {}
 
@@ -249,19 +252,28 @@ class _Reader:
         if key not in self._objects:
             if unknown := [each for each in types.values() if each not in self._types]:
                 raise ValueError(f"the domain has no type {unknown[0]!r}")
-            _remember(self._objects, key, tuple(Object(*each) for each in key))
+            remember(self._objects, key, tuple(Object(*each) for each in key))
         return self._objects[key]
 
-    def _values(self, raw: msgspec.Raw, key: str, known: Set[str]) -> Values:
-        facts, listed = self._facts, _decoded(_FACTS, raw, f" of {key}")
+    def _values(self, raw: msgspec.Raw, key: str, known: frozenset[str]) -> Values:
+        written = _decoded(_TEXTS, raw, f" of {key}")
+        texts = list(map(bytes, written))
         try:
-            values = dict([facts[type(each[2])][each] for each in listed])
+            values = dict(map(self._facts.__getitem__, texts))
         except KeyError:
-            values = dict([self._remembered(each) for each in listed])
-        if not known >= set().union(*[each[1] for each in listed]):
-            raise ValueError(f"{key} names an object that is not listed")
-        is_plain = len(values) == len(listed) and _FALSE not in values
-        if not is_plain and (twice := self._contradicted(listed)) is not None:
+            listed = _decoded(_FACTS, raw, f" of {key}")
+            values = dict(map(self._remembered, texts, listed))
+        if len(values) < len(texts) or _FALSE in values:
+            return self._with_care(_FACTS.decode(raw), values, key, known)
+        _refuse_unlisted(values, key, known)
+        return values
+
+    def _with_care(
+        self, listed: tuple[_Fact, ...], values: dict[Fluent, Value], key: str, known: frozenset[str]
+    ) -> Values:
+        """The values of facts of which one is false, or two are about one thing."""
+        _refuse_unlisted(listed, key, known)
+        if (twice := self._contradicted(listed)) is not None:
             raise ValueError(f"{key} gives {twice} two values")
         values.pop(_FALSE, None)
         return values
@@ -275,11 +287,10 @@ class _Reader:
                 return f"{name}({', '.join(objects)})"
         return None
 
-    def _remembered(self, listed: _Fact) -> tuple[Fluent, Value]:
-        known = self._facts.setdefault(type(listed[2]), {})
-        if listed not in known:
-            _remember(known, listed, self._fact(*listed))
-        return known[listed]
+    def _remembered(self, text: bytes, fact: _Fact) -> tuple[Fluent, Value]:
+        if text not in self._facts:
+            remember(self._facts, text, self._fact(*fact))
+        return self._facts[text]
 
     def _fact(self, name: str, objects: tuple[str, ...], value: Value) -> tuple[Fluent, Value]:
         """A fluent and its value; `_FALSE` in place of the fluent for what a state leaves out."""
@@ -291,8 +302,14 @@ class _Reader:
         return _FALSE if value is False else (name, symbol.canonical(objects)), value
 
 
-def _remember(known: dict[_Key, _Read], key: _Key, value: _Read) -> None:
-    if len(known) >= REMEMBERED:
+def _refuse_unlisted(about: Iterable[_Fact | Fluent], key: str, known: frozenset[str]) -> None:
+    if not known.issuperset(itertools.chain.from_iterable(map(_objects_of, about))):
+        raise ValueError(f"{key} names an object that is not listed")
+
+
+def remember(known: dict[_Key, _Read], key: _Key, value: _Read, most: int = REMEMBERED) -> None:
+    """Remember a value; all others are forgotten where there are too many."""
+    if len(known) >= most:
         known.clear()
     known[key] = value
 

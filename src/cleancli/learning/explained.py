@@ -63,7 +63,7 @@ def counted_for(
         outcomes = outcomes_of(domain, compared.rule)
         models = [index for index, each in enumerate(outcomes) if each.kind is not OutcomeKind.NOISE]
         is_noise = likeliest not in models
-        about = {index: tuple(_wrong(compared, index, transition)) for index in models}
+        about = {index: tuple(_wrong(compared, matcher.announced(compared, index))) for index in models}
         nearest = min(models, key=lambda index: len(about[index]), default=None) if is_noise else None
         yield Counted(
             transition,
@@ -78,12 +78,11 @@ def counted_for(
         )
 
 
-def _wrong(compared: Comparison, outcome: int, transition: Transition) -> Iterator[Wrong]:
-    """What the outcome says otherwise than it was, in order."""
-    announced = compared.announced[outcome]
+def _wrong(compared: Comparison, announced: Changes) -> Iterator[Wrong]:
+    """What was announced otherwise than it was, in order."""
     seen = {**compared.of_own, **compared.of_others}
     for key in sorted(announced.keys() | seen.keys()):
-        stayed: Value | None = transition.before.get(key, False)
+        stayed: Value | None = compared.transition.before.get(key, False)
         says, was = announced.get(key, stayed), seen.get(key, stayed)
         if says != was:
             yield Wrong(key, says, was)

@@ -94,10 +94,12 @@ def _limit(
 ) -> None:
     """Lower the learned parameters of a rule that ask for more than what is fixed leaves them."""
     names = [o.parameter for o in outcomes if o.parameter is not None]
+    if not names:
+        return
     learned = [o.parameter for o in outcomes if o.parameter is not None and not o.fixed]
     left = exact(1 - sum((o.probability for o in outcomes if o.fixed), start=Fraction(0)))
     asked = sum((values[name] for name in learned), start=exact(Fraction(0)))
-    if names and asked > 0 and asked > left:
+    if asked > 0 and asked > left:
         for name in set(learned):
             values[name] = down(values[name] * (left / asked))
 
