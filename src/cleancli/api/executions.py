@@ -14,6 +14,7 @@ from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.series import MOST_EPISODES, is_series, to_go_on_from
@@ -38,6 +39,7 @@ def execute(
     objective: str | None = None,
     job: str | None = None,
     known: int | None = None,
+    optimism: str = "prior",
     world: GivenDomain | None = None,
     learn: bool = False,
     estimator: str | None = None,
@@ -70,6 +72,7 @@ def execute(
         objective=objective,
         job=job,
         known=known,
+        optimism=optimism,
         world=world,
         learn=learn,
         estimator=estimator,
@@ -97,6 +100,7 @@ def execute_series(
     objective: str | None = None,
     job: str | None = None,
     known: int | None = None,
+    optimism: str = "prior",
     world: GivenDomain | None = None,
     learn: bool = False,
     estimator: str | None = None,
@@ -119,6 +123,7 @@ def execute_series(
     check_one_of("planner", planner, tuple(PLANNERS))
     check_one_of("objective", objective, OBJECTIVES)
     check_one_of("job", job, [each.value for each in Job])
+    check_one_of("optimism", optimism, OPTIMISM)
     check_between(0, MOST, seed=seed, known=known, max_actions=max_actions)
     check_between(1, MOST, samples=samples)
     check_between(1, MOST_EPISODES, episodes=episodes)
@@ -130,7 +135,9 @@ def execute_series(
     if write:
         check_writable(given.domain.sources[0], is_writable)
     method = counting.method(given.domain.model) if learn else None
-    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, learning=method)
+    asked = EpisodeOptions(
+        strategy, planner, samples, max_actions, max_seconds, learning=method, optimism=optimism
+    )
     acting = None if world is None else load_domain(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
     series = Series(given, inputs, episodes, Path(runs), video, is_writable, write)

@@ -27,6 +27,7 @@ from cleancli.language.model import Object, Problem
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import MATCHES, Method
+from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording import checkpoint
@@ -54,6 +55,7 @@ class _Options(msgspec.Struct):
     m: Annotated[float, Meta(ge=0, le=MOST)] = 0.0
     match: str = MATCHES[0]
     forgetting: Annotated[float, Meta(ge=0, le=MOST_FORGETTING)] = 0.0
+    optimism: str = OPTIMISM[0]
 
 
 class _Begun(msgspec.Struct):
@@ -192,6 +194,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         ("planner", given.planner, PLANNERS),
         ("estimator", given.estimator, ESTIMATORS),
         ("match", given.match, MATCHES),
+        ("optimism", given.optimism, OPTIMISM),
     ):
         if chosen is not None and chosen not in known:
             message = f"`{source.path}` tells of a {name} that there is not: {chosen!r}"
@@ -206,6 +209,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         given.objective == "time",
         given.known,
         None if given.estimator is None else _method(given.estimator, given),
+        given.optimism,
     )
 
 

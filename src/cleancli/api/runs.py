@@ -234,7 +234,9 @@ def inputs_of(
     """What goes into a run: where it is not asked for, the problem's seed, time as the objective if the
     domain says how long each action takes, and as many examples as make a rule known where one learns (§6.3).
 
-    Raises Refused (E902) where time is asked for and one is not known."""
+    Raises Refused (E902) where time is asked for and one is not known, BadOption where what is hoped of
+    unknown rules makes no difference."""
+    _check_optimism(asked)
     with planning_refused(given.sources):
         by_time = _by_time(objective, given.domain.model)
     chosen = next(n for n in (seed, given.model.seed, asked.seed) if n is not None)
@@ -247,6 +249,15 @@ def inputs_of(
         None if job is None else Job(job),
         world=None if world is None else World(world.model, world.sources),
     )
+
+
+def _check_optimism(asked: EpisodeOptions) -> None:
+    if asked.optimism == "prior":
+        return
+    if asked.learning is None:
+        raise BadOption(f"optimism {asked.optimism} is about rules that are being learned: ask for learning")
+    if STRATEGIES[asked.strategy].planner is None:
+        raise BadOption(f"optimism {asked.optimism} is for plans, and the strategy {asked.strategy} has none")
 
 
 def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str) -> RunResult:
@@ -316,6 +327,7 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
             "objective": "time" if options.by_time else "reward",
             "job": job.value,
             "known": options.known,
+            "optimism": options.optimism,
             "estimator": learning.estimator if learning else None,
             "m": learning.m if learning else 0,
             "match": learning.match if learning else "shared",

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from cleancli.execution.setup import EpisodeSetup
-from cleancli.language.model import Domain
+from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.setup import EpisodeSetup, within
+from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import Evidence, extended, weights
 from cleancli.learning.experience import Transition
 from cleancli.learning.intervals import Intervals, intervals
 from cleancli.learning.learn import Lesson, learned_from, revised
 from cleancli.learning.match import Matcher
 from cleancli.learning.method import Method
+from cleancli.learning.optimism import optimistic
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,3 +48,18 @@ def belief(setup: EpisodeSetup, evidence: Evidence) -> Belief:
 def lesson_of(domain: Domain, evidence: Evidence, method: Method) -> Lesson:
     """What the evidence teaches about a domain by some method, beside what its text has counted."""
     return learned_from(domain, evidence, method, adding=True)
+
+
+def planned_with(setup: EpisodeSetup, state: EpisodeState, believed: Domain, problem: Problem) -> Domain:
+    """The domain to plan with: what is believed of what the robot can do, or where that was asked for the
+    best of what is not known yet."""
+    if setup.options.optimism == "rmax":
+        believed = optimistic(believed, problem, unknown(setup, state))
+    return within(setup.feasible, believed)
+
+
+def unknown(setup: EpisodeSetup, state: EpisodeState) -> frozenset[int]:
+    """The rules, by their indices, that were seen too few times to be known (§5.2)."""
+    seen = dict(state.examples)
+    rules = range(len(setup.domain.rules))
+    return frozenset(rule for rule in rules if seen.get(rule, 0) < setup.options.known)

@@ -15,7 +15,7 @@ from functools import partial
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.lifted_state import StateView
 from cleancli.execution import seeds
-from cleancli.execution.believed import Belief, belief, with_transition
+from cleancli.execution.believed import Belief, belief, planned_with, unknown, with_transition
 from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
@@ -39,7 +39,7 @@ from cleancli.execution.events import (
     Purpose,
     Started,
 )
-from cleancli.execution.setup import DecisionContext, EpisodeSetup, within
+from cleancli.execution.setup import DecisionContext, EpisodeSetup
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
@@ -118,9 +118,10 @@ def _decide(
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
     options = setup.options
     started = time.perf_counter()
+    problem = cell.problem(situation)
     now = DecisionContext(
-        within(setup.feasible, believed),
-        cell.problem(situation),
+        planned_with(setup, state, believed, problem),
+        problem,
         setup.scene,
         setup.job,
         situation,
@@ -200,8 +201,7 @@ def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before:
         state = replace(state, queue=(), rest=())
         yield Failed(number, move, motions.failure)
     rule = _covering(setup.domain, before, move)
-    unknown = rule is not None and dict(state.examples).get(rule, 0) < setup.options.known
-    if unknown and not motions.failure:
+    if rule in unknown(setup, state) and not motions.failure:
         state = yield from _clear_look(cell, state, Purpose.LEARNING, motions.stroke)
     else:
         state = yield from _look_after(cell, state, motions.stroke)

@@ -49,6 +49,7 @@ class EpisodeOptions:
 
     `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
     view to learn from it (§5.2). `learning`: how probabilities are learned from each action; None: they stay.
+    `optimism`: what plans hope of rules that are not known yet, of `optimism.OPTIMISM`.
     """
 
     strategy: str = "plan-2"
@@ -60,6 +61,7 @@ class EpisodeOptions:
     by_time: bool = False
     known: int = 0
     learning: Method | None = None
+    optimism: str = "prior"
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
+from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import PAGE, RUN
 from cleancli.recording.series import MOST_EPISODES
@@ -93,6 +94,14 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     help="... but for this probability.  [default: 0.05]",
 )
 @click.option(
+    "--optimism",
+    type=click.Choice(OPTIMISM),
+    default="prior",
+    show_default=True,
+    help="With --learn, what plans hope of rules that are not known yet: what their probabilities say, or the"
+    " best there is (R-MAX).",
+)
+@click.option(
     "--world",
     metavar="FILE",
     help="The rules by which the symbolic world acts, for problems that are no scenes. [default: DOMAIN's]",
@@ -148,6 +157,7 @@ def command(
     known: int | None,
     epsilon: float | None,
     delta: float | None,
+    optimism: str,
     world: str | None,
     learn: bool,
     estimator: str | None,
@@ -184,7 +194,9 @@ def command(
         raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
     known = _known(known, epsilon, delta)
-    asked = EpisodeOptions(strategy, planner, samples, max_actions, max_seconds, learning=method)
+    asked = EpisodeOptions(
+        strategy, planner, samples, max_actions, max_seconds, learning=method, optimism=optimism
+    )
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
     is_own, may_include = is_own_file(domain), may_include_outside()
