@@ -68,6 +68,17 @@ class ActionDuration:
 
 
 @dataclass(frozen=True, slots=True)
+class ActionCorrection:
+    """By how much longer an action takes than the table expects of it for the areas where they lie, how many
+    executions count, and the standard deviation of what they took in proportion."""
+
+    action: str
+    factor: float
+    seen: float
+    spread: float
+
+
+@dataclass(frozen=True, slots=True)
 class FoundChange:
     """That a rule does something else from a transition of some experience on, by the transition's number
     there. So much would be found by chance with probability `p`. `before` and `after` are the shares of its
@@ -111,6 +122,7 @@ class LearningResult:
 
     rules: tuple[LearnedRule, ...]
     durations: tuple[ActionDuration, ...]
+    corrections: tuple[ActionCorrection, ...]
     rule_changes: tuple[FoundChange, ...]
     changes: tuple[Change, ...]
     notes: tuple[str, ...]
@@ -162,6 +174,7 @@ class LearningResult:
         return {
             "rules": plain(self.rules),
             "durations": plain(self.durations),
+            "corrections": plain(self.corrections),
             "rule_changes": plain(self.rule_changes),
         }
 
@@ -331,6 +344,10 @@ def taught(
         tuple(
             ActionDuration(each.action, each.prior, each.seconds, float(each.seen), each.spread)
             for each in lesson.durations
+        ),
+        tuple(
+            ActionCorrection(each.action, round(each.factor, 4), float(each.seen), each.spread)
+            for each in lesson.corrections
         ),
         changes,
         tuple(Change(source.path, source.text, texts[source.path].text) for source in sources),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from cleancli.execution.episode_state import EpisodeState
-from cleancli.execution.setup import EpisodeSetup, within
+from cleancli.compiler.task import GroundAction
+from cleancli.execution.episode_state import ActionKey, EpisodeState
+from cleancli.execution.setup import EpisodeSetup, Seconds, within
 from cleancli.language.model import Domain, Problem
+from cleancli.learning.durations import learn_corrections
 from cleancli.learning.evidence import Evidence, extended, weights
 from cleancli.learning.experience import Transition
 from cleancli.learning.intervals import Intervals, intervals
@@ -56,6 +59,20 @@ def planned_with(setup: EpisodeSetup, state: EpisodeState, believed: Domain, pro
     if setup.options.optimism == "rmax":
         believed = optimistic(believed, problem, unknown(setup, state))
     return within(setup.feasible, believed)
+
+
+def expected_seconds(setup: EpisodeSetup, state: EpisodeState, seconds: Seconds) -> Seconds:
+    """What is expected of how long actions take: what the workcell tells, corrected by how long they took."""
+    method = setup.options.learning
+    if method is None or not state.evidence.estimates:
+        return seconds
+    learned = learn_corrections(state.evidence.estimates, method.forgetting)
+    factors = {each.action: each.factor for each in learned}
+
+    def corrected(actions: Iterable[GroundAction]) -> dict[ActionKey, float]:
+        return {key: factors.get(key[0], 1.0) * told for key, told in seconds(actions).items()}
+
+    return corrected
 
 
 def unknown(setup: EpisodeSetup, state: EpisodeState) -> frozenset[int]:

@@ -14,8 +14,16 @@ from functools import partial
 
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.task import GroundAction
 from cleancli.execution import seeds
-from cleancli.execution.believed import Belief, belief, planned_with, unknown, with_transition
+from cleancli.execution.believed import (
+    Belief,
+    belief,
+    expected_seconds,
+    planned_with,
+    unknown,
+    with_transition,
+)
 from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
@@ -131,7 +139,7 @@ def _decide(
         state.actions,
         # Every decision draws for itself: the seed of a run and the number of moves before name it.
         seeds.derived(options.seed, seeds.Stream.PLANNING) + state.actions,
-        partial(cell.seconds, situation),
+        expected_seconds(setup, state, partial(cell.seconds, situation)),
     )
     decision = STRATEGIES[options.strategy].decide(now, options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
@@ -188,6 +196,7 @@ def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke 
 def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
     """Do the next move of the queue, and look what came of it."""
     move, number = state.queue[0], state.actions + 1
+    expected = _expected(cell, move, before)
     path = cell.path(move, before, state.times_in_vain(move.key))
     yield Started(number, move, path)
     motions = yield from cell.carry_out(number, move, path)
@@ -205,7 +214,7 @@ def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before:
         state = yield from _clear_look(cell, state, Purpose.LEARNING, motions.stroke)
     else:
         state = yield from _look_after(cell, state, motions.stroke)
-    return (yield from _concluded(setup, state, number, before, rule, motions, move))
+    return (yield from _concluded(setup, state, number, before, rule, motions, move, expected))
 
 
 def _look_after(cell: Workcell, state: EpisodeState, stroke: Stroke | None) -> Steps:
@@ -224,6 +233,7 @@ def _concluded(
     rule: int | None,
     motions: Motions,
     move: Move,
+    expected: float | None,
 ) -> Steps:
     """Say what came of a move, and remember whether it was of any use."""
     after = state.situation
@@ -236,7 +246,7 @@ def _concluded(
         counts[rule] = counts.get(rule, Fraction(0)) + 1
         state = replace(state, examples=tuple(counts.items()))
     is_action = move.path is None
-    transition = _transition(move, before, after, motions) if is_action else None
+    transition = _transition(move, before, after, motions, expected) if is_action else None
     yield Acted(number, move, transition, seen and is_action, motions.transit, motions.seconds, after)
     if seen and transition is not None:
         state = replace(state, evidence=with_transition(setup, state.evidence, transition))
@@ -266,13 +276,24 @@ def _covering(domain: Domain, before: Situation, move: Move) -> int | None:
     return None if covering is None else covering[0]
 
 
-def _transition(move: Move, before: Situation, after: Situation, motions: Motions) -> Transition:
+def _expected(cell: Workcell, move: Move, situation: Situation) -> float | None:
+    """Seconds that an action is expected to take here, without what was learned of it."""
+    if move.path is not None:
+        return None
+    return cell.seconds(situation, [GroundAction(move.action, move.objects, None)]).get(move.key)
+
+
+def _transition(
+    move: Move, before: Situation, after: Situation, motions: Motions, expected: float | None
+) -> Transition:
     """What was believed before and after, over all objects of both; those gone are remembered as clean."""
     objects = tuple(sorted({*before.objects, *after.objects}))
     gone = {o.name for o in before.objects} - {o.name for o in after.objects}
     state = after.state | remembered(before.state, gone)
     lasted = None if motions.failure else milliseconds(motions.transit, motions.seconds)
-    return Transition(move.action, move.objects, objects, values_of(before.state), values_of(state), lasted)
+    states = values_of(before.state), values_of(state)
+    told = None if expected is None else round(1000 * expected)
+    return Transition(move.action, move.objects, objects, *states, lasted, told)
 
 
 def _seen_before(setup: EpisodeSetup) -> tuple[tuple[int, Fraction], ...]:

@@ -18,6 +18,10 @@ from cleancli.scene.model import Scene
 TO_CONTAINER = ("moveToContainerFast", "moveToContainerStraight")
 
 
+Seconds = Callable[[Iterable[GroundAction]], Mapping[ActionKey, float]]
+"""About how long actions on their objects take, by their keys."""
+
+
 class Job(enum.Enum):
     """How dirt leaves the table: §6's two tasks, and the whiteboard's."""
 
@@ -98,7 +102,7 @@ class DecisionContext:
     rest: tuple[GroundAction, ...]
     number: int
     seed: int
-    seconds: Callable[[Iterable[GroundAction]], Mapping[ActionKey, float]]
+    seconds: Seconds
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,41 @@ Times = tuple[tuple[str, tuple[int, ...]], ...]
 """By the action's name, the milliseconds that each execution took, in turn."""
 
 
+Estimates = tuple[tuple[str, tuple[tuple[int, int], ...]], ...]
+"""By the action's name, the milliseconds that each execution took, beside those that were expected, in
+turn."""
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedCorrection:
+    """By how much longer an action takes than is expected for its objects where they lie, how many executions
+    count, and the standard deviation of what they took in proportion."""
+
+    action: str
+    factor: float
+    seen: Fraction
+    spread: float
+
+
+def learn_corrections(estimates: Estimates, forgetting: float = 0.0) -> tuple[LearnedCorrection, ...]:
+    """Of each action of which something was expected: eq. 5 of the ratios, with 1 as the prior."""
+    return tuple(
+        _corrected(name, [took / each for took, each in pairs], forgetting) for name, pairs in estimates
+    )
+
+
+def _corrected(action: str, ratios: Sequence[float], forgetting: float) -> LearnedCorrection:
+    weights = _weights(len(ratios), forgetting)
+    total = sum(weight * ratio for weight, ratio in zip(weights, ratios, strict=True))
+    factor = decreasing_m_estimate(total, sum(weights), 1.0, PRIOR_WEIGHT)
+    return LearnedCorrection(action, factor, counted(sum(weights)), stdev(ratios) if len(ratios) > 1 else 0.0)
+
+
+def _weights(number: int, forgetting: float) -> list[float]:
+    """What executions in turn count for: the last one for one."""
+    return [(1 - forgetting) ** age for age in range(number - 1, -1, -1)]
+
+
 @dataclass(frozen=True, slots=True)
 class LearnedDuration:
     """Seconds that an action is believed to take, those that were stated before anything was timed, how many
@@ -54,7 +89,7 @@ def _learned(
         prior = action.duration if action.duration_prior is None else action.duration_prior
         kept = (1 - forgetting) ** len(timed)
         before, total = _timed_before(action, prior) if adding else (0.0, 0.0)
-        weights = [(1 - forgetting) ** age for age in range(len(timed) - 1, -1, -1)]
+        weights = _weights(len(timed), forgetting)
         number = sum(weights) + kept * before
         spent = sum(weight * each for weight, each in zip(weights, timed, strict=True)) / 1000
         seconds = decreasing_m_estimate(spent + kept * total, number, prior, PRIOR_WEIGHT)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Match, Matcher
@@ -16,11 +16,13 @@ Weights = Mapping[Match, float]
 @dataclass(frozen=True, slots=True)
 class Evidence:
     """What there is to learn from: the `kinds` of transitions, as they were first met, and by its index the
-    kind of each transition in turn; and of actions the milliseconds that each execution took, in turn."""
+    kind of each transition in turn; of actions the milliseconds that each execution took, in turn; and where
+    something was expected of them, what they took beside what was expected."""
 
     kinds: tuple[Match, ...] = ()
     order: tuple[int, ...] = ()
     times: tuple[tuple[str, tuple[int, ...]], ...] = ()
+    estimates: tuple[tuple[str, tuple[tuple[int, int], ...]], ...] = ()
 
     def rules(self) -> Iterator[tuple[int | None, list[int]]]:
         """Each rule that there are transitions of (None: the default rule), with the kinds of these in
@@ -45,12 +47,16 @@ class Collector:
         self._index = {kind: index for index, kind in enumerate(evidence.kinds)}
         self._order = list(evidence.order)
         self._times = {name: list(times) for name, times in evidence.times}
+        self._estimates = {name: list(pairs) for name, pairs in evidence.estimates}
         self._same: dict[int, int] = {}
 
-    def add(self, match: Match, action: str, lasted: int | None) -> None:
-        """One more transition, of an action that took so many milliseconds, if that is known."""
+    def add(self, match: Match, transition: Transition) -> None:
+        """One more transition, and which outcomes may have made it."""
         self._order.append(self._index.setdefault(match, len(self._index)))
+        action, lasted = transition.action, transition.lasted
         if lasted is not None:
+            if transition.expected:
+                self._estimates.setdefault(action, []).append((lasted, transition.expected))
             # Equal numbers are one object in memory, since there are many more times than different ones.
             self._times.setdefault(action, []).append(self._same.setdefault(lasted, lasted))
 
@@ -58,7 +64,8 @@ class Collector:
     def evidence(self) -> Evidence:
         """All of it so far."""
         times = tuple((name, tuple(times)) for name, times in self._times.items())
-        return Evidence(tuple(self._index), tuple(self._order), times)
+        estimates = tuple((name, tuple(pairs)) for name, pairs in self._estimates.items())
+        return Evidence(tuple(self._index), tuple(self._order), times, estimates)
 
 
 def collected(matcher: Matcher, transitions: Iterable[Transition]) -> Evidence:
@@ -70,7 +77,7 @@ def extended(evidence: Evidence, matcher: Matcher, transitions: Iterable[Transit
     """The evidence with some more transitions. Raises `Refused` (E602)."""
     collector = Collector(evidence)
     for transition in transitions:
-        collector.add(matcher.match(transition), transition.action, transition.lasted)
+        collector.add(matcher.match(transition), transition)
     return collector.evidence
 
 
@@ -79,12 +86,15 @@ def together(parts: Iterable[Evidence]) -> Evidence:
     index: dict[Match, int] = {}
     order: list[int] = []
     times: dict[str, tuple[int, ...]] = {}
+    estimates: dict[str, tuple[tuple[int, int], ...]] = {}
     for part in parts:
         own = [index.setdefault(kind, len(index)) for kind in part.kinds]
         order += [own[kind] for kind in part.order]
         for name, each in part.times:
             times[name] = times.get(name, ()) + each
-    return replace(NO_EVIDENCE, kinds=tuple(index), order=tuple(order), times=tuple(times.items()))
+        for name, pairs in part.estimates:
+            estimates[name] = estimates.get(name, ()) + pairs
+    return Evidence(tuple(index), tuple(order), tuple(times.items()), tuple(estimates.items()))
 
 
 def weights(evidence: Evidence, forgetting: float) -> Weights:

@@ -46,7 +46,7 @@ class Transition(NamedTuple):
 
     `objects` are those known before or after it. An object that is gone keeps its place in `after`, without
     the facts that made it worth naming and with the values it was last seen with. `lasted`: milliseconds of
-    robot time, as far as they are known.
+    robot time, and `expected` those that the workcell had expected, as far as they are known.
     """
 
     action: str
@@ -55,6 +55,7 @@ class Transition(NamedTuple):
     before: Values
     after: Values
     lasted: int | None = None
+    expected: int | None = None
 
     @property
     def changed(self) -> set[Fluent]:
@@ -204,6 +205,7 @@ class _Line(msgspec.Struct):
     after: msgspec.Raw
     seconds: _Seconds | None = None
     transit: _Seconds = 0.0
+    expected: _Seconds | None = None
 
 
 _DECODER = msgspec.json.Decoder(_Line)
@@ -245,7 +247,8 @@ class _Reader:
         after = self._values(record.after, "after", known)
         self._last = record.after, objects, after
         lasted = None if record.seconds is None else milliseconds(record.transit, record.seconds)
-        return Transition(record.action, record.arguments, objects, before, after, lasted)
+        expected = None if record.expected is None else round(1000 * record.expected)
+        return Transition(record.action, record.arguments, objects, before, after, lasted, expected)
 
     def _objects_of(self, types: Mapping[str, str]) -> tuple[Object, ...]:
         key = tuple(types.items())

@@ -126,7 +126,7 @@ def _read(
     collector = Collector()
     parts: list[Part] = []
     for transition in read_experience(file.path, domain, reading):
-        collector.add(matcher.match(transition), transition.action, transition.lasted)
+        collector.add(matcher.match(transition), transition)
         if reading.transitions in numbers and (part := (reading.transitions, reading.sha256)) in known:
             parts.append(part)
             if adding and part in counted:

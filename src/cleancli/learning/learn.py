@@ -8,7 +8,12 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cleancli.language.model import Domain, Outcome
-from cleancli.learning.durations import LearnedDuration, learn_durations
+from cleancli.learning.durations import (
+    LearnedCorrection,
+    LearnedDuration,
+    learn_corrections,
+    learn_durations,
+)
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import Evidence, Weights, collected, weights
 from cleancli.learning.expectation import (
@@ -44,11 +49,13 @@ class Learned:
 @dataclass(frozen=True, slots=True)
 class Lesson:
     """What transitions teach: of every rule that they give an example of, or whose parameter they change, in
-    the domain's order, the default rule last; what is believed now; and how long actions take."""
+    the domain's order, the default rule last; what is believed now; how long actions take, and how much
+    longer than was expected."""
 
     rules: tuple[Learned, ...]
     beliefs: Beliefs
     durations: tuple[LearnedDuration, ...] = ()
+    corrections: tuple[LearnedCorrection, ...] = ()
 
 
 def learn(domain: Domain, transitions: Iterable[Transition], method: Method = DEFAULT) -> Lesson:
@@ -68,7 +75,8 @@ def learned_from(domain: Domain, evidence: Evidence, method: Method, adding: boo
     else:
         counts, beliefs = expected(domain, seen, estimator, method.m, before)
     durations = learn_durations(domain, evidence.times, adding, method.forgetting)
-    return Lesson(tuple(_rules(domain, seen, counts, beliefs)), beliefs, durations)
+    corrections = learn_corrections(evidence.estimates, method.forgetting)
+    return Lesson(tuple(_rules(domain, seen, counts, beliefs)), beliefs, durations, corrections)
 
 
 def _faded(before: Counts, evidence: Evidence, method: Method) -> Counts:

@@ -67,6 +67,11 @@ def _check_evidence(episode: EpisodeState, domain: Domain) -> None:
     for name, timed in evidence.times:
         if name not in names or any(not 0 <= milliseconds <= 1000 * MOST for milliseconds in timed):
             raise ValueError("what it has learned of durations is none of this domain")
+    for name, pairs in evidence.estimates:
+        if name not in names or any(not 0 <= took <= 1000 * MOST for took, _ in pairs):
+            raise ValueError("what it has learned of durations is none of this domain")
+        if any(not 0 < expected <= 1000 * MOST for _, expected in pairs):
+            raise ValueError("what was expected of durations is none")
 
 
 def _counts(episode: EpisodeState) -> Iterable[float]:

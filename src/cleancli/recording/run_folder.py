@@ -154,6 +154,8 @@ class Recorder:
         if event.transition is not None and event.seen:
             lasted = {"transit": round(event.transit, 3), "seconds": round(event.seconds, 3)}
             # The seed tells runs apart in which the same has happened: what is given twice counts once.
+            if event.transition.expected is not None:
+                lasted["expected"] = event.transition.expected / 1000
             extra = {"seed": self._header["seed"], "number": event.number, **lasted}
             self._experience.write(encode(event.transition, extra) + "\n")
             self._experience.flush()
