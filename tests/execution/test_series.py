@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from cleancli.api.executions import execute_series, resume, resume_series
-from cleancli.api.lessons import LearningResult, learn
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import learn
 from cleancli.api.series import SeriesResult
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from cleancli.api.lessons import LearningResult, learn
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import learn
 from cleancli.cli.main import run
 from cleancli.language.load import load_domain, read_source
 from cleancli.learning.changes import FEWEST, SIGNIFICANT, fluctuation, kolmogorov

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.api.lessons import LearningResult, learn
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import learn
 from cleancli.cli.main import run
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, read_source

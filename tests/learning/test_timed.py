@@ -9,7 +9,8 @@ from random import Random
 
 import pytest
 
-from cleancli.api.lessons import LearningResult, learn
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import learn
 from cleancli.language.diagnostics.refused import Refused
 
 TEXT = """domain coins {

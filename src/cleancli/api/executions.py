@@ -7,7 +7,8 @@ from pathlib import Path
 
 from cleancli.api.checks import OBJECTIVES, check_between, check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_domain, load_problem
-from cleancli.api.lessons import Counting, check_writable, is_own_file
+from cleancli.api.learned import check_writable
+from cleancli.api.lessons import Counting, is_own_file
 from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedProblem
-from cleancli.api.lessons import LearningResult, knowledge, rule_changes, taught
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import knowledge, rule_changes, taught
 from cleancli.api.run_session import Inputs, alone_in
 from cleancli.api.runs import OpenedRun, RunResult, new_run
 from cleancli.api.tables import TextTable

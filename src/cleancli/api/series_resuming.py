@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem
-from cleancli.api.lessons import LearningResult
+from cleancli.api.learned import LearningResult
 from cleancli.api.resuming import Note, inputs_of_run
 from cleancli.api.run_session import Inputs, alone_in
 from cleancli.api.runs import ended_result, resumed_run

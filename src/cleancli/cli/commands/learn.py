@@ -11,7 +11,8 @@ import click
 from cleancli.api.accounts import Accounts, suggested, told
 from cleancli.api.accounts import as_data as account_data
 from cleancli.api.agreements import agreement
-from cleancli.api.lessons import Counting, LearningResult, lessons
+from cleancli.api.learned import LearningResult
+from cleancli.api.lessons import Counting, lessons
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
