@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 from cleancli.api.checks import check_one_of, check_seconds
@@ -25,6 +27,7 @@ from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
 from cleancli.language.model import Domain, Experience, Knowledge
 from cleancli.language.printing.learned_edits import learned_edits
+from cleancli.learning.changes import changes
 from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import Evidence
@@ -133,16 +136,18 @@ def lessons(
 
 
 def rule_changes(
-    model: Domain, lesson: Lesson, evidence: Evidence, origins: Iterable[Origin]
+    model: Domain, lesson: Lesson, evidence: Evidence, origins: Sequence[Origin]
 ) -> tuple[FoundChange, ...]:
     """The rules that began to do something else in the course of the evidence, which is of these origins."""
-    from cleancli.learning.changes import changes  # scipy, which little else here needs
-
-    places = [(each.name, each.first + index) for each in origins for index in range(each.transitions)]
-    return tuple(
-        FoundChange(rule_name(model, each.rule), *places[each.transition], each.p, each.before, each.after)
-        for each in changes(evidence, lesson.beliefs)
-    )
+    ends = list(accumulate(each.transitions for each in origins))
+    found = []
+    for each in changes(evidence, lesson.beliefs):
+        place = bisect_right(ends, each.transition)
+        origin, before = origins[place], ends[place] - origins[place].transitions
+        number = origin.first + each.transition - before
+        name = rule_name(model, each.rule)
+        found.append(FoundChange(name, origin.name, number, each.p, each.before, each.after))
+    return tuple(found)
 
 
 def knowledge(method: Method, experience: Sequence[Experience]) -> Knowledge:
