@@ -104,6 +104,20 @@ def test_the_seconds_and_the_memory_of_learning_are_measured(
     assert all(float(seconds) > 0 and int(memory) > 0 for _, seconds, memory in rows)
 
 
+def test_what_is_known_of_durations_is_compared_with_all_executions(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    monkeypatch.setattr(importlib.import_module("learned_durations"), "DRAWS", 40)
+    _main("learned_durations", monkeypatch, "--tables", "1")
+    rows = re.findall(r"^\| moveTo\w+ \| (\d+) \| (\w+), [^|]+\|(.*)\|$", capsys.readouterr().out, re.M)
+    assert len(rows) == 8
+    assert all(int(executions) >= 12 for executions, _, _ in rows)
+    for _, what, cells in rows:
+        medians = [float(share) for share in re.findall(r"([\d.]+)%, ", cells)]
+        assert what == "duration" or medians[1] < 5
+
+
 def test_what_strategies_lose_is_compared_by_seed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

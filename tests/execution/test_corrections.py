@@ -10,9 +10,10 @@ import pytest
 
 from cleancli.api.lessons import learn
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.believed import expected_seconds
+from cleancli.execution.believed import belief, expected_seconds
 from cleancli.execution.episode_state import EpisodeState, Move
 from cleancli.execution.events import Acted
+from cleancli.execution.events import Learned as LearnedEvent
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.loop import clean
 from cleancli.execution.seeds import Stream, derived
@@ -26,6 +27,8 @@ from cleancli.learning.method import Method
 from cleancli.recording import checkpoint
 from cleancli.recording.fitting import check_fits
 from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.journal import Learned
+from cleancli.recording.journal_writer import Entries
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import Status
 from support.shipped import shipped_domain, shipped_scene
@@ -97,6 +100,23 @@ def test_twelve_executions_tell_how_slow_a_robot_is(slowly: list[tuple[int, int]
     (learned,) = learn_corrections(((PUSH, tuple(slowly[:12])),))
     assert (learned.action, float(learned.seen)) == (PUSH, 12)
     assert learned.factor == pytest.approx(mean, rel=0.05)
+
+
+def test_the_journal_tells_what_is_new_of_it(transitions: list[Transition]) -> None:
+    entries = Entries(DOMAIN, lambda: 0.0)
+    evidence = collected(Matcher(DOMAIN), transitions)
+    told = []
+    for _ in range(2):
+        now = belief(setup_of(Method()), evidence)
+        assert now.lesson is not None
+        (entry,) = entries.of(LearnedEvent(now.lesson, now.domain, now.intervals))
+        assert isinstance(entry, Learned)
+        told.append(entry.corrections)
+    (correction,), none = told
+    assert none == ()
+    (learned,) = learn_corrections(evidence.estimates)
+    assert (correction.action, correction.seen) == (learned.action, len(transitions))
+    assert correction.factor == pytest.approx(learned.factor, abs=5e-5)
 
 
 def test_nothing_known_is_a_factor_of_one() -> None:

@@ -157,13 +157,22 @@ class DurationEntry(NamedTuple):
     seen: Times
 
 
+class CorrectionEntry(NamedTuple):
+    """By how much longer an action lasts than the table expects of it, and how often it was timed."""
+
+    action: str
+    factor: Seconds
+    seen: Times
+
+
 @dataclass(frozen=True, slots=True)
 class Learned:
     """What is believed from now on, since an action was learned from or since the run began or went on, of
-    the `rules` and the `durations` of which that is something new."""
+    the `rules`, the `durations` and the `corrections` of which that is something new."""
 
     rules: tuple[RuleEntry, ...]
     durations: tuple[DurationEntry, ...] = ()
+    corrections: tuple[CorrectionEntry, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

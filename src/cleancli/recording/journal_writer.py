@@ -23,6 +23,7 @@ from cleancli.recording import journal
 from cleancli.recording.journal import (
     AreaEntry,
     Chance,
+    CorrectionEntry,
     DurationEntry,
     Expected,
     FactEntry,
@@ -40,6 +41,7 @@ class Entries:
         self._matcher, self._beliefs = Matcher(domain), prior_beliefs(domain)
         self._learnt: list[RuleEntry] = []
         self._timed: list[DurationEntry] = []
+        self._corrected: list[CorrectionEntry] = []
         self._situation: Situation | None = None
         self._failure = ""
         self._spent = Account() if spent is None else spent
@@ -72,11 +74,17 @@ class Entries:
         """What is new; from now on the domain is what is believed."""
         entries = [_entry(domain, learned, intervals[learned.rule]) for learned in lesson.rules]
         durations = [DurationEntry(each.action, each.seconds, float(each.seen)) for each in lesson.durations]
+        corrections = [
+            CorrectionEntry(each.action, round(each.factor, 4), float(each.seen))
+            for each in lesson.corrections
+        ]
         told = journal.Learned(
             tuple(entry for entry in entries if entry not in self._learnt),
             tuple(entry for entry in durations if entry not in self._timed),
+            tuple(entry for entry in corrections if entry not in self._corrected),
         )
-        self._domain, self._learnt, self._timed = domain, entries, durations
+        self._domain, self._learnt = domain, entries
+        self._timed, self._corrected = durations, corrections
         self._beliefs = lesson.beliefs
         return told
 
