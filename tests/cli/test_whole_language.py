@@ -66,7 +66,7 @@ def test_show_and_compile_know_all_of_it(capsys: pytest.CaptureFixture[str]) -> 
         start = lines.index(name) + 1
         assert data[name] == lines[start : start + len(data[name])], "as people are shown it"
     counted = [{"name": "runs/tower-1", "sha256": "9f86d081884c7d65", "transitions": 3}]
-    settings = {"estimator": "decreasing_m", "m": 10.0, "match": "shared"}
+    settings = {"estimator": "decreasing_m", "m": 10.0, "match": "shared", "forgetting": 0.0}
     assert data["learned"] == {**settings, "experience": counted}
     compiled = said(capsys, "compile", "tower.nid", "two.nid")
     assert "action lift(b1)" in compiled
