@@ -46,10 +46,10 @@ def check_learned(node: syntax.Learned, findings: Findings) -> Knowledge:
             _refuse_without(key, node, findings)
     return Knowledge(
         _word(settings.get("estimator"), findings),
-        _weight(settings.get("m"), findings),
+        _number(settings.get("m"), LARGEST_M, findings),
         _word(settings.get("match"), findings),
         _experience(sections_of(node.entries, syntax.ExperienceNode), findings),
-        _forgetting(settings.get("forgetting"), findings),
+        _number(settings.get("forgetting"), MOST_FORGETTING, findings),
         node.span,
     )
 
@@ -75,28 +75,17 @@ def _word(setting: syntax.Setting | None, findings: Findings) -> str:
     return value.text
 
 
-def _forgetting(setting: syntax.Setting | None, findings: Findings) -> float:
-    """The share that is forgotten with each example."""
+def _number(setting: syntax.Setting | None, most: float, findings: Findings) -> float:
+    """A number from 0 on; 0 where there is none."""
     if setting is None:
         return 0.0
-    if not isinstance(setting.value, syntax.Quantity):
-        findings.error("E504", "`forgetting` wants a number", setting.value.span)
+    key, value = setting.key.text, setting.value
+    if not isinstance(value, syntax.Quantity):
+        findings.error("E504", f"`{key}` wants a number", value.span)
         return 0.0
-    if not 0 <= setting.value.value <= MOST_FORGETTING:
-        findings.error("E505", f"`forgetting` lies between 0 and {MOST_FORGETTING}", setting.value.span)
-    return float(setting.value.value)
-
-
-def _weight(setting: syntax.Setting | None, findings: Findings) -> float:
-    """How much the prior weighs, in examples."""
-    if setting is None:
-        return 0.0
-    if not isinstance(setting.value, syntax.Quantity):
-        findings.error("E504", "`m` wants a number", setting.value.span)
-        return 0.0
-    if not 0 <= setting.value.value <= LARGEST_M:
-        findings.error("E505", f"`m` lies between 0 and {LARGEST_M}", setting.value.span)
-    return float(setting.value.value)
+    if not 0 <= value.value <= most:
+        findings.error("E505", f"`{key}` lies between 0 and {most}", value.span)
+    return float(value.value)
 
 
 def _experience(nodes: tuple[syntax.ExperienceNode, ...], findings: Findings) -> tuple[Experience, ...]:
