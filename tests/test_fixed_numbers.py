@@ -62,6 +62,19 @@ def defaults(module: ModuleType) -> Iterator[tuple[str, Any]]:
             yield from ((f"{name}.{each.name}", each.default) for each in fields(kind))
 
 
+def parts(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    """A value of numbers as text, or of a table or a record each part that is one, by `name.key`."""
+    told = None if isinstance(value, str) else numbers(value)
+    if told is not None:
+        yield name, told
+    elif isinstance(value, Mapping):
+        for key, part in value.items():
+            yield from parts(f"{name}.{key}", part)
+    elif is_dataclass(value) and not isinstance(value, type):
+        for each in fields(value):
+            yield from parts(f"{name}.{each.name}", getattr(value, each.name))
+
+
 def lines() -> Iterator[str]:
     for path in sorted(SOURCES.rglob("*.py")):
         dotted = ".".join(path.relative_to(SOURCES).with_suffix("").parts)
@@ -70,9 +83,9 @@ def lines() -> Iterator[str]:
         module = importlib.import_module(f"cleancli.{dotted}")
         constants = [(name, getattr(module, name)) for name in stated(path)]
         for name, value in (*constants, *defaults(module)):
-            told = None if isinstance(value, str) or name in OF_THE_SYSTEM else numbers(value)
-            if told is not None and any(map(str.isdigit, told)) and len(told) < LONGEST:
-                yield f"{dotted}.{name} = {told}"
+            for place, told in () if name in OF_THE_SYSTEM else parts(name, value):
+                if any(map(str.isdigit, told)) and len(told) < LONGEST:
+                    yield f"{dotted}.{place} = {told}"
 
 
 def test_numbers_are_as_they_were_fixed() -> None:
