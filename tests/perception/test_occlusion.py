@@ -136,6 +136,14 @@ def test_the_unseen_part_lies_behind_the_arm() -> None:
     assert unseen.at(np.array([[-0.2, 0.1], [0.2, -0.1]])).tolist() == [True, False]
 
 
+@pytest.mark.parametrize("boxes", [(ARM, HALF), (HALF, ARM)])
+def test_the_largest_unseen_part_is_told_first(boxes: tuple[Box, ...]) -> None:
+    outlines = find_unseen(look("all", boxes), synthetic.scene().surface).outlines()
+    extents = [np.ptp(outline, axis=0).prod() for outline in outlines]
+    assert len(extents) == 2
+    assert extents[0] > 2 * extents[1]
+
+
 def test_outside_the_image_nothing_is_seen() -> None:
     surface = synthetic.scene().surface
     camera = synthetic.camera()
