@@ -90,3 +90,8 @@ def test_where_nothing_is_learned_there_is_no_change_to_print(
     learned(capsys)
     assert run(["learn", "lamps.nid", "seen.jsonl", other, "--diff"]) == 2
     assert "learns nothing" in capsys.readouterr().err
+
+
+def test_writing_what_nobody_learns_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["execute", "cleaning", "three_areas", "--write"]) == 2
+    assert "--write writes what --learn has learned: ask for both" in capsys.readouterr().err

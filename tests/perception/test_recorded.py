@@ -75,6 +75,7 @@ def _set(folder: Path, key: str, value: object) -> None:
         ("height", -480, "no description of a camera .*>= 1.*height"),
         ("height", float("inf"), "no description of a camera"),
         ("clocks", [], "lists no frame"),
+        ("clocks", [0.0] * 110, r"of 640 x 480 pixels a look may have at most 109 frames"),
         ("centre", [1], "no description of a camera"),
     ],
 )

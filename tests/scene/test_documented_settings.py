@@ -111,6 +111,23 @@ def test_what_is_at_a_limit_fits_and_what_is_beyond_is_refused(setting: str, mos
     assert not accepted(setting.format(more))
 
 
+@pytest.mark.parametrize(
+    ("at", "corner"),
+    [
+        ("(30 cm, 0 cm)", "south-east"),
+        ("(-30 cm, 0 cm)", "south-west"),
+        ("(0 cm, 30 cm)", "north-west"),
+        ("(0 cm, -30 cm)", "south-west"),
+    ],
+)
+def test_a_corner_that_the_camera_does_not_see_is_named(at: str, corner: str) -> None:
+    """It looks at the middle from aside, so that the corners nearest to it leave the picture first."""
+    with pytest.raises(Refused) as refused:
+        scene(f"camera {{ height = 75 cm  at = {at} }}")
+    (found,) = refused.value.diagnostics
+    assert (found.code, found.label) == ("E510", f"the {corner} corner is outside the picture")
+
+
 @pytest.mark.parametrize("drive", ARMS)
 @pytest.mark.parametrize("edge", ["north", "east", "south", "west"])
 def test_words_are_taken_as_they_are(drive: str, edge: str) -> None:
