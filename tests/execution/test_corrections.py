@@ -22,7 +22,7 @@ from cleancli.execution.workcell import Motion, Motions
 from cleancli.learning.durations import learn_corrections
 from cleancli.learning.evidence import Evidence, collected
 from cleancli.learning.experience import Transition, encode, milliseconds, read_experience
-from cleancli.learning.match import Matcher
+from cleancli.learning.match import Fit, Match, Matcher
 from cleancli.learning.method import Method
 from cleancli.recording import checkpoint
 from cleancli.recording.fitting import check_fits
@@ -135,15 +135,17 @@ def test_what_has_faded_counts_for_less() -> None:
 
 
 def test_plans_expect_what_was_learned() -> None:
-    state = EpisodeState(evidence=Evidence(estimates=(("push", ((3000, 2000),) * 100),)))
+    learns, stays = setup_of(Method()), setup_of()
+    match = Match(None, (Fit(),) * len(learns.domain.default))
+    evidence = Evidence((match,), (0,) * 100, estimates=(("push", ((3000, 2000),) * 100),))
     actions = [GroundAction("push", ("a",), 9.0), GroundAction("pull", ("a",), 9.0)]
 
     def told(given: Iterable[GroundAction]) -> dict[tuple[str, tuple[str, ...]], float]:
         return {action.key: 4.0 for action in given}
 
-    learning = expected_seconds(setup_of(Method()), state, told)(actions)
+    learning = expected_seconds(belief(learns, evidence), told)(actions)
     assert learning == {("push", ("a",)): pytest.approx(6.0, abs=0.01), ("pull", ("a",)): 4.0}
-    assert expected_seconds(setup_of(), state, told)(actions) == told(actions)
+    assert expected_seconds(belief(stays, evidence), told)(actions) == told(actions)
 
 
 def test_offline_and_online_are_told_the_same(transitions: list[Transition], tmp_path: Path) -> None:

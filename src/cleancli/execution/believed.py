@@ -9,7 +9,6 @@ from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, EpisodeState
 from cleancli.execution.setup import EpisodeSetup, Seconds, within
 from cleancli.language.model import Domain, Problem
-from cleancli.learning.durations import learn_corrections
 from cleancli.learning.evidence import Evidence, extended, weights
 from cleancli.learning.experience import Transition
 from cleancli.learning.intervals import Intervals, intervals
@@ -61,13 +60,11 @@ def planned_with(setup: EpisodeSetup, state: EpisodeState, believed: Domain, pro
     return within(setup.feasible, believed)
 
 
-def expected_seconds(setup: EpisodeSetup, state: EpisodeState, seconds: Seconds) -> Seconds:
+def expected_seconds(now: Belief, seconds: Seconds) -> Seconds:
     """What is expected of how long actions take: what the workcell tells, corrected by how long they took."""
-    method = setup.options.learning
-    if method is None or not state.evidence.estimates:
+    if now.lesson is None or not now.lesson.corrections:
         return seconds
-    learned = learn_corrections(state.evidence.estimates, method.forgetting)
-    factors = {each.action: each.factor for each in learned}
+    factors = {each.action: each.factor for each in now.lesson.corrections}
 
     def corrected(actions: Iterable[GroundAction]) -> dict[ActionKey, float]:
         return {key: factors.get(key[0], 1.0) * told for key, told in seconds(actions).items()}

@@ -80,7 +80,7 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
     now = yield from _learned(belief(setup, state.evidence))
     while not (reason := _over(setup, cell, state)):
         yield Checkpoint(state)
-        state = yield from _step(setup, cell, state, now.domain)
+        state = yield from _step(setup, cell, state, now)
         if state.evidence != now.evidence:
             now = yield from _learned(belief(setup, state.evidence))
     state = replace(state, reason=reason)
@@ -108,8 +108,8 @@ def _over(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> str:
     return ""
 
 
-def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, believed: Domain) -> Steps:
-    """Whatever is due: a look, a decision by the domain as it is believed, or a move."""
+def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief) -> Steps:
+    """Whatever is due: a look, a decision by what is believed now, or a move."""
     if state.situation is None:
         return (yield from _clear_look(cell, state, Purpose.FIRST))
     hides = state.situation.shows_nothing and not state.clear_looks
@@ -117,18 +117,18 @@ def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, believed: Do
         return (yield from _clear_look(cell, replace(state, queue=()), Purpose.EXTRA))
     if state.queue:
         return (yield from _carry_out(setup, cell, state, state.situation))
-    return (yield from _decide(setup, cell, state, state.situation, believed))
+    return (yield from _decide(setup, cell, state, state.situation, now))
 
 
 def _decide(
-    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Domain
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Belief
 ) -> Steps:
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
     options = setup.options
     started = time.perf_counter()
     problem = cell.problem(situation)
     now = DecisionContext(
-        planned_with(setup, state, believed, problem),
+        planned_with(setup, state, believed.domain, problem),
         problem,
         setup.scene,
         setup.job,
@@ -139,7 +139,7 @@ def _decide(
         state.actions,
         # Every decision draws for itself: the seed of a run and the number of moves before name it.
         seeds.derived(options.seed, seeds.Stream.PLANNING) + state.actions,
-        expected_seconds(setup, state, partial(cell.seconds, situation)),
+        expected_seconds(believed, partial(cell.seconds, situation)),
     )
     decision = STRATEGIES[options.strategy].decide(now, options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.

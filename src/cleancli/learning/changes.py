@@ -57,9 +57,9 @@ def changes(evidence: Evidence, beliefs: Beliefs) -> tuple[RuleChange, ...]:
 
     rules = list(evidence.rules())
     found: list[RuleChange] = []
-    for rule, kinds in rules:
-        numbers = [index for index, kind in enumerate(evidence.order) if evidence.kinds[kind].rule == rule]
-        found += _of_rule(rule, numbers, np.array([shares_of(kind) for kind in kinds]), len(rules))
+    for rule, indices in rules:
+        of_each = np.array([shares_of(evidence.order[index]) for index in indices])
+        found += _of_rule(rule, indices, of_each, len(rules))
     return tuple(sorted(found, key=lambda each: each.transition))
 
 

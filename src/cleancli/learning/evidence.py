@@ -25,16 +25,16 @@ class Evidence:
     estimates: tuple[tuple[str, tuple[tuple[int, int], ...]], ...] = ()
 
     def rules(self) -> Iterator[tuple[int | None, list[int]]]:
-        """Each rule that there are transitions of (None: the default rule), with the kinds of these in
+        """Each rule that there are transitions of (None: the default rule), with the indices of these in
         turn."""
         found: dict[int | None, list[int]] = {}
-        for kind in self.order:
-            found.setdefault(self.kinds[kind].rule, []).append(kind)
+        for index, kind in enumerate(self.order):
+            found.setdefault(self.kinds[kind].rule, []).append(index)
         yield from found.items()
 
     def examples(self) -> dict[int | None, int]:
         """How many transitions there are of each rule."""
-        return {rule: len(kinds) for rule, kinds in self.rules()}
+        return {rule: len(indices) for rule, indices in self.rules()}
 
 
 NO_EVIDENCE = Evidence()
@@ -103,10 +103,10 @@ def weights(evidence: Evidence, forgetting: float) -> Weights:
     if not forgetting:
         return {evidence.kinds[kind]: number for kind, number in Counter(evidence.order).items()}
     found: dict[Match, float] = {}
-    for _, kinds in evidence.rules():
+    for _, indices in evidence.rules():
         weight = 1.0
-        for kind in reversed(kinds):
-            match = evidence.kinds[kind]
+        for index in reversed(indices):
+            match = evidence.kinds[evidence.order[index]]
             found[match] = found.get(match, 0.0) + weight
             weight *= 1 - forgetting
     return found
