@@ -149,6 +149,19 @@ def test_a_series_that_is_killed_while_it_writes_goes_on(
     assert own.read_text(encoding="utf-8") == undisturbed[0]
 
 
+def test_what_a_kill_left_in_an_episode_that_has_ended_is_removed(own: Path) -> None:
+    """A record's last change is its end, so that a kill in it leaves a run that is not gone on with."""
+    with pytest.raises(Killed):
+        whole(on_event=at(2, Acted, Killed))
+    ours = [
+        Path("runs", NAME, "p-seed4-001", name, ".cleancli-0123456789abcdef.part") for name in ("", "state")
+    ]
+    for path in ours:
+        path.write_text("half")
+    resume_series(Path("runs") / NAME)
+    assert [path for path in ours if path.exists()] == []
+
+
 def test_the_command_goes_on_with_a_series_also_where_its_run_is_named(
     own: Path, undisturbed: tuple[str, SeriesResult], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -462,6 +462,10 @@ def test_only_our_own_temporary_files_are_removed(folder: Path) -> None:
     assert [name for name in ours if (folder / name).exists()] == []
     assert [name for name in others if not (folder / name).exists()] == []
     assert (folder / ".cleancli-fedcba9876543210.part").is_dir()
+    for name in ours:
+        (folder / name).write_text("")
+    assert run(resumed(folder)) == 2, "it has ended"
+    assert [name for name in ours if (folder / name).exists()] == [], "its end may be what was being written"
 
 
 def test_a_refused_run_leaves_no_folder(

@@ -41,7 +41,7 @@ from cleancli.learning.method import KNOWN
 from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
-from cleancli.recording.checkpoint import cut_back
+from cleancli.recording.checkpoint import cut_back, tidy
 from cleancli.recording.folder import FILES, PAGE, RUN, read_text
 from cleancli.recording.journal import Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
@@ -169,6 +169,7 @@ def resumed_run(folder: Path, note: Note, evidence: Evidence = NO_EVIDENCE) -> I
     """A run that was cut short, from its last checkpoint on; `evidence` is what runs before it have seen.
     Raises Refused, BadOption, OSError."""
     with alone_in(folder):
+        tidy(folder)
         begun = unfinished(folder, evidence, note)
         saved, session = reopened(folder, begun, note)
         with closing(session):

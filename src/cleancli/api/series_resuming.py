@@ -24,6 +24,7 @@ from cleancli.api.series import (
 )
 from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
+from cleancli.recording.checkpoint import tidy
 from cleancli.recording.folder import refused
 from cleancli.recording.series import is_series, to_go_on_from
 from cleancli.report.series import Series as Begun
@@ -41,6 +42,8 @@ def resumed(folder: Path, note: Note, carry_out: CarryOut) -> Iterator[SeriesRes
         return
     with alone_in(folder):
         begun = read_series(folder)
+        for run in begun.runs:
+            tidy(run.folder)
         series, so_far = _opened(begun)
         rest = begun.runs[len(so_far.runs) :]
         if not rest and len(so_far.runs) >= series.episodes:

@@ -105,6 +105,13 @@ def refused(path: Path, why: str) -> Refused:
     return Refused([Diagnostic("E706", f"`{path}` is no checkpoint to go on from: {why}", None)])
 
 
+def tidy(folder: Path) -> None:
+    """Remove what a process that was killed has left beside the files of a run, also of one that has ended:
+    the last thing that a run writes is its end."""
+    for where in (folder, folder / STATE):
+        remove_leftovers(where)
+
+
 def cut_back(folder: Path, saved: Saved | None) -> int:
     """Take away what was written after a checkpoint; returns how many whole lines the journal has lost."""
     dropped, actions = 0, -1 if saved is None else saved.episode.actions
@@ -112,8 +119,6 @@ def cut_back(folder: Path, saved: Saved | None) -> int:
     later += [path for path in checkpoints(folder) if int(path.stem) > actions]
     for path in later:
         path.unlink()
-    for where in (folder, folder / STATE):
-        remove_leftovers(where)
     for name in APPENDED:
         path, size = folder / name, 0 if saved is None else saved.sizes[name]
         if not path.exists():
