@@ -94,6 +94,11 @@ FLAP_HEIGHT = 0.036
 FLAP_THICKNESS = 4e-3
 FLAP_MASS = 4e-3
 FLAP_FRICTION = 0.35
+# A cloth has no rigid edge: what presses it compresses it. A flap that could not give way would be a strut
+# wherever it leans less than friction lets it slide, and bear more than an arm can press (measured: 330 N).
+# Chosen, for each metre of a flap's width: N/m and N s/m; a pressed rag then bears 1 to 2 N a flap.
+CLOTH_STIFFNESS = 1e5
+CLOTH_DAMPING = 150.0
 # Chosen: a dragged cloth leans back. Flaps leaning both ways leave holes between them that no cloth has.
 FLAP_LEAN = 0.2
 RAG_COLOUR = (196, 60, 52)

@@ -54,10 +54,17 @@ def hang(engine: Engine, rag: Rag, mount: int, rng: np.random.Generator) -> Clot
 
 
 def spring(engine: Engine, body: int, first: int, cloth: Cloth) -> None:
-    """Give the flaps their friction and springs, once `body` is assembled; `first` is the first's link."""
+    """Give the flaps their friction, give and springs, once `body` is assembled; `first` is the first's
+    link."""
     for link, rest in enumerate(cloth.rests, first):
         engine.changeDynamics(
-            body, link, lateralFriction=par.FLAP_FRICTION, rollingFriction=0, spinningFriction=0
+            body,
+            link,
+            lateralFriction=par.FLAP_FRICTION,
+            rollingFriction=0,
+            spinningFriction=0,
+            contactStiffness=par.CLOTH_STIFFNESS * cloth.grasp.flap,
+            contactDamping=par.CLOTH_DAMPING * cloth.grasp.flap,
         )
         engine.setJointMotorControl2(
             body,
