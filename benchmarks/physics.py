@@ -8,7 +8,8 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 
 All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
 and trials that stand there already are not done again. Trials have the seeds N, N + 1 and so on. `--action
-NAME` makes the rows of one action alone. `--quick` tries little of everything, in about a minute.
+NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
+everything, in about a minute.
 """
 
 from __future__ import annotations
@@ -293,11 +294,12 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, metavar="FILE", help="trials done before are in it")
     parser.add_argument("--part", choices=("actions", "path", "ink"), help="[default: all of them]")
     parser.add_argument("--action", choices=tuple(ARITIES), help="[default: all of them]")
+    parser.add_argument("--grasp", choices=tuple(SHIPPED), nargs="+", help="[default: all of them]")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     repeat = 2 if options.quick else options.repeat
     run = Run(repeat, options.seed, options.jobs, Kept(options.keep))
-    grasps = ("wide", "corner") if options.quick else tuple(SHIPPED)
+    grasps = options.grasp or (("wide", "corner") if options.quick else tuple(SHIPPED))
     kinds = ("compact",) if options.quick else tuple(LAYOUTS)
     names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(a for a in ARITIES if a not in WIPES)
     names = (options.action,) if options.action else names
