@@ -57,9 +57,9 @@ turns by `gain` of what it is off."""
 FASTEST_ON_TABLE = FAST_SPEED + FLICKED
 FASTEST_FALL = 1.1 * float(np.sqrt(2 * 9.81 * (par.TABLE_HEIGHT + 0.05)))
 LOWEST = -par.TABLE_HEIGHT - 0.02  # whoever falls on the floor at 3.7 m/s is within it for a step
-# How deep a rag may press a particle's middle into the table while it goes over it. A dustpan ends above the
-# surface: where it stands on a pea it presses half of it in, 3.3 mm.
-PRESSED = 4e-3
+# How deep a rag or a dustpan may press a particle's middle into the table while it goes over it: half of the
+# thickest one, below an edge that is pressed in itself.
+PRESSED = max(particle.size[2] for particle in par.PARTICLES.values()) / 2 + par.PRESS
 HIGHEST = 0.06  # metres above the surface: what is higher, and not on the dustpan, flies
 CARRIED = 0.30  # how high, and
 FASTEST_CARRIED = 3.0  # how fast (m/s) a particle may be that a dustpan carries, or that falls off it
