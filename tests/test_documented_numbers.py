@@ -68,12 +68,12 @@ motion.pick_up.ONTO_PAN * 100 | world.md | and {:.0f} cm onto the dustpan
 motion.pick_up.TIP * -1 | world.md | tipped by {:.0f} rad
 motion.pace.LIFT * 100 | world.md | begins and ends {:.0f} cm above the surface
 motion.pace.VERTICAL_SPEED | world.md | comes down and is lifted at {:.2f} m/s
-motion.actions.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
+motion.corners.CLEARANCE * 100 | world.md | The tool comes down {:.0f} cm behind
 motion.actions.OVERSHOOT * 100 | world.md | the whole rag is {:.0f} cm past the edge
 motion.way_out.GREATEST_SLANT | world.md | slants by more than {:.0f}°
 perception.symbols.GREATEST_TURN | perception.md | the stroke turns by at most {:.0f}° at b
 motion.way_out.WORTH * 100 | world.md | less {:.0f} cm for each other dirty area
-motion.actions.TURN_STRETCH * 100 | world.md | stroke is turned from {:.0f} cm before
+motion.corners.TURN_STRETCH * 100 | world.md | stroke is turned from {:.0f} cm before
 motion.joint_path.RAISE * 100 | world.md | over a middle raised by {:.0f} cm
 motion.joint_path.AIR * 100 | world.md | and the rag {} cm above it
 motion.clearance.TABLE_GAP * 100 | world.md | the links {:.0f} cm clear

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cleancli.geometry.ellipse import Ellipse, boundary, farthest, nearest
-from cleancli.motion import actions
+from cleancli.motion import actions, corners
 from cleancli.motion.actions import SKILLS, NoSkill, can_execute, tool_path
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.grasps import WIDE
@@ -99,7 +99,7 @@ def test_the_tool_is_perpendicular_to_the_motion_but_for_its_turns(
             heading = atan2(end.y - begin.y, end.x - begin.x)
             assert cos(heading - begin.yaw) == pytest.approx(1, abs=1e-6)
         else:
-            assert length <= actions.TURN_STRETCH + 1e-9
+            assert length <= corners.TURN_STRETCH + 1e-9
 
 
 @settings(max_examples=40, deadline=None)
@@ -111,7 +111,7 @@ def test_a_join_comes_down_behind_the_first_ellipse_and_passes_the_stated_points
     start = contact(path)[0]
     forward = np.array((cos(start.yaw), sin(start.yaw)))
     first = farthest(one, other)
-    assert hypot(start.x - first[0], start.y - first[1]) == pytest.approx(actions.CLEARANCE, abs=1e-9)
+    assert hypot(start.x - first[0], start.y - first[1]) == pytest.approx(corners.CLEARANCE, abs=1e-9)
     assert np.array((start.x, start.y)) @ forward < np.array(first) @ forward
     for point in nearest(one, other):
         assert passes(path, point)
@@ -146,7 +146,7 @@ def distance_to(corners: np.ndarray, point: tuple[float, float]) -> float:
 def test_scattered_dirt_is_grouped_from_the_end_of_its_longer_axis_to_its_middle() -> None:
     path = tool_path("groupScattered", (Ellipse((-0.1, 0.05), (0.12, 0.05), 0.0),), SCENE)
     start, end = contact(path)
-    assert (start.x, start.y) == pytest.approx((-0.22 - actions.CLEARANCE, 0.05), abs=1e-9)
+    assert (start.x, start.y) == pytest.approx((-0.22 - corners.CLEARANCE, 0.05), abs=1e-9)
     assert (end.x, end.y) == pytest.approx((-0.1, 0.05))
 
 
@@ -176,7 +176,7 @@ def test_a_push_to_the_container_starts_behind_the_dirt(area: Ellipse, scene: Sc
     start = contact(tool_path("moveToContainerFast", (area,), scene))[0]
     forward = np.array((cos(start.yaw), sin(start.yaw)))
     offset = np.array((start.x, start.y)) - np.array(area.centre)
-    behind = -((boundary(area) - area.centre) @ forward).min() + actions.CLEARANCE
+    behind = -((boundary(area) - area.centre) @ forward).min() + corners.CLEARANCE
     assert 0 < -offset @ forward <= behind + 1e-4
     if max(abs(start.x) - scene.surface.width / 2, abs(start.y) - scene.surface.depth / 2) < -0.006:
         assert -offset @ forward == pytest.approx(behind, abs=1e-3)

@@ -12,26 +12,20 @@ from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin
 from types import MappingProxyType
 
-import numpy as np
-
-from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest, reach
+from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest
+from cleancli.motion.corners import behind, behind_middle, direction, distinct, turning
 from cleancli.motion.pace import FAST_SPEED, STRAIGHT_SPEED
-from cleancli.motion.path import EDGE_MARGIN, Interpolation, ToolPath, along
+from cleancli.motion.path import Interpolation, ToolPath, along
 from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 
-# Chosen: the tool comes down this far behind the dirt. The rag's ends lead its middle by 6 mm, the cloth is
-# 4 mm thick, the ellipse of an area leaves out a part of its outermost dirt.
-CLEARANCE = 0.02
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
-TURN_STRETCH = 0.02  # a corner is turned from this far before it to this far after it
 PICK_UP = "pickUp"  # the one action that takes two arms
 BRINGING = (0.0, 30.0, -30.0)  # degrees aside of the middle, in which dirt is brought nearer
 NEAR_MIDDLE = 0.10  # nearer to the middle than so, nothing is brought
-_SAME_PLACE = 1e-3  # corners closer than this are one
 
 Areas = tuple[Ellipse, ...]
 
@@ -95,8 +89,8 @@ def path_along(
     interpolation: Interpolation = Interpolation.STRAIGHT,
 ) -> ToolPath:
     """The path of a stroke with these corners, two at least: down behind the first, and up after the last."""
-    corners = _distinct(corners)
-    stroke = _turning((_behind(corners, scene), *corners[1:]))
+    corners = distinct(corners)
+    stroke = turning((behind(corners, scene), *corners[1:]))
     return along(stroke, speed, interpolation)
 
 
@@ -110,14 +104,14 @@ def _nearer(area: Ellipse, scene: Scene) -> Iterator[ToolPath]:
     for aside in BRINGING:
         angle = atan2(-y, -x) + radians(aside)
         end = x + far * cos(angle), y + far * sin(angle)
-        yield path_along((_behind_middle(area, end), end), scene)
+        yield path_along((behind_middle(area, end), end), scene)
 
 
 def _to_container(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """From behind the area over its middle into the container (§3.2.1)."""
     (area,) = areas
     _, *on = into_container(area.centre, scene, dirt)
-    return _behind_middle(area, on[0]), *on
+    return behind_middle(area, on[0]), *on
 
 
 def into_container(start: Point, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
@@ -144,15 +138,7 @@ def _sweep(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """From behind the first area over the middles of all, and on from the last into the container."""
     first, *inner, last = areas
     on = into_container(last.centre, scene, (*dirt, first, *inner))
-    return _behind_middle(first, areas[1].centre), *(area.centre for area in inner), *on
-
-
-def _behind_middle(area: Ellipse, ahead: Point) -> Point:
-    """Where a stroke begins that leads over the area's middle towards a place: as far behind it as the area
-    reaches, so that as much of it lies on either side."""
-    x, y = _direction(area.centre, ahead)
-    back = reach(area, (x, y))
-    return area.centre[0] - back * x, area.centre[1] - back * y
+    return behind_middle(first, areas[1].centre), *(area.centre for area in inner), *on
 
 
 def _group_scattered(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
@@ -196,7 +182,7 @@ ARITIES: Mapping[str, int] = MappingProxyType(
 
 def past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
     """Where a push from `start` over `crossing` ends, with the rag's hindmost end past the edge as well."""
-    x, y = _direction(start, crossing)
+    x, y = direction(start, crossing)
     out = scene.outwards()
     straightness = x * out[0] + y * out[1]
     hindmost = scene.rag.width / 2 * abs(x * out[1] - y * out[0])
@@ -204,52 +190,6 @@ def past_edge(start: Point, crossing: Point, scene: Scene) -> Point:
     return crossing[0] + beyond * x, crossing[1] + beyond * y
 
 
-def _behind(corners: tuple[Point, ...], scene: Scene) -> Point:
-    """Where the tool comes down: behind the first corner, but not off the surface."""
-    x, y = _direction(corners[0], corners[1])
-    width, depth = scene.surface.width / 2 - EDGE_MARGIN, scene.surface.depth / 2 - EDGE_MARGIN
-    back = corners[0][0] - CLEARANCE * x, corners[0][1] - CLEARANCE * y
-    return min(max(back[0], -width), width), min(max(back[1], -depth), depth)
-
-
-def _turning(corners: tuple[Point, ...]) -> tuple[tuple[float, float, float], ...]:
-    """Poses (x, y, yaw) of the stroke: perpendicular on every straight piece, and turning evenly from a
-    little before each inner corner to a little after it."""
-    pieces = list(pairwise(corners))
-    poses: list[tuple[float, float, float]] = []
-    for index, (begin, end) in enumerate(pieces):
-        x, y = _direction(begin, end)
-        length = hypot(end[0] - begin[0], end[1] - begin[1])
-        yaw = atan2(y, x)
-        stretch = min(TURN_STRETCH, length / 3)
-        after = stretch if index > 0 else 0.0
-        poses.append((begin[0] + after * x, begin[1] + after * y, yaw))
-        if index + 1 == len(pieces):
-            poses.append((*end, yaw))
-            continue
-        following = atan2(*reversed(_direction(*pieces[index + 1])))
-        turn = (following - yaw + np.pi) % (2 * np.pi) - np.pi
-        poses.append((end[0] - stretch * x, end[1] - stretch * y, yaw))
-        poses.append((*end, yaw + turn / 2))
-    return tuple(poses)
-
-
-def _distinct(corners: Sequence[Point]) -> tuple[Point, ...]:
-    """The corners without those that stand where the one before stands; two remain even of one point."""
-    kept = [corners[0]]
-    for corner in corners[1:]:
-        if hypot(corner[0] - kept[-1][0], corner[1] - kept[-1][1]) > _SAME_PLACE:
-            kept.append(corner)
-    return tuple(kept) if len(kept) > 1 else (corners[0], corners[0])
-
-
 def _mouth_middle(scene: Scene) -> Point:
     (x0, y0), (x1, y1) = scene.mouth()
     return (x0 + x1) / 2, (y0 + y1) / 2
-
-
-def _direction(begin: Point, end: Point) -> Point:
-    """The unit vector from one point to another; east, if they are one point."""
-    x, y = end[0] - begin[0], end[1] - begin[1]
-    length = hypot(x, y)
-    return (x / length, y / length) if length > 0 else (1.0, 0.0)
