@@ -29,7 +29,7 @@ from cleancli.array_types import Bools, Points
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import ARITIES, PICK_UP, can_execute, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UPS, can_execute, tool_path
 from cleancli.motion.pace import FAST_SPEED
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
@@ -161,7 +161,7 @@ def try_table(robot: str, seed: int, number: int, actions: int) -> Result:
                 now = truth.positions
                 if truth.on_table + truth.in_container + truth.in_dustpan + truth.on_floor != len(now):
                     wrong.append(f"{action}: not every particle is anywhere")
-                carried = action == PICK_UP
+                carried = action in PICK_UPS
                 wrong += [f"{action}: {fault}" for fault in faults(before, now, half, PRESSED, carried)]
                 if not carried:
                     fastest = max(fastest, speeds(before, now)[above(now, half)].max(initial=0))

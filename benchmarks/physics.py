@@ -6,7 +6,7 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 - path: the WAM's fast and straight pushes (§3.2.1), and what of their difference is path and what speed;
 - ink: how much ink a pass takes.
 
-All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
+All of it takes about three hours of CPU. With --keep every trial is written to a file as soon as it is done,
 and trials that stand there already are not done again. Trials have the seeds N, N + 1 and so on. `--action
 NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
 everything, in about a minute.
@@ -31,7 +31,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import TrialResult, attempt
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import ARITIES, PICK_UP, WIPES, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UP, PICK_UPS, WIPES, tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.joint_path import nearest_pose, stroke
 from cleancli.motion.legs import legs
@@ -54,8 +54,12 @@ PLACES: Mapping[int, tuple[tuple[float, float], ...]] = {
 }
 """Middles of the discs by the number of areas that an action takes: the first is 35 cm from the container."""
 
-PICKED = ((0.05, 0.0),)
-"""The middle of the disc to pick up, on the smaller surface that REEM reaches."""
+PICKED: Mapping[int, tuple[tuple[float, float], ...]] = {
+    1: ((0.05, 0.0),),
+    2: ((0.16, 0.04), (-0.02, -0.04)),
+    3: ((0.17, 0.08), (0.10, -0.07), (0.0, -0.04)),
+}
+"""The same of the discs to pick up, on the smaller surface that REEM reaches."""
 
 BOW_PLACES = (-0.20, -0.18), (0.05, 0.18)
 """The WAM's discs lie anywhere between these corners, elsewhere for each seed."""
@@ -106,8 +110,8 @@ class Run:
 
 def layout(action: str, kind: str, grasp: str) -> Scene:
     """A table with twelve lentils in each disc."""
-    scene, places = (DESK, PICKED) if action == PICK_UP else (BASE, PLACES[ARITIES[action]])
-    dirt = tuple(Group(12, place, LAYOUTS[kind]) for place in places)
+    scene, places = (DESK, PICKED) if action in PICK_UPS else (BASE, PLACES)
+    dirt = tuple(Group(12, place, LAYOUTS[kind]) for place in places[ARITIES[action]])
     return replace(scene, dirt=dirt, rag=Rag(SHIPPED[grasp], SHIPPED[grasp].width))
 
 
@@ -251,7 +255,8 @@ def ink(run: Run, grasps: Sequence[str]) -> Iterator[str]:
 
 
 def _row(scene: Scene, action: str, seed: int, path_of: PathOf = tool_path) -> Row:
-    done = attempt(scene, action, (), seed, path_of)
+    rightmost_first = [f"a{number}" for number in range(ARITIES[action], 0, -1)]
+    done = attempt(scene, action, rightmost_first if action in PICK_UPS else (), seed, path_of)
     return {
         "outcome": done.outcome.value,
         "targets": done.targets,

@@ -206,6 +206,10 @@ def test_fast_and_straight_differ_in_speed_and_interpolation_alone() -> None:
 def test_picking_up_takes_two_arms() -> None:
     assert not can_execute("pickUp", 1, "wam")
     assert can_execute("pickUp", 1, "reem")
+    for number in (2, 3):
+        assert can_execute(f"pickUp{number}", number, "reem")
+        assert not can_execute(f"pickUp{number}", number, "wam")
+        assert not can_execute(f"pickUp{number}", 1, "reem")
     assert not can_execute("join2", 3, "gantry")
     assert can_execute("join2", 2, "gantry")
     with pytest.raises(NoSkill, match="pickUp/1"):

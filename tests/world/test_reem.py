@@ -11,6 +11,7 @@ import pytest
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path, tool_paths
 from cleancli.motion.arm import forward
+from cleancli.motion.clearance import hull_ends
 from cleancli.motion.path import Interpolation, ToolPath, Unreachable, Waypoint
 from cleancli.motion.pick_up import PAN_LENGTH
 from cleancli.scene.model import Group, Scene
@@ -76,6 +77,58 @@ def test_where_the_dustpan_cannot_wait_on_the_left_it_waits_elsewhere() -> None:
         table.start(path)
         assert table.failure == ""
         assert table.clock == 0.0, "asking moves nothing"
+
+
+def test_two_groups_are_picked_up_in_one_go() -> None:
+    places = ((0.13, 0.02), (-0.02, -0.04))
+    groups = tuple(Group(8, place, 0.02) for place in places)
+    setting = scene(*groups, edge="south", robot="reem", size=(0.50, 0.40))
+    areas = tuple(Ellipse(place, (0.025, 0.025), 0.0) for place in places)
+    with closing(PybulletTable(setting, LOW_RAG)) as table:
+        table.start(tool_path("pickUp2", areas, setting))
+        assert table.failure == ""
+        _keep_apart(table)
+        assert finish(table) is Status.DONE
+        truth = table.truth()
+    assert truth.in_container >= 15, "of 16"
+    assert truth.on_floor == 0
+
+
+def _keep_apart(table: PybulletTable) -> None:
+    """Raise AssertionError where hulls of both arms come nearer than a centimetre, measured at many points of
+    each, all along the motion that is under way."""
+    drive, way = table._drive, table._ahead[::25]
+    assert isinstance(drive, Reem)
+    shares = np.linspace(0, 1, 15)[:, None]
+    right, left = (
+        [
+            (hull.radius, ends[:, k, None, 0] + shares * (ends[:, k, None, 1] - ends[:, k, None, 0]))
+            for k, hull in enumerate(arm.hulls)
+        ]
+        for arm, part in zip(drive._arms, np.hsplit(way, 2), strict=True)
+        for ends in [hull_ends(arm, part)]
+    )
+    for (one, points), (other, others) in product(right, left):
+        gaps = np.linalg.norm(points[:, :, None] - others[:, None], axis=-1)
+        assert gaps.min() > one + other + 0.01 - 1e-4
+
+
+def test_where_the_arms_would_touch_on_a_stroke_over_two_areas_nothing_moves() -> None:
+    areas = tuple(Ellipse(place, (0.026, 0.026), 0.0) for place in ((0.11, 0.14), (0.11, 0.04)))
+    with closing(PybulletTable(desk(), 1)) as table:
+        table.start(tool_path("pickUp2", areas, desk()))
+        assert table.poll() is Status.FAILED
+        assert "the arms would touch each other" in table.failure
+        assert table.clock == 0.0
+
+
+def test_where_two_areas_cannot_be_swept_to_the_left_the_dustpan_waits_elsewhere() -> None:
+    setting = desk()
+    areas = tuple(Ellipse(place, (0.025, 0.025), 0.0) for place in ((0.05, 0.12), (-0.11, -0.08)))
+    with closing(PybulletTable(setting, 1)) as table:
+        first, *others = tool_paths("pickUp2", areas, setting)
+        assert not table.can_follow(first, 0.0)
+        assert any(table.can_follow(path) for path in others)
 
 
 def test_the_lip_is_raised_while_the_rag_leaves() -> None:

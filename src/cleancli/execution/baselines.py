@@ -117,7 +117,7 @@ def _line_out(start: Floats, row: Floats, scene: Scene) -> ToolPath:
 def _to_dustpan(begin: Floats, end: Floats, scene: Scene) -> ToolPath:
     middle, half = (begin + end) / 2, (end - begin) / 2
     angle = float(np.arctan2(half[1], half[0]))
-    return pick_up(Ellipse(_pair(middle), (float(np.linalg.norm(half)), 1e-3), angle), scene)
+    return pick_up((Ellipse(_pair(middle), (float(np.linalg.norm(half)), 1e-3), angle),), scene)
 
 
 def _clean(action: str, area: Area) -> Decision:

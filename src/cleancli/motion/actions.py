@@ -23,7 +23,8 @@ from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
-PICK_UP = "pickUp"  # the one action that takes two arms
+PICK_UP = "pickUp"
+PICK_UPS = (PICK_UP, "pickUp2", "pickUp3")  # the actions that take two arms
 BRINGING = (0.0, 30.0, -30.0)  # degrees aside of the middle, in which dirt is brought nearer
 NEAR_MIDDLE = 0.10  # nearer to the middle than so, nothing is brought
 
@@ -31,10 +32,10 @@ Areas = tuple[Ellipse, ...]
 
 
 class NoSkill(Exception):
-    """The robot can't execute this action with these arguments (`pickUp` takes two arms, §3.2.2)."""
+    """The robot can't execute this action with these arguments (picking up takes two arms, §3.2.2)."""
 
     def __init__(self, action: str, arity: int) -> None:
-        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name != PICK_UP)
+        known = ", ".join(f"{name}/{areas}" for name, areas in ARITIES.items() if name not in PICK_UPS)
         super().__init__(f"this robot can't execute {action}/{arity}; it can execute {known}")
 
 
@@ -51,7 +52,7 @@ class Skill:
 
 def can_execute(action: str, arity: int, robot: str) -> bool:
     """Whether a robot of that name has a skill for this action with so many areas."""
-    return ARITIES.get(action) == arity and (action != PICK_UP or ARMS[robot] == 2)
+    return ARITIES.get(action) == arity and (action not in PICK_UPS or ARMS[robot] == 2)
 
 
 def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse] = ()) -> ToolPath:
@@ -70,9 +71,10 @@ def tool_paths(
     can't follow those before."""
     if not can_execute(action, len(areas), scene.robot):
         raise NoSkill(action, len(areas))
-    if action == PICK_UP:
-        yield from pick_ups(areas[0], scene)
-        yield from _nearer(areas[0], scene)
+    if action in PICK_UPS:
+        yield from pick_ups(areas, scene)
+        if action == PICK_UP:
+            yield from _nearer(areas[0], scene)
         return
     if action in WIPES:
         yield wiping(areas, scene, others)
@@ -173,7 +175,7 @@ WIPES = ("wipe", "wipe2", "wipe3")
 ARITIES: Mapping[str, int] = MappingProxyType(
     {
         **{name: skill.arity for name, skill in SKILLS.items()},
-        PICK_UP: 1,
+        **{name: number for number, name in enumerate(PICK_UPS, 1)},
         **{name: number for number, name in enumerate(WIPES, 1)},
     }
 )
