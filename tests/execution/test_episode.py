@@ -160,3 +160,12 @@ def test_what_a_robot_does_unless_told_otherwise(domain: Domain) -> None:
     neither = replace(domain, actions=())
     for known in (both, neither):
         assert [usual_job(known, robot) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
+
+
+def test_two_arms_sweep_several_areas_onto_the_dustpan_and_one_into_the_container() -> None:
+    """docs/execution.md: the same domain for both."""
+    sweeping = shipped_domain("sweeping")
+    picking, pushing = {"pickUp", "pickUp2", "pickUp3"}, {"sweep1", "sweep2", "sweep3"}
+    assert {a.name for a in within_reach(sweeping, "reem", usual_job(sweeping, "reem")).actions} == picking
+    assert {a.name for a in within_reach(sweeping, "reem", Job.CONTAINER).actions} == pushing
+    assert {a.name for a in within_reach(sweeping, "gantry").actions} == pushing

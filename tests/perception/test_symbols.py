@@ -30,6 +30,7 @@ SYMBOLS = (
     symbol("near", "area", "area", symmetric=True),
     symbol("traversal", "place", "place", "place"),
     symbol("onward", "area", "area"),
+    symbol("to_dustpan", "area", "area"),
     symbol("at_rim", "area"),
     symbol("covers", "area", "area"),
     SIZE,
@@ -165,6 +166,27 @@ def test_what_is_onward_is_what_a_sweep_can_turn_by(seed: int) -> None:
         turn = np.degrees(abs(yaws[4] - yaws[1]))
         if abs(turn - 90) > 1.5 and abs(apart - 0.45) > 0.003:
             assert ((one.name, other.name) in told) == (turn < 90 and apart < 0.45), (turn, apart)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_what_goes_to_the_dustpan_is_what_picking_two_up_can_turn_by(seed: int) -> None:
+    """As above, with the turn to where the dustpan waits; a robot without one has no such stroke."""
+    rng = np.random.default_rng(seed)
+    places = rng.uniform((-0.4, -0.3), (0.4, 0.3), (8, 2))
+    areas = tuple(area(f"a{n}", x, y, 0.03, 0.01) for n, (x, y) in enumerate(places))
+    one_arm = synthetic.scene(str(rng.choice(["north", "east", "south", "west"])))
+    scene = replace(one_arm, robot="reem")
+    _, state = symbolize(areas, scene, domain())
+    told = {fact.objects for fact in state if fact.symbol == "to_dustpan"}
+    assert "to_dustpan" not in {fact.symbol for fact in symbolize(areas, one_arm, domain())[1]}
+    for one, other in permutations(areas, 2):
+        path = tool_path("pickUp2", (one.ellipse, other.ellipse), scene)
+        yaws = np.unwrap([w.yaw for w in path.waypoints if w.z <= 0])
+        apart = np.hypot(*np.subtract(one.ellipse.centre, other.ellipse.centre))
+        turn = np.degrees(abs(yaws[4] - yaws[1]))
+        if abs(turn - 90) > 1.5 and abs(apart - 0.45) > 0.003:
+            assert ((one.name, other.name) in told) == (turn < 90 and apart < 0.45), (turn, apart)
+    assert told, "some do"
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -11,7 +11,7 @@ from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import Method
-from cleancli.motion.actions import PICK_UP, SWEEPS, WIPES, can_execute
+from cleancli.motion.actions import PICK_UP, PICK_UPS, SWEEPS, WIPES, can_execute
 from cleancli.planning.plan import Plan
 from cleancli.scene.model import Scene
 
@@ -41,7 +41,7 @@ class Job(enum.Enum):
             case Job.CONTAINER:
                 return (*TO_CONTAINER, *SWEEPS)
             case Job.DUSTPAN:
-                return (PICK_UP,)
+                return PICK_UPS
             case Job.WIPE:
                 return WIPES
 

@@ -14,6 +14,8 @@ from cleancli.geometry.ellipse import Ellipse, extent, gap, reach
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
+from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.motion.pick_up import to_pan
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import strokes_over
 from cleancli.perception.area import Area
@@ -43,6 +45,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         _traversal(areas, domain, scene.symbols),
         _traversal_to_container(areas, domain, scene),
         _onward(areas, domain, scene),
+        _to_dustpan(areas, domain, scene),
         _at_rim(areas, domain, scene),
         _covers(areas, domain, scene),
     )
@@ -200,11 +203,30 @@ def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fac
         others = [area for area in areas if area is not second]
         way = way_out(middle, scene, (area.ellipse for area in others)).corners
         on = _direction(middle, way[1])
-        for first in others:
-            apart = dist(first.ellipse.centre, middle)
-            turn = abs(remainder(on - _direction(first.ellipse.centre, middle), tau))
-            if apart <= scene.symbols.onward and turn <= radians(GREATEST_TURN):
-                yield Fact("onward", (first.name, second.name))
+        for first in _leading(others, second, on, scene):
+            yield Fact("onward", (first.name, second.name))
+
+
+def _to_dustpan(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
+    """Which areas a stroke that comes from another one may take up on its way to the dustpan, which waits on
+    the left of the second (motion/pick_up.py); nothing where the robot has none."""
+    if not _declared(domain, "to_dustpan", AREA, AREA) or not can_execute(PICK_UP, 1, scene.robot):
+        return
+    x, y = to_pan(scene)
+    for second in areas:
+        others = [area for area in areas if area is not second]
+        for first in _leading(others, second, atan2(y, x), scene):
+            yield Fact("to_dustpan", (first.name, second.name))
+
+
+def _leading(firsts: Sequence[Area], second: Area, on: float, scene: Scene) -> Iterator[Area]:
+    """Those from which a stroke may go over the second area and on from there in the direction `on`,
+    radians."""
+    for first in firsts:
+        apart = dist(first.ellipse.centre, second.ellipse.centre)
+        turn = abs(remainder(on - _direction(first.ellipse.centre, second.ellipse.centre), tau))
+        if apart <= scene.symbols.onward and turn <= radians(GREATEST_TURN):
+            yield first
 
 
 def _at_rim(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
