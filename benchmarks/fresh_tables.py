@@ -1,13 +1,13 @@
 """Strategies on tables that nobody has chosen: python benchmarks/fresh_tables.py [--robot NAME] [--keep FILE]
 
-Draws two groups of lentils for each seed, anywhere that the robot's rag reaches for 5 cm around, on the
-surface of the shipped scene for that robot: REEM picks up with its dustpan, the WAM and the gantry push. On
-each table `cleancli execute` is carried out for every strategy, named DOMAIN/STRATEGY. Prints what
-`strategies.py` prints. Every episode is a line of FILE as soon as it is over; those that FILE holds are not
-run again.
+Draws two groups of lentils (or `--groups N`) for each seed, anywhere that the robot's rag reaches for 5 cm
+around, on the surface of the shipped scene for that robot: REEM picks up with its dustpan, the WAM and the
+gantry push. On each table `cleancli execute` is carried out for every strategy, named DOMAIN/STRATEGY. Prints
+what `strategies.py` prints. Every episode is a line of FILE as soon as it is over; those that FILE holds are
+not run again.
 
-About a minute of CPU for an episode of the WAM, two of REEM: 40 minutes for each robot; with `--quick` (one
-table of the gantry, two strategies) half a minute.
+About a minute of CPU for an episode of an arm: 40 minutes for each robot; with `--quick` (one table of the
+gantry, two strategies) half a minute.
 """
 
 from __future__ import annotations
@@ -39,10 +39,9 @@ STRATEGIES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "gantry": ("sweeping/plan-2", "cleaning/plan-2", "cleaning/tsp", "cleaning/reactive"),
         "wam": ("sweeping/plan-2", "cleaning/plan-2", "cleaning/tsp", "cleaning/reactive"),
-        "reem": ("cleaning/plan-2", "cleaning/reactive"),
+        "reem": ("sweeping/plan-2", "cleaning/plan-2", "cleaning/reactive"),
     }
 )
-GROUPS = 2
 COUNTS = (8, 16)
 """Lentils of a group, from and below."""
 RADII = (0.02, 0.03)
@@ -54,11 +53,11 @@ AROUND = 0.05
 Row = dict[str, Any]
 
 
-def drawn(base: Scene, seed: int) -> Scene:
-    """The scene with groups that the seed places."""
+def drawn(base: Scene, seed: int, number: int = 2) -> Scene:
+    """The scene with a number of groups that the seed places."""
     rng, middles = np.random.default_rng(seed), _middles(base)
     groups: list[Group] = []
-    while len(groups) < GROUPS:
+    while len(groups) < number:
         x, y = (float(value) for value in middles[rng.integers(len(middles))])
         if all(np.hypot(x - group.centre[0], y - group.centre[1]) >= APART for group in groups):
             groups.append(Group(int(rng.integers(*COUNTS)), (x, y), float(rng.uniform(*RADII))))
@@ -75,24 +74,24 @@ def _middles(scene: Scene) -> Floats:
     return around
 
 
-def episode(robot: str, name: str, seed: int) -> Row:
+def episode(robot: str, name: str, groups: int, seed: int) -> Row:
     """What `strategies.py` tells of an episode of DOMAIN/STRATEGY on the table of a seed."""
     domain, strategy = domain_of(name, "cleaning")
     base = load_scene(read_source(find(SCENES[robot], "problems")))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fresh.nid"
-        path.write_text(print_scene(drawn(base, seed)), encoding="utf-8")
-        return {**run((domain, str(path), strategy, seed)), "job": [robot, name, seed]}
+        path.write_text(print_scene(drawn(base, seed, groups)), encoding="utf-8")
+        return {**run((domain, str(path), strategy, seed)), "job": [robot, name, groups, seed]}
 
 
-def rows(robot: str, names: Sequence[str], seeds: Sequence[int], kept: Kept) -> Iterator[Row]:
+def rows(robot: str, names: Sequence[str], groups: int, seeds: Sequence[int], kept: Kept) -> Iterator[Row]:
     """The rows of all episodes; those that are not kept yet are run and kept."""
     known = {tuple(row["job"]): dict(row) for row in kept.rows()}
     for seed in seeds:
         for name in names:
-            row = known.get((robot, name, seed))
+            row = known.get((robot, name, groups, seed))
             if row is None:
-                row = episode(robot, name, seed)
+                row = episode(robot, name, groups, seed)
                 kept.add(row)
             yield row
 
@@ -104,6 +103,7 @@ def main() -> None:
     )
     parser.add_argument("--robot", choices=list(SCENES), default="reem")
     parser.add_argument("--strategy", nargs="+", metavar="DOMAIN/STRATEGY", help="the robot's own otherwise")
+    parser.add_argument("--groups", type=int, default=2, help="on each table")
     parser.add_argument("--tables", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1, help="of the first table; others follow it")
     parser.add_argument("--keep", type=Path, metavar="FILE", help="episodes run before are in it")
@@ -115,7 +115,7 @@ def main() -> None:
     names = options.strategy or STRATEGIES[options.robot]
     seeds = range(options.seed, options.seed + options.tables)
     found: list[Row] = []
-    for row in rows(options.robot, names, seeds, Kept(options.keep)):
+    for row in rows(options.robot, names, options.groups, seeds, Kept(options.keep)):
         found.append(row)
         told = f"{row['actions']} actions, {row['left'] + row['lost']} left; {row['reason']}"
         print(f"{' '.join(map(str, row['job']))}: moving {moving(row):.1f} s, {told}", flush=True)

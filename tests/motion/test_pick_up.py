@@ -128,3 +128,9 @@ def test_what_lies_apart_is_not_brought_nearer_in_one_go() -> None:
     setting = scene(edge="south", robot="reem")
     areas = tuple(Ellipse((x, 0.2), (0.03, 0.02), 0.0) for x in (0.3, 0.1))
     assert all(path.dustpan for path in tool_paths("pickUp2", areas, setting))
+
+
+def test_one_area_named_several_times_is_swept_too() -> None:
+    area = Ellipse((0.1, 0.0), (0.03, 0.02), 0.0)
+    path = tool_path("pickUp3", (area, area, area), scene(edge="south", robot="reem"))
+    assert all(np.isfinite((w.x, w.y, w.yaw)).all() for w in path.waypoints)

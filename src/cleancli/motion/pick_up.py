@@ -104,7 +104,8 @@ def _reached(corners: Sequence[Point], aim: Floats, scene: Scene) -> float:
     """How far along `aim` (2,) the rag's ends reach while it goes from corner to corner, metres."""
     ends = np.array(corners)
     steps = np.diff(ends, axis=0)
-    aside = np.abs(steps[:, 0] * aim[1] - steps[:, 1] * aim[0]) / np.hypot(*steps.T)
+    lengths = np.maximum(np.hypot(*steps.T), 1e-12)
+    aside = np.abs(steps[:, 0] * aim[1] - steps[:, 1] * aim[0]) / lengths
     ahead = np.maximum(ends[1:] @ aim, ends[:-1] @ aim)
     return float((ahead + scene.rag.width / 2 * aside).max())
 
