@@ -114,7 +114,7 @@ def _keep_apart(table: PybulletTable) -> None:
 
 
 def test_where_the_arms_would_touch_on_a_stroke_over_two_areas_nothing_moves() -> None:
-    areas = tuple(Ellipse(place, (0.026, 0.026), 0.0) for place in ((0.11, 0.14), (0.11, 0.04)))
+    areas = tuple(Ellipse(place, (0.026, 0.026), 0.0) for place in ((0.09, 0.12), (0.07, -0.10)))
     with closing(PybulletTable(desk(), 1)) as table:
         table.start(tool_path("pickUp2", areas, desk()))
         assert table.poll() is Status.FAILED
