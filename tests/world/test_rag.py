@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 from dataclasses import replace
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,7 +59,8 @@ def test_a_pressed_rag_gives_way_and_the_tool_stays_on_its_way(
     for seed in range(2):
         with closing(PybulletTable(setting, seed)) as table:
             engine, drive = table._engine, table._drive
-            body = getattr(drive, "_right", drive)._body
+            arm: Any = getattr(drive, "_right", drive)
+            body = arm._body
             table.start(tool_path("join2", areas, setting))
             strays, forces = [], []
             while table.poll() is Status.RUNNING:
