@@ -39,7 +39,7 @@ def instance(seed: int) -> Instance:
     rng = np.random.default_rng(seed)
     family = sorted(FAMILIES)[seed % len(FAMILIES)]
     domain, problem = FAMILIES[family](rng)
-    assert problem.horizon is not None
+    assert isinstance(problem.horizon, Horizon)
     return Instance(family, shaken(domain, rng), problem, problem.horizon.constant)
 
 

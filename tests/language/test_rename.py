@@ -15,6 +15,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import apply_edits
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Horizon
 from cleancli.language.refactoring import name_index
 from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
 from cleancli.language.refactoring.rename import rename
@@ -131,7 +132,7 @@ def test_a_rename_reaches_the_problems() -> None:
     domain = load_domain(Source("d", apply_edits(DOMAIN.text, edits[DOMAIN.path])))
     problem = load_problem(Source("p", apply_edits(PROBLEM.text, edits[PROBLEM.path])), domain)
     assert domain.counts[0].name == "left"
-    assert problem.horizon is not None
+    assert isinstance(problem.horizon, Horizon)
     assert problem.horizon.count == "left"
 
 

@@ -449,12 +449,14 @@ def problem(world: World, rng: Random) -> Generated:
     listed = [token for name, kind in objects for token in (name, "-", kind)]
     blocks = [["domain", "=", "generated"], ["objects", "{", *listed, "}"]]
     blocks.append(["init", "{", *_facts(world, everything, rng), "}"])
+    with_goal = world.pays_goal or rng.random() < 0.4
     if rng.random() < 0.7:
-        horizon = rng.choice((["7"], ["total"], ["1", "+", "total"]))
+        unlimited = [["unlimited"]] * with_goal
+        horizon = rng.choice([["7"], ["total"], ["1", "+", "total"], *unlimited])
         blocks.append(["horizon", "=", *horizon])
     if rng.random() < 0.7:
         blocks.append(["discount", "=", rng.choice(("1", "0", "0.95", "0.1234567890123456"))])
-    if world.pays_goal or rng.random() < 0.4:
+    if with_goal:
         blocks.append(["goal", "{", *_goal(world, rng), "}"])
     if rng.random() < 0.5:
         settings = [["name", "=", "prada"], ["samples", "=", "500"], ["seed", "=", "3"]]

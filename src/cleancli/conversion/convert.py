@@ -210,7 +210,7 @@ def _guessed(domain: Domain, problem: Problem, wishes: Wishes) -> tuple[str, ...
         (term,) = domain.reward
         direction = "fewer" if term.weight > 0 else "more"
         guesses.append(f"the reward is a guess: {direction} of the count `{term.count}`")
-    if wishes.horizon is None and problem.horizon is not None and problem.horizon.count is None:
+    if wishes.horizon is None and isinstance(problem.horizon, Horizon) and problem.horizon.count is None:
         guesses.append("the horizon is a guess: 1 and the number of objects")
     return tuple(guesses)
 

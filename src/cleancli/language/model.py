@@ -323,6 +323,10 @@ class Horizon(Record):
     count: str | None = None
 
 
+class Unlimited(Record):
+    """As many actions as it takes: the problem has a goal, and that alone counts, and what it costs."""
+
+
 class Problem(Record):
     """What to plan for; `objects` are the problem's own, without the constants of the domain it names.
 
@@ -334,7 +338,7 @@ class Problem(Record):
     domain: str
     objects: tuple[Object, ...]
     state: State
-    horizon: Horizon | None = None
+    horizon: Horizon | Unlimited | None = None
     discount: float = 0.95
     goal: Condition = ()
     planner: str | None = None

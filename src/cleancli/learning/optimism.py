@@ -27,6 +27,7 @@ from cleancli.language.model import (
     RewardTerm,
     Rule,
     Symbol,
+    Unlimited,
     wanted_decreased,
 )
 
@@ -41,7 +42,8 @@ def optimistic(domain: Domain, problem: Problem, unknown: Collection[int]) -> Do
     """The domain to plan the problem with where some of its rules, by their indices, are not known.
 
     Each leads to a fact of its own, whose coming true pays once as much as can be got from now on. A rule is
-    known if all its outcomes but one at most are fixed.
+    known if all its outcomes but one at most are fixed. The problem has a horizon: no reward counts without
+    one.
     """
     best = most(domain, problem)
     if not unknown or not best:
@@ -80,6 +82,7 @@ def most(domain: Domain, problem: Problem) -> Fraction:
     def greatest(name: str) -> int:
         return math.prod(len(view.state.objects[variable.type]) for variable in counts[name].variables)
 
+    assert not isinstance(problem.horizon, Unlimited)
     horizon = problem.horizon or Horizon(1, wanted_decreased(domain))
     steps = horizon.constant + (0 if horizon.count is None else now(horizon.count))
     best = steps * max(Fraction(0), *(-cost for cost in costs_of(domain).values()))

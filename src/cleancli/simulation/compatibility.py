@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import meant
-from cleancli.language.model import Condition, Domain, Literal, Problem, Quantified, Symbol, Variable
+from cleancli.language.model import Condition, Domain, Horizon, Literal, Problem, Quantified, Symbol, Variable
 from cleancli.language.refactoring.name_index import Kind, names_in
 
 Names = Mapping[str, str]
@@ -92,7 +92,7 @@ def _signature(name: str, parameters: Sequence[Variable]) -> str:
 def _spoken_of(problem: Problem, world: Domain) -> Iterator[tuple[str, Collection[str]]]:
     """Counts and derived predicates that the problem names and the world does not have, and what it has."""
     counts = {count.name for count in world.counts}
-    named = problem.horizon.count if problem.horizon is not None else None
+    named = problem.horizon.count if isinstance(problem.horizon, Horizon) else None
     if named is not None and named not in counts:
         yield named, counts
     known = {symbol.name for symbol in world.symbols} | {derived.name for derived in world.derived}

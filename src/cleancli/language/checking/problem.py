@@ -39,6 +39,7 @@ from cleancli.language.model import (
     RewardKind,
     State,
     Symbol,
+    Unlimited,
     Value,
     wanted_decreased,
 )
@@ -216,9 +217,11 @@ def _tuples_of(symbol: Symbol, scope: Scope) -> Iterable[tuple[str, ...]]:
     )
 
 
-def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | None:
-    """The horizon; E410 where there is none and the reward gives none."""
+def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | Unlimited | None:
+    """The horizon; E410 where there is none and the reward gives none, E411 where only a goal ends a plan."""
     for section in sections_of(node.sections, syntax.HorizonNode):
+        if section.constant is None and section.count is None:
+            return _unlimited(section, node, scope)
         return _stated_horizon(section, domain, scope)
     if wanted_decreased(domain) is None and domain.reward and "horizon" not in scope.findings.broken:
         scope.findings.error(
@@ -228,6 +231,17 @@ def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon 
             help="the reward wants no count decreased, to take it from: add for example `horizon = 10`",
         )
     return None
+
+
+def _unlimited(section: syntax.HorizonNode, node: syntax.ProblemNode, scope: Scope) -> Unlimited:
+    if not sections_of(node.sections, syntax.Goal) and "goal" not in scope.findings.broken:
+        scope.findings.error(
+            "E411",
+            "without a horizon only a goal ends a plan, and this problem has none",
+            section.span,
+            help="add for example `goal { not dirt(a1) }`, or a number of actions: `horizon = 10`",
+        )
+    return Unlimited()
 
 
 def _stated_horizon(node: syntax.HorizonNode, domain: Domain, scope: Scope) -> Horizon:

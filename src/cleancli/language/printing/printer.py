@@ -40,6 +40,7 @@ from cleancli.language.model import (
     Symbol,
     Term,
     Type,
+    Unlimited,
     Value,
     Variable,
 )
@@ -362,7 +363,9 @@ def _planner(problem: Problem) -> list[str]:
     return [f"{key} = {value}" for key, value in settings.items() if value is not None]
 
 
-def _horizon(horizon: Horizon) -> str:
+def _horizon(horizon: Horizon | Unlimited) -> str:
+    if isinstance(horizon, Unlimited):
+        return "unlimited"
     if horizon.count is None:
         return str(horizon.constant)
     return horizon.count if horizon.constant == 0 else f"{horizon.constant} + {horizon.count}"

@@ -40,7 +40,7 @@ class Goal(Node):
 
 
 class HorizonNode(Node):
-    """`horizon = n`, `horizon = count` or `horizon = n + count`."""
+    """`horizon = n`, `horizon = count`, `horizon = n + count`; `horizon = unlimited` has neither."""
 
     constant: Number | None
     count: Name | None

@@ -43,7 +43,7 @@ def setting(at: Misplaced) -> str:
         number = re.match(r"\s*(\d+)\b", at.after)
         if at.token == "+" and number and not horizon[1].isdigit():
             return f"the number stands first: `horizon = {number[1]} + {horizon[1]}`"
-        return "a horizon is a number, a count or their sum: `horizon = 1 + dirty_areas`"
+        return "a horizon is a number, a count, their sum or `unlimited`: `horizon = 1 + dirty_areas`"
     return ""
 
 
