@@ -28,11 +28,11 @@ def owners(told: str) -> tuple[str, ...]:
 ROWS = {
     name: (usual, least, most, owners(told))
     for name, usual, least, most, told in re.findall(
-        r"^\| `(\w+)` \| ([\w.]+) \| ([\w.]+), ([\w.]+) \| (.*) \|$", TABLE, re.M
+        r"^\| `(\w+)` \| ([\w.-]+) \| ([\w.-]+), ([\w.-]+) \| (.*) \|$", TABLE, re.M
     )
 }
 PAIRS = [(name, planner) for name, row in ROWS.items() for planner in row[3]]
-NUMBERS = [pair for pair in PAIRS if ROWS[pair[0]][1].replace(".", "").isdigit()]
+NUMBERS = [pair for pair in PAIRS if ROWS[pair[0]][1].replace(".", "").replace("e-", "").isdigit()]
 
 
 def asked(name: str, planner: str, *values: str) -> Any:

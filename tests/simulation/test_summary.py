@@ -30,7 +30,7 @@ def test_the_interval_of_a_share_is_wilsons(successes: int, number: int) -> None
 
 def _episode(number: int, discounted: float, success: bool | None, seconds: float | None) -> Episode:
     done = (GroundAction("push", ("a",), None),) * number
-    return Episode(number, Reason.LIMIT, success, discounted, 2.0, done, seconds, (0.1, 0.3))
+    return Episode(number, Reason.LIMIT, success, discounted, 2.0, done, 3.0 * number, seconds, (0.1, 0.3))
 
 
 def test_a_summary_says_what_it_lacks() -> None:
@@ -42,5 +42,6 @@ def test_a_summary_says_what_it_lacks() -> None:
     assert other.success is not None
     assert other.success.mean == pytest.approx(2 / 3)
     assert mine.actions.mean == 1
+    assert mine.cost.mean == 3
     assert mine.reasons == {Reason.LIMIT: 3}
     assert (mine.planning_median, mine.planning_95) == pytest.approx((0.2, 0.3))

@@ -60,7 +60,10 @@ def test_the_mean_return_is_the_exact_value(text: str, said: tuple[str, ...], ti
     task = ground(known, given)
     numbers = [[str(a) for a in task.actions].index(name) for name in said]
     expected = exact_value(by_time(task) if timed else task, numbers)
-    world, who = world_of(known, given, timed), Agent(doors.saying(*said), known, given, timed)
+    world, who = (
+        world_of(known, given, timed),
+        Agent(doors.saying(*said), known, given, "time" if timed else None),
+    )
     limits = EpisodeLimits(max_actions=len(said), commit=len(said))
     found = [episode(world, who, n, Options(), limits) for n in range(3000)]
     # What is paid for the state after the limit of actions is left out, so the horizon is that limit.

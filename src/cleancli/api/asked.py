@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cleancli.api.checks import OBJECTIVES, check_least, check_one_of, check_seconds
+from cleancli.api.checks import check_least, check_one_of, check_seconds
 from cleancli.language.model import Problem
 from cleancli.planning.choice import planner_options, with_named
+from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner
 
@@ -22,7 +23,7 @@ class Asked:
     seed: int | None = None
     time_limit: float | None = None
     threads: int | None = None
-    objective: str = "reward"
+    objective: str | None = None
     options: Mapping[str, object] | None = None
 
     def __post_init__(self) -> None:
@@ -30,11 +31,6 @@ class Asked:
         check_least(0, seed=self.seed)
         check_seconds("time_limit", self.time_limit, none_of_it=False)
         check_one_of("objective", self.objective, OBJECTIVES)
-
-    @property
-    def time_discounts(self) -> bool:
-        """Whether later rewards are discounted by time, and not by the number of actions before."""
-        return self.objective == "time"
 
     def of(
         self, problem: Problem, seed: int | None, planners: Sequence[str]

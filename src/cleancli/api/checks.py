@@ -8,7 +8,7 @@ from collections.abc import Collection
 
 from cleancli.planning.plan import BadOption
 
-OBJECTIVES = ("reward", "time")
+DISCOUNTING = ("reward", "time")
 """What may discount later rewards."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from cleancli.api.checks import OBJECTIVES, check_between, check_one_of, check_seconds
+from cleancli.api.checks import DISCOUNTING, check_between, check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_domain, load_problem
 from cleancli.api.learned import check_writable
 from cleancli.api.lessons import Counting, is_own_file
@@ -122,7 +122,7 @@ def execute_series(
     """
     check_one_of("strategy", strategy, tuple(STRATEGIES))
     check_one_of("planner", planner, tuple(PLANNERS))
-    check_one_of("objective", objective, OBJECTIVES)
+    check_one_of("objective", objective, DISCOUNTING)
     check_one_of("job", job, [each.value for each in Job])
     check_one_of("optimism", optimism, OPTIMISM)
     check_between(0, MOST, seed=seed, known=known, max_actions=max_actions)

@@ -13,6 +13,7 @@ from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
+from cleancli.compiler.task import Objective
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -20,7 +21,7 @@ from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.evaluation.value import evaluate as values_of
-from cleancli.planning.plan import Plan
+from cleancli.planning.plan import Plan, Reached
 from cleancli.planning.planners.prada import PradaOptions
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
@@ -31,6 +32,7 @@ _NOTHING = {
     "horizon": "nothing to do: the horizon is 0, so a plan has no steps",
     "no rule": "nothing to do: no rule of any action covers this state;"
     " `cleancli explain` says of an action what its rules lack",
+    "out of reach": "nothing to do: the goal is out of reach, whatever is done",
     "margin": "nothing worth doing: no plan found is worth more than that"
     " (for prada and aprada, {margin:g} more)",
 }
@@ -41,7 +43,8 @@ _BESIDE = ("objects", "margin", "counted")
 
 @dataclass(frozen=True, slots=True)
 class PlanResult:
-    """A plan, as docs/python.md lists it. `explained` is None unless that was asked for."""
+    """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
+    is unlimited; `explained` is None unless that was asked for."""
 
     problem: str
     planner: str
@@ -49,13 +52,14 @@ class PlanResult:
     value: float
     measure: str
     samples: int
-    horizon: int
+    horizon: int | None
     coverage: float | None
     goal_reached: bool
     empty_because: str | None
     ignored: tuple[str, ...]
     left_out: tuple[str, ...]
     seconds: Mapping[str, float]
+    reached: Reached | None
     explained: Expected | None
     objects: int
     margin: float
@@ -63,7 +67,7 @@ class PlanResult:
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
-        return _dictionary(self, _BESIDE)
+        return _dictionary(self, _BESIDE if self.reached is not None else (*_BESIDE, "reached"))
 
     def __str__(self) -> str:
         steps = [f"{number:3}. {action}" for number, action in enumerate(self.plan, start=1)]
@@ -89,6 +93,9 @@ class PlanResult:
     def ending(self) -> Iterator[str]:
         """What stands below the steps: what was not planned for, and the value."""
         yield from not_planned_for(self.left_out, self.ignored, self.counted)
+        if self.reached is not None:
+            yield from reached_lines(self.reached, self.planner)
+            return
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
         coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"
         yield (
@@ -157,7 +164,7 @@ def plan(
     seed: int | None = None,
     time_limit: float | None = None,
     threads: int | None = None,
-    objective: str = "reward",
+    objective: str | None = None,
     options: Mapping[str, object] | None = None,
     explain: bool = False,
 ) -> PlanResult:
@@ -186,7 +193,7 @@ def evaluate(
     samples: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
-    objective: str = "reward",
+    objective: str | None = None,
     options: Mapping[str, object] | None = None,
     explain: bool = False,
 ) -> EvaluationResult:
@@ -224,6 +231,7 @@ def plan_result(
         ignored=job.ignored,
         left_out=job.left_out,
         seconds=dict(seconds),
+        reached=found.reached,
         explained=None if expected is None else expected_of(job, expected),
         objects=len(job.problem.objects),
         margin=_margin(job),
@@ -251,6 +259,23 @@ def evaluation_result(
         seconds=dict(seconds),
         explained=None if expected is None else expected_of(job, expected),
     )
+
+
+_TAKES = {
+    Objective.PROBABILITY: "actions",
+    Objective.COST: "cost",
+    Objective.TIME: "seconds",
+}
+"""What a policy without a horizon is to take little of."""
+
+
+def reached_lines(reached: Reached, planner: str) -> Iterator[str]:
+    """What a policy without a horizon is worth, and how wrong that may be."""
+    yield (
+        f"reaches the goal with probability {reached.probability:.10g} (± {reached.probability_error:.1g}),"
+        f" expected {_TAKES[reached.objective]} {reached.cost:.10g} (± {reached.cost_error:.1g})"
+    )
+    yield f"the policy of {planner}, horizon unlimited, {plural(reached.states, 'state')}"
 
 
 def not_planned_for(left_out: Sequence[str], ignored: Sequence[str], counted: int) -> Iterator[str]:
@@ -283,7 +308,7 @@ def _request(
             looked.problem,
             planners,
             options,
-            time_discounts=asked.time_discounts,
+            objective=asked.objective,
             calls=calls,
             left_out=looked.left_out,
         )

@@ -25,7 +25,7 @@ from cleancli.api.run_session import (
 )
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.task import NoDurationError
+from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
@@ -35,7 +35,7 @@ from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Problem, Unlimited
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import KNOWN
 from cleancli.planning.plan import BadOption
@@ -49,6 +49,7 @@ from cleancli.recording.run_folder import Recorder, write_run
 from cleancli.recording.series import to_go_on_from
 from cleancli.report.run import FORMAT, LARGEST_HEADER, Run
 from cleancli.scene.calibration import as_text
+from cleancli.scene.model import Scene
 
 _SHORT = 0.05
 """Seconds that are shown as 0.0."""
@@ -238,6 +239,7 @@ def inputs_of(
     Raises Refused (E902) where time is asked for and one is not known, BadOption where what is hoped of
     unknown rules makes no difference."""
     _check_optimism(asked)
+    _check_horizon(given.model, asked.optimism, objective)
     with planning_refused(given.sources):
         by_time = _by_time(objective, given.domain.model)
     chosen = next(n for n in (seed, given.model.seed, asked.seed) if n is not None)
@@ -259,6 +261,14 @@ def _check_optimism(asked: EpisodeOptions) -> None:
         raise BadOption(f"optimism {asked.optimism} is about rules that are being learned: ask for learning")
     if STRATEGIES[asked.strategy].planner is None:
         raise BadOption(f"optimism {asked.optimism} is for plans, and the strategy {asked.strategy} has none")
+
+
+def _check_horizon(given: Problem | Scene, optimism: str, objective: str | None) -> None:
+    if isinstance(given, Problem) and isinstance(given.horizon, Unlimited):
+        if optimism != "prior":
+            raise BadOption(f"optimism {optimism} hopes for reward, and without a horizon none counts")
+        if objective == Objective.REWARD.value:
+            raise BadOption("without a horizon no reward counts: the objective is time, or left out")
 
 
 def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str) -> RunResult:

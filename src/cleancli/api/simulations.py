@@ -20,6 +20,8 @@ from cleancli.api.plain import fields_of, plain
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
+from cleancli.compiler.rewards import usual_objective
+from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -75,6 +77,13 @@ class SimulationResult:
         """A row for each planner."""
         compared = len(self.planners) > 1
         columns = ["planner", "return", "plain", "actions", "robot s", "success %", "ms/plan", "95 %"]
+        if self.objective == Objective.PROBABILITY.value:
+            del columns[1:3]
+            return TextTable(tuple(columns), tuple((one.planner, *_done(one)) for one in self.planners))
+        if self.objective == Objective.COST.value:
+            columns[1:3] = ["cost"]
+            rows = ((one.planner, _mean(one.cost, 3), *_done(one)) for one in self.planners)
+            return TextTable(tuple(columns), tuple(rows))
         if compared:
             columns.insert(2, "over first")
         return TextTable(tuple(columns), tuple(_row(each, compared) for each in self.planners))
@@ -101,7 +110,7 @@ def simulate(
     max_actions: int = 60,
     commit: int = 1,
     jobs: int = 1,
-    objective: str = "reward",
+    objective: str | None = None,
     record: str | Path | None = None,
 ) -> SimulationResult:
     """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
@@ -153,7 +162,7 @@ def batch(
         chosen,
         options,
         limits,
-        asked.time_discounts,
+        asked.objective,
     )
 
 
@@ -172,7 +181,7 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         problem=setup.problem.name,
         domain=setup.domain.name,
         world=setup.world.name,
-        objective="time" if setup.timed else "reward",
+        objective=setup.objective or usual_objective(setup.domain, setup.problem).value,
         options=options,
         max_actions=setup.limits.max_actions,
         commit=setup.limits.commit,
@@ -205,10 +214,13 @@ def write_experience(setup: Batch, result: SimulationResult, path: Path) -> None
 
 def _row(summary: Summary, compared: bool) -> tuple[str, ...]:
     gain = [_mean(summary.gain, 3)] if compared else []
-    found = [_mean(summary.plain, 3), _mean(summary.actions, 2), _mean(summary.seconds, 1)]
+    returned = [_mean(summary.discounted, 3), *gain, _mean(summary.plain, 3)]
+    return (summary.planner, *returned, *_done(summary))
+
+
+def _done(summary: Summary) -> tuple[str, ...]:
     planning = [_milliseconds(spent) for spent in (summary.planning_median, summary.planning_95)]
-    returned = _mean(summary.discounted, 3)
-    return (summary.planner, returned, *gain, *found, _share(summary.success), *planning)
+    return (_mean(summary.actions, 2), _mean(summary.seconds, 1), _share(summary.success), *planning)
 
 
 def _mean(estimate: Estimate | None, digits: int) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import click
 
+from cleancli.api.checks import DISCOUNTING
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import DEFAULT, MATCHES
@@ -41,15 +42,12 @@ def time_limit(of: str) -> Option:
     return click.option("--time-limit", type=kind, help=f"Seconds for {of}; see the docs.")
 
 
-def objective(note: str = "", usual: str | None = "reward") -> Option:
-    """What discounts; `usual` is None where that depends, which the note tells."""
-    return click.option(
-        "--objective",
-        type=click.Choice(["reward", "time"]),
-        default=usual,
-        show_default=usual is not None,
-        help=f"What discounts later rewards: the number of actions before, or their duration.{note}",
-    )
+def objective(choices: Sequence[str], usual: str = "reward; without a horizon see the docs") -> Option:
+    """What plans are best by."""
+    help = "What discounts later rewards: the number of actions before (reward), or their duration (time)."
+    if len(choices) > len(DISCOUNTING):
+        help += " Without a horizon: what reaching the goal is to take little of, as surely as can be."
+    return click.option("--objective", type=click.Choice(list(choices)), help=f"{help}  [default: {usual}]")
 
 
 def learning() -> Option:

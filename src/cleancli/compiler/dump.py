@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cleancli.compiler.task import GroundAction, GroundCondition, GroundOutcome, Task, literal_text
+from cleancli.compiler.task import (
+    GroundAction,
+    GroundCondition,
+    GroundOutcome,
+    Task,
+    horizon_text,
+    literal_text,
+)
 from cleancli.language.model import Value
 
 
@@ -20,7 +27,7 @@ def as_data(task: Task) -> dict[str, object]:
     `action` an index into the actions.
     """
     return {
-        "horizon": task.horizon,
+        "horizon": task.steps,
         "discount": task.discount,
         "variables": [
             {
@@ -61,7 +68,7 @@ def as_data(task: Task) -> dict[str, object]:
 
 
 def _lines(task: Task) -> Iterator[str]:
-    yield f"horizon {task.horizon}"
+    yield f"horizon {horizon_text(task.steps)}"
     yield f"discount {task.discount:g}"
     for variable, value in zip(task.variables, task.initial, strict=True):
         values = " | ".join(_value(v) for v in variable.values)

@@ -19,12 +19,14 @@ from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_ma
 from cleancli.compiler.instances import instances
 from cleancli.compiler.partial_evaluation import Conditions
 from cleancli.compiler.relaxed_reachability import Reach
-from cleancli.compiler.rewards import costs_of, rewards_of, waiting_can_pay
+from cleancli.compiler.rewards import costs_of, rewards_of, usual_objective, waiting_can_pay
 from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import (
     GroundAction,
     GroundOutcome,
     GroundRule,
+    Objective,
+    Reaching,
     Task,
     literal_text,
 )
@@ -71,7 +73,20 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
         step=_step(domain),
         untimed=tuple(sorted(action.name for action in domain.actions if action.duration is None)),
         waiting=waiting,
+        reaching=_reaching(domain, problem, actions),
     )
+
+
+def _reaching(domain: Domain, problem: Problem, actions: Sequence[GroundAction]) -> Reaching | None:
+    """What counts without a horizon, unless something else is asked for; None with one."""
+    objective = usual_objective(domain, problem)
+    match objective:
+        case Objective.COST:
+            return Reaching(objective, tuple(action.declared_cost for action in actions))
+        case Objective.PROBABILITY:
+            return Reaching(objective, (Fraction(1),) * len(actions))
+        case Objective.REWARD | Objective.TIME:
+            return None
 
 
 def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
@@ -193,9 +208,11 @@ def _ground_actions(
     domain: Domain, found: Iterable[Case], named: Collection[Called]
 ) -> tuple[GroundAction, ...]:
     durations = {action.name: action.duration for action in domain.actions}
-    costs = costs_of(domain)
+    costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}
     names = sorted({(domain.rules[case.rule].action, case.objects) for case in found} | set(named))
-    return tuple(GroundAction(name, objects, durations[name], costs[name]) for name, objects in names)
+    return tuple(
+        GroundAction(name, objects, durations[name], costs[name], declared[name]) for name, objects in names
+    )
 
 
 def _step(domain: Domain) -> float | None:

@@ -16,10 +16,10 @@ from cleancli.compiler.encoding import Numbering
 from cleancli.compiler.ground_formula import Formula, Known, disjoint
 from cleancli.compiler.instances import closure_refused
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
-from cleancli.compiler.task import GroundCondition, RewardCondition, condition_order, held
+from cleancli.compiler.task import GroundCondition, Objective, RewardCondition, condition_order, held
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, wanted_decreased
+from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, Unlimited, wanted_decreased
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,8 @@ def rewards_of(
             case RewardKind.COST:
                 pass  # is paid by the action
     decreasing = wanted_decreased(domain)
-    horizon = problem.horizon or Horizon(1, decreasing)
+    horizon = Horizon(0) if isinstance(problem.horizon, Unlimited) else problem.horizon
+    horizon = horizon or Horizon(1, decreasing)
     lengthening = () if horizon.count is None else counts[horizon.count]
     return Rewards(
         rewards=tuple(
@@ -90,6 +91,14 @@ def costs_of(domain: Domain) -> dict[str, Fraction]:
     """What each action costs, in units of the reward that a step loses by it."""
     weight = sum((term.weight for term in domain.reward if term.kind is RewardKind.COST), Fraction(0))
     return {action.name: -weight * action.cost for action in domain.actions}
+
+
+def usual_objective(domain: Domain, problem: Problem) -> Objective:
+    """What a plan is to be best by where nothing else is asked for: the reward, and without a horizon costs
+    where the domain has some, or else how many actions it takes."""
+    if not isinstance(problem.horizon, Unlimited):
+        return Objective.REWARD
+    return Objective.COST if any(action.cost for action in domain.actions) else Objective.PROBABILITY
 
 
 def _name(count: str | None) -> str:

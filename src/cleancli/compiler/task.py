@@ -8,6 +8,7 @@ can change anything is listed only where `waiting` says so, or where it was aske
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -37,12 +38,13 @@ GroundState = tuple[int, ...]
 @dataclass(frozen=True, slots=True, order=True)
 class GroundAction:
     """An action for some objects; `duration` in seconds, None where the domain does not say; `cost` is what
-    the reward of a step loses by it."""
+    the reward of a step loses by it, `declared_cost` what the domain says that it costs."""
 
     name: str
     objects: tuple[str, ...]
     duration: float | None
     cost: Fraction = Fraction(0)
+    declared_cost: Fraction = Fraction(0)
 
     @property
     def key(self) -> tuple[str, tuple[str, ...]]:
@@ -88,6 +90,25 @@ class RewardCondition:
     state: Fraction
 
 
+class Objective(enum.Enum):
+    """What is to be greatest or least. Up to a horizon: the reward, where steps discount or where time does.
+    Without one: the probability of the goal, and then what it takes to reach it: actions, costs or time."""
+
+    REWARD = "reward"
+    TIME = "time"
+    COST = "cost"
+    PROBABILITY = "probability"
+
+
+@dataclass(frozen=True, slots=True)
+class Reaching:
+    """What planning is for without a horizon: first that the goal is reached, whenever that is, and then that
+    it costs little until then; `costs` are those of the actions by the objective, 0 or more each."""
+
+    objective: Objective
+    costs: tuple[Fraction, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Task:
     """A grounded problem.
@@ -106,6 +127,8 @@ class Task:
 
     `waiting`: standing still can pay, so an action that changes nothing is a choice like others where a rule
     covers it; otherwise it is never better than what comes next, and planners leave it out.
+
+    Where the problem has no horizon, `reaching` is what counts; `horizon` is 0 then, and no reward counts.
     """
 
     variables: tuple[StateVariable, ...]
@@ -123,6 +146,12 @@ class Task:
     step: float | None
     untimed: tuple[str, ...]
     waiting: bool
+    reaching: Reaching | None = None
+
+    @property
+    def steps(self) -> int | None:
+        """The horizon; None where the problem has none."""
+        return self.horizon if self.reaching is None else None
 
 
 def holds(condition: GroundCondition, assignment: GroundState) -> bool:
@@ -165,8 +194,12 @@ def without(task: Task, excluded: Collection[tuple[str, tuple[str, ...]]]) -> Ta
     if len(kept) == len(task.actions):
         return task
     new = {old: index for index, old in enumerate(kept)}
+    reaching = task.reaching
+    if reaching is not None:
+        reaching = replace(reaching, costs=tuple(reaching.costs[i] for i in kept))
     return replace(
         task,
+        reaching=reaching,
         actions=tuple(task.actions[i] for i in kept),
         rules=tuple(replace(rule, action=new[rule.action]) for rule in task.rules if rule.action in new),
         discounts=tuple(task.discounts[i] for i in kept),
@@ -206,6 +239,11 @@ class NoDurationError(ValueError):
     def __init__(self, actions: Sequence[str]) -> None:
         super().__init__(f"no duration: {', '.join(actions)}")
         self.actions = tuple(actions)
+
+
+def horizon_text(steps: int | None) -> str:
+    """A horizon as a problem writes it, None for one without a limit."""
+    return "unlimited" if steps is None else str(steps)
 
 
 def condition_order(condition: GroundCondition) -> tuple[tuple[int, tuple[int, ...]], ...]:

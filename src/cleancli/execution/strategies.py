@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import by_time, lasting, without
+from cleancli.compiler.task import Objective, lasting, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions
 from cleancli.planning.compiled_task import prepare
+from cleancli.planning.objective import aimed
 from cleancli.planning.plan import Options
 from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.registry import DEFAULT, PLANNERS
@@ -36,7 +37,7 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
     problem = fewer(now.domain, now.problem, asked.counted).problem
     task = without(ground(now.domain, problem), now.excluded)
     if options.by_time:
-        task = by_time(lasting(task, now.seconds(task.actions)))
+        task = aimed(lasting(task, now.seconds(task.actions)), Objective.TIME.value)
     plan = PLANNERS[options.planner or planner](prepare(task), asked)
     chosen = plan.actions[:commit]
     moves = tuple(Move(action.name, action.objects) for action in chosen)

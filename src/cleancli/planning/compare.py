@@ -16,7 +16,7 @@ from cleancli.planning.planner import Planner
 @dataclass(frozen=True, slots=True)
 class Comparison:
     """A planner's plan, or why it refused; `true` is what its actions are worth as a sequence: exactly, or
-    by rollouts where too many states may occur."""
+    by rollouts where too many states may occur. Without a horizon it is None: a sequence has no end there."""
 
     planner: str
     plan: Plan | None
@@ -34,6 +34,9 @@ def compared(planners: Iterable[Planner[Any]], prepared: Prepared, options: Opti
             yield Comparison(planner.name, None, None, str(error))
             continue
         actions = [number[action] for action in plan.actions]
+        if prepared.task.reaching is not None:
+            yield Comparison(planner.name, plan, None)
+            continue
         true: float | Sampled | None = exact(prepared, actions)
         if true is None:
             true = sampled(prepared, actions, options.seed)

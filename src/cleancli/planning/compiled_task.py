@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from cleancli.compiler.lowering.belief_tables import Tables, lower
 from cleancli.compiler.lowering.state_tables import Process, lower_process
@@ -16,6 +18,7 @@ class _Arrays:
 
     def __init__(self, task: Task) -> None:
         self._task = task
+        self.solutions: dict[Hashable, Any] = {}
 
     @cached_property
     def tables(self) -> Tables:
@@ -54,6 +57,11 @@ class Prepared:
         arrays, task, forget = self._arrays.forgetful
         initial = forget(self.task.initial)
         return Prepared(replace(task, initial=initial, horizon=self.task.horizon), arrays)
+
+    @property
+    def solutions(self) -> dict[Hashable, Any]:
+        """What a planner has worked out for all states that it met, to be kept by whatever tells it apart."""
+        return self._arrays.solutions
 
     def at(self, assignment: GroundState, horizon: int | None = None) -> Prepared:
         """The task in another state, with the horizon that it has there unless one is given."""

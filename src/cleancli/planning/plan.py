@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from cleancli.compiler.task import GroundAction
+from cleancli.compiler.task import GroundAction, Objective
 
 V = TypeVar("V", int, float, str)
 
@@ -42,9 +42,26 @@ class Options:
 
 
 @dataclass(frozen=True, slots=True)
+class Reached:
+    """What a policy without a horizon is worth: the `probability` that it reaches the goal, and the expected
+    `cost` until then, or until the goal is out of reach, in actions, costs or seconds as the `objective` is.
+
+    Both are wrong by no more than their `error`, of as many `states` as can be reached.
+    """
+
+    objective: Objective
+    probability: float
+    probability_error: float
+    cost: float
+    cost_error: float
+    states: int
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """A sequence of actions and its value: expected discounted reward up to the horizon, though the sequence
-    may end before it.
+    may end before it. Without a horizon, which is None then, the value is the probability of the goal, the
+    sequence the likeliest way to it, and `reached` says more.
 
     `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
     (the sequence's own), or "policy" (of acting on what is seen, of which the sequence is the likeliest
@@ -57,9 +74,10 @@ class Plan:
     value: float
     measure: str
     samples: int
-    horizon: int
+    horizon: int | None
     coverage: float | None
     seconds: Mapping[str, float]
+    reached: Reached | None = None
 
 
 class BadOption(ValueError):
@@ -81,14 +99,14 @@ class PlanningRefused(ValueError):
 class TooManyStatesError(PlanningRefused):
     """A planner that must know all states has `reached` more than the `limit`."""
 
-    def __init__(self, reached: int, limit: int) -> None:
+    def __init__(self, reached: int, limit: int, help: str = "") -> None:
         super().__init__(
             f"{reached} states reached, and there are more; the limit is {limit}",
-            "raise it by `--option states=...`, or plan with `prada+` or `prada`",
+            help or "raise it by `--option states=...`, or plan with `prada+` or `prada`",
         )
         self.reached = reached
         self.limit = limit
 
-    def __reduce__(self) -> tuple[type[TooManyStatesError], tuple[int, int]]:
+    def __reduce__(self) -> tuple[type[TooManyStatesError], tuple[int, int, str]]:
         """Exceptions are pickled by their message, from which this one could not be made again."""
-        return TooManyStatesError, (self.reached, self.limit)
+        return TooManyStatesError, (self.reached, self.limit, self.help)

@@ -16,10 +16,10 @@ from cleancli.planning.planners.sst import SstOptions, sst
 from cleancli.planning.planners.uct import UctOptions, uct
 
 _PLANNERS: tuple[Planner[Any], ...] = (
-    Planner("prada+", prada_plus, PradaPlusOptions()),
+    Planner("prada+", prada_plus, PradaPlusOptions(), reaches=True),
     Planner("prada", prada, PradaOptions()),
     Planner("aprada", aprada, PradaOptions()),
-    Planner("exact", exact, ExactOptions()),
+    Planner("exact", exact, ExactOptions(), reaches=True),
     Planner("uct", uct, UctOptions()),
     Planner("sst", sst, SstOptions()),
     Planner("likeliest", likeliest, DeterminizedOptions()),

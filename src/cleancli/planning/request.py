@@ -8,10 +8,11 @@ from typing import Any
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, reaches_goal
-from cleancli.compiler.task import Task, by_time
+from cleancli.compiler.task import Task
 from cleancli.language.calls import Call
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.compiled_task import Prepared, prepare
+from cleancli.planning.objective import aimed
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner
 from cleancli.planning.reductions.subproblem import Fewer, fewer
@@ -42,7 +43,7 @@ def requested(
     planners: tuple[Planner[Any], ...],
     options: Options,
     *,
-    time_discounts: bool = False,
+    objective: str | None = None,
     calls: Sequence[Call] | None = None,
     left_out: tuple[str, ...] = (),
 ) -> PlanningRequest:
@@ -52,7 +53,7 @@ def requested(
     if calls is None and not options.compat:
         smaller = fewer(domain, problem, options.counted)
     task = ground(domain, smaller.problem, compat=options.compat, named=calls or ())
-    prepared = prepare(by_time(task) if time_discounts else task)
+    prepared = prepare(aimed(task, objective))
     return PlanningRequest(domain, smaller.problem, prepared, planners, options, smaller.ignored, left_out)
 
 
@@ -63,11 +64,11 @@ def numbered(task: Task, calls: Sequence[Call]) -> list[int]:
 
 
 def why_nothing(task: Task) -> str:
-    """Why an empty plan is: a word for programs ("goal", "horizon", "no rule" or "margin")."""
+    """Why an empty plan is, for programs: "goal", "horizon", "no rule", "margin" or "out of reach"."""
     if reaches_goal(task, task.initial):
         return "goal"
-    if task.horizon <= 0:
+    if task.steps is not None and task.steps <= 0:
         return "horizon"
     if all(covering_rule(task, task.initial, action) is None for action in range(len(task.actions))):
         return "no rule"
-    return "margin"
+    return "margin" if task.reaching is None else "out of reach"

@@ -6,9 +6,10 @@ import time
 from dataclasses import dataclass, replace
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import GroundState, by_time
+from cleancli.compiler.task import GroundState
 from cleancli.language.model import Domain, Object, Problem, State
 from cleancli.planning.compiled_task import Prepared, prepare
+from cleancli.planning.objective import aimed
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Plans
 from cleancli.planning.reductions.subproblem import fewer
@@ -37,9 +38,11 @@ class Agent:
     """A planner that sees all. Grounds its rules again only where other rules than these have changed
     what these can't."""
 
-    def __init__(self, planner: Plans, domain: Domain, problem: Problem, timed: bool = False) -> None:
+    def __init__(
+        self, planner: Plans, domain: Domain, problem: Problem, objective: str | None = None
+    ) -> None:
         self._planner = planner
-        self._domain, self._problem, self._timed = domain, problem, timed
+        self._domain, self._problem, self._objective = domain, problem, objective
         self._views: list[_View] = []
 
     def plan(self, facts: State, options: Options, horizon: int | None = None) -> tuple[Plan, float]:
@@ -60,6 +63,6 @@ class Agent:
             if assignment is not None:
                 return view.prepared.at(assignment, horizon)
         task = ground(self._domain, problem)
-        task = by_time(task) if self._timed else task
+        task = aimed(task, self._objective)
         self._views.append(_View(prepare(task), unchanging_facts(task, problem.state), problem.objects))
         return self._views[-1].prepared.at(task.initial, horizon)

@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from typing import Any
 
+from cleancli.compiler.task import Objective
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
@@ -23,8 +24,8 @@ CHUNKS = 8
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What is simulated: `domain` is what the planners know, `world` what holds. Where `timed`,
-    time discounts and not steps."""
+    """What is simulated: `domain` is what the planners know, `world` what holds; `objective` as
+    planning/objective.py has them, None for the usual one."""
 
     domain: Domain
     world: Domain
@@ -32,7 +33,12 @@ class Batch:
     planners: tuple[Planner[Any], ...]
     options: Options
     limits: EpisodeLimits
-    timed: bool = False
+    objective: str | None = None
+
+    @property
+    def timed(self) -> bool:
+        """Whether time discounts rewards, and not the number of actions."""
+        return self.objective == Objective.TIME.value
 
 
 Round = tuple[Episode, ...]
@@ -42,7 +48,7 @@ Round = tuple[Episode, ...]
 def rounds(setup: Batch, numbers: Sequence[int]) -> Iterator[Round]:
     """The numbered episodes of each planner. Raises `Refused`, `NoDurationError` and what planners raise."""
     world = world_of(setup.world, setup.problem, setup.timed)
-    agents = [Agent(planner, setup.domain, setup.problem, setup.timed) for planner in setup.planners]
+    agents = [Agent(planner, setup.domain, setup.problem, setup.objective) for planner in setup.planners]
     for number in numbers:
         yield tuple(episode(world, agent, number, setup.options, setup.limits) for agent in agents)
 

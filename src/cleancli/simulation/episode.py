@@ -39,8 +39,9 @@ class Episode:
     """What came of one closed loop.
 
     The returns count `max_actions` steps: after the end nothing is done, and the state is paid for what it
-    is. `success` is None where there is neither a goal nor a count to decrease. `seconds` of robot time, None
-    where a duration is not declared; `planning` in seconds, a number per plan.
+    is. `success` is None where there is neither a goal nor a count to decrease. `cost` is that of all actions
+    as declared; `seconds` of robot time, None where a duration is not declared; `planning` in seconds, a
+    number per plan.
     """
 
     number: int
@@ -49,6 +50,7 @@ class Episode:
     discounted: float
     plain: float
     actions: tuple[GroundAction, ...]
+    cost: float
     seconds: float | None
     planning: tuple[float, ...]
 
@@ -93,6 +95,7 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
         discounted,
         plain,
         tuple(step.action for step in steps),
+        sum(step.cost for step in steps),
         sum(durations) if len(durations) == len(steps) else None,
         tuple(planning),
     )

@@ -38,6 +38,7 @@ class Summary:
     plain: Estimate
     gain: Estimate | None
     actions: Estimate
+    cost: Estimate
     seconds: Estimate | None
     success: Estimate | None
     planning_median: float | None
@@ -56,6 +57,7 @@ def summarized(planner: str, episodes: Sequence[Episode], first: Sequence[Episod
         plain=mean_of([episode.plain for episode in episodes]),
         gain=None if first is None else _gain(episodes, first),
         actions=mean_of([float(len(episode.actions)) for episode in episodes]),
+        cost=mean_of([episode.cost for episode in episodes]),
         seconds=_seconds(episodes),
         success=_success(episodes),
         planning_median=_quantile(planning, 0.5),

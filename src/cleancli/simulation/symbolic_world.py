@@ -39,12 +39,13 @@ class World:
 @dataclass(frozen=True, slots=True)
 class DrawnStep:
     """An action done: its `reward` (eq. 2 and what else is paid), `payment` and `discount` as in the task,
-    and its duration in seconds where the world's domain declares one."""
+    what it costs by the world's domain, and its duration in seconds where that declares one."""
 
     action: GroundAction
     reward: float
     payment: float
     discount: float
+    cost: float
     seconds: float | None
 
 
@@ -54,7 +55,7 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
     Raises `Refused` (E6xx) and `NoDurationError`.
     """
     grounded, costs = ground(domain, problem), costs_of(domain)
-    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name]) for a in domain.actions)
+    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name], a.cost) for a in domain.actions)
     actions = grounded.actions + idle
     task = replace(grounded, actions=actions, discounts=(grounded.discount,) * len(actions))
     return World(
@@ -106,8 +107,8 @@ def do(
     if drawn is None:
         rng.random()
     paid = reward(task, state, number, after)
-    seconds = task.actions[number].duration
-    return DrawnStep(action, paid, payment(task, number), task.discounts[number], seconds), after
+    cost, seconds = float(task.actions[number].declared_cost), task.actions[number].duration
+    return DrawnStep(action, paid, payment(task, number), task.discounts[number], cost, seconds), after
 
 
 def succeeded(world: World, state: GroundState) -> bool | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
+from cleancli.api.checks import DISCOUNTING
 from cleancli.api.lessons import Counting, is_own_file
 from cleancli.api.runs import (
     OpenedRun,
@@ -69,7 +70,7 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     "--planner", type=click.Choice(list(PLANNERS)), help="[default: all-outcomes for determinized, or prada+]"
 )
 @options.samples("Action sequences to draw for each plan.", 10_000, MOST)
-@options.objective("  [default: time, if the domain says how long each action takes]", usual=None)
+@options.objective(DISCOUNTING, "time, if the domain says how long each action takes")
 @click.option(
     "--job",
     type=click.Choice([job.value for job in Job]),

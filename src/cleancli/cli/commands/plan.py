@@ -24,6 +24,7 @@ from cleancli.planning.choice import planner_named, planner_options, planners_na
 from cleancli.planning.compare import compared
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import evaluate
+from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.planning.request import PlanningRequest, numbered, requested
@@ -65,7 +66,7 @@ class _Wanted:
 @options.seed(usual="the problem's or the scene's, or 1")
 @options.time_limit("the search")
 @click.option("--threads", type=click.IntRange(min=1), help="Threads at most. [default: 2]")
-@options.objective()
+@options.objective(OBJECTIVES)
 @click.option(
     "--compat",
     type=click.Choice(["libprada"]),
@@ -86,7 +87,7 @@ def command(
     seed: int | None,
     time_limit: float | None,
     threads: int | None,
-    objective: str,
+    objective: str | None,
     compat: str | None,
     named: tuple[str, ...],
     as_data: bool,
@@ -124,7 +125,7 @@ def command(
                 given,
                 planners,
                 options,
-                time_discounts=objective == "time",
+                objective=objective,
                 calls=calls,
                 left_out=looked.left_out,
             )

@@ -20,7 +20,7 @@ from cleancli.cli.command_table import command_of
 from cleancli.cli.inputs import open_loaded
 from cleancli.cli.observe import open_both
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import Task, horizon_text
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Action, DerivedPredicate, Domain, Knowledge, Problem, Rule, Symbol, Type
@@ -47,7 +47,7 @@ class Sizes:
     variables: int
     rules: Counter[int]
     actions: Counter[str]
-    horizon: int
+    horizon: int | None
     samples: int
     coverage: float
 
@@ -81,7 +81,7 @@ def _sizes(problem: Problem, domain: Domain, task: Task, samples: int) -> Sizes:
         len(task.variables),
         Counter(rule.rule for rule in task.rules),
         Counter(action.name for action in task.actions),
-        task.horizon,
+        task.steps,
         samples,
         coverage(task, samples),
     )
@@ -126,7 +126,7 @@ def _parts(domain: Domain, sizes: Sizes | None) -> Iterator[RenderableType]:
         yield Text(
             f"problem {sizes.problem}: {plural(sizes.objects, 'object')},"
             f" {plural(sizes.variables, 'state variable')}, {plural(sizes.actions.total(), 'action')},"
-            f" {plural(sizes.rules.total(), 'rule')}; horizon {sizes.horizon},"
+            f" {plural(sizes.rules.total(), 'rule')}; horizon {horizon_text(sizes.horizon)},"
             f" coverage {sizes.coverage:.3g} by {plural(sizes.samples, 'sample')} (eq. 3)"
         )
 

@@ -17,6 +17,7 @@ from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.simulated import echo_simulation
 from cleancli.language.load import located_in
+from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import spread
@@ -50,7 +51,7 @@ from cleancli.simulation.episode import EpisodeLimits
     help="Actions of a plan to do before planning again (§4.2.4).",
 )
 @options.jobs("Processes.")
-@options.objective()
+@options.objective(OBJECTIVES)
 @click.option(
     "--record",
     type=options.FILE,
@@ -70,7 +71,7 @@ def command(
     max_actions: int,
     commit: int,
     jobs: int,
-    objective: str,
+    objective: str | None,
     record: Path | None,
     as_data: bool,
 ) -> None:

@@ -12,6 +12,7 @@ from cleancli.api.plain import plain
 from cleancli.api.plans import EvaluationResult, PlanResult, not_planned_for
 from cleancli.cli.kernels import has_compiled
 from cleancli.cli.views.tables import plain_table, print_table, table_of
+from cleancli.compiler.task import horizon_text
 from cleancli.planning.compare import Comparison
 from cleancli.planning.evaluation.value import Sampled
 from cleancli.planning.plan import Plan
@@ -53,7 +54,7 @@ def echo_comparison(job: PlanningRequest, rows: Sequence[Comparison], as_data: b
     """A row for each planner."""
     if as_data:
         planners = [_row_data(row) for row in rows]
-        common = {"problem": job.problem.name, "horizon": job.task.horizon, **_not_planned_for(job)}
+        common = {"problem": job.problem.name, "horizon": job.task.steps, **_not_planned_for(job)}
         _echo_data({**common, "planners": planners})
         return
     table = plain_table(
@@ -72,7 +73,9 @@ def echo_comparison(job: PlanningRequest, rows: Sequence[Comparison], as_data: b
         table.add_row(row.planner, first, *numbers)
     print_table(table)
     _echo_lines(not_planned_for(job.left_out, job.ignored, job.options.counted))
-    click.echo(f"horizon {job.task.horizon}; true value: of doing the plan's actions, whatever happens")
+    click.echo(
+        f"horizon {horizon_text(job.task.steps)}; true value: of doing the plan's actions, whatever happens"
+    )
 
 
 def _true(value: float | Sampled | None) -> str:

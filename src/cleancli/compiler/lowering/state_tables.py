@@ -51,6 +51,7 @@ class Process(NamedTuple):
     decrease: Floats  # (C,)
     state: Floats  # (C,)
     advance: Floats  # (C,) how much of a step's progress the end of each is
+    goal: Bools  # (C,) of which one holds where the goal does, unless it always holds
     constant: Floats  # (1,)
     waiting: Bools  # (1,) as in Task
 
@@ -95,6 +96,7 @@ def lower_process(task: Task) -> Process:
         decrease=floats(each.decrease for each in asked(task)),
         state=floats(each.state for each in asked(task)),
         advance=floats(advances(task)),
+        goal=np.array([each.condition in task.goal for each in asked(task)], dtype=np.bool_),
         constant=floats([task.constant_reward]),
         waiting=np.array([task.waiting]),
     )

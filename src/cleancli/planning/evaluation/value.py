@@ -19,7 +19,7 @@ from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.forecast import FEW_STATES, drawn_course, exact_course
 from cleancli.planning.evaluation.state_distribution import ahead, paying
-from cleancli.planning.plan import Options
+from cleancli.planning.plan import Options, PlanningRefused
 
 RUNS = 100_000
 """Runs that value a sequence; at a spread of one dirty area the error is 0.003. Chosen."""
@@ -49,7 +49,12 @@ class Evaluation:
 
 def evaluate(prepared: Prepared, actions: Sequence[int], options: Options, *, runs: int = RUNS) -> Evaluation:
     """The value of doing the actions, given by index, and then nothing up to the horizon; what lies beyond it
-    does not count."""
+    does not count. Raises `PlanningRefused` where the problem has no horizon."""
+    if prepared.task.reaching is not None:
+        raise PlanningRefused(
+            "a sequence is valued up to a horizon, and this problem's is unlimited",
+            "state a number of actions, `horizon = 10`, or let `cleancli simulate` carry out policies",
+        )
     actions = actions[: max(prepared.task.horizon, 0)]
     factored = plan_value(
         prepared.task, actions, rule_threshold=options.rule_threshold, compat=options.compat

@@ -13,13 +13,24 @@ if TYPE_CHECKING:
 
     from cleancli.planning.kernels import annealing as annealing
     from cleancli.planning.kernels import belief_search as belief_search
+    from cleancli.planning.kernels import decision_graph as decision_graph
+    from cleancli.planning.kernels import goal_policy as goal_policy
     from cleancli.planning.kernels import sparse_sampling as sparse_sampling
     from cleancli.planning.kernels import state_graph as state_graph
     from cleancli.planning.kernels import transitions as transitions
     from cleancli.planning.kernels import uct_tree as uct_tree
 
 _LOOPS = frozenset(
-    {"annealing", "belief_search", "sparse_sampling", "state_graph", "transitions", "uct_tree"}
+    {
+        "annealing",
+        "belief_search",
+        "decision_graph",
+        "goal_policy",
+        "sparse_sampling",
+        "state_graph",
+        "transitions",
+        "uct_tree",
+    }
 )
 
 

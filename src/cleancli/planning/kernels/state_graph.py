@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.array_types import Floats, Ints, Longs, Words
+from cleancli.array_types import Bools, Floats, Ints, Longs, Words
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
-from cleancli.planning.kernels.jit import better, njit, standing_earliness
+from cleancli.planning.kernels.jit import better, compiled, njit, standing_earliness
 from cleancli.planning.kernels.rng import mixed, split
-from cleancli.planning.kernels.transitions import covering, rewarded
+from cleancli.planning.kernels.transitions import at_goal, covering, rewarded
 
 EDGE_LIMIT = 20_000_000
 """Most transitions that are kept (240 MB). Chosen."""
@@ -100,6 +100,32 @@ def find(table: Ints, hashes: Words, states: Ints, h: np.uint64, row: int) -> np
     return place
 
 
+@compiled
+def _index(table: Ints, hashes: Words, states: Ints, state: Ints) -> int:
+    """The number of a state; -1 where it is not in the table. Hashes differ from the first state's by what is
+    different in it."""
+    mask, h = np.uint64(len(table) - 1), hashes[0]
+    for v in range(len(state)):
+        if state[v] != states[0, v]:
+            h ^= digit(v, int(states[0, v])) ^ digit(v, int(state[v]))
+    place = h & mask
+    while table[place] >= 0:
+        number, v = table[place], 0
+        while v < len(state) and states[number, v] == state[v]:
+            v += 1
+        if v == len(state):
+            return int(number)
+        place = (place + np.uint64(1)) & mask
+    return -1
+
+
+@compiled
+def _goals(p: Process, states: Ints, found: Bools) -> None:
+    """Fills in where the goal holds."""
+    for s in range(len(found)):
+        found[s] = at_goal(p, states[s])
+
+
 @njit(cache=True, nogil=True, forceinline=True)
 def change(
     start: Ints, variable: Ints, value: Ints, states: Ints, s: int, to: int, outcome: int, h: np.uint64
@@ -159,15 +185,19 @@ def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _expand(p: Process, room: _Room, used: Longs, first: int, last: int, most: int, limit: int) -> int:
-    """Adds choices and successors of the states from `first` on; returns where it stopped: before `last` if
-    the room may not do (a state has at most `most` transitions), or there are more states than `limit`."""
+def _expand(
+    p: Process, room: _Room, used: Longs, first: int, last: int, most: int, limit: int, ends: bool
+) -> int:
+    """Adds choices and successors of the states from `first` on, but not where the goal `ends` all; returns
+    where it stopped: before `last` if the room may not do (a state has at most `most` transitions), or there
+    are more states than `limit`."""
     states, choices, edges = len(room.states), len(room.choice_action), len(room.edge_successor)
     for s in range(first, last):
         short = used[0] + most > states or used[1] + len(p.cost) > choices or used[2] + most > edges
         if short or used[0] > limit:
             return s
-        _choices(p, room, used, s)
+        if not (ends and at_goal(p, room.states[s])):
+            _choices(p, room, used, s)
         room.choice_start[s + 1] = used[1]
     return last
 
@@ -205,10 +235,11 @@ def _stage(
 
 
 class Enumeration:
-    """A graph that grows by one step at a time from an initial state."""
+    """A graph that grows by one step at a time from an initial state; where the goal `ends` all, states in
+    which it holds have no choices."""
 
-    def __init__(self, process: Process, initial: GroundState, limit: int) -> None:
-        self._process, self._limit = process, limit
+    def __init__(self, process: Process, initial: GroundState, limit: int, ends: bool = False) -> None:
+        self._process, self._limit, self._ends = process, limit, ends
         outcomes = np.diff(process.outcome_start)
         rules = zip(process.rule_start[:-1], process.rule_start[1:], strict=True)
         self._most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
@@ -238,7 +269,9 @@ class Enumeration:
         """Adds the successors of the frontier; whether all had room."""
         first, last = self._expanded, self.number
         while True:
-            first = _expand(self._process, self._room, self._used, first, last, self._most, self._limit)
+            first = _expand(
+                self._process, self._room, self._used, first, last, self._most, self._limit, self._ends
+            )
             full = self.number > self._limit or self._used[2] > EDGE_LIMIT
             if first == last or full:
                 break
@@ -250,6 +283,24 @@ class Enumeration:
     def reach(self, steps: int) -> bool:
         """Expands so many steps, or as far as states go; whether all had room."""
         return all(self.expand() for _ in range(steps) if self.frontier)
+
+    def exhaust(self) -> bool:
+        """Expands as far as states go; whether all had room."""
+        while self.frontier:
+            if not self.expand():
+                return False
+        return True
+
+    def index(self, state: GroundState) -> int:
+        """The number of a state; -1 where it was not found."""
+        room, row = self._room, np.asarray(state, dtype=np.int32)
+        return int(_index(room.table, room.hashes, room.states, row))
+
+    def goals(self) -> Bools:
+        """Whether the goal holds in each of the states."""
+        found = np.zeros(self.number, dtype=np.bool_)
+        _goals(self._process, self._room.states, found)
+        return found
 
     def keep(self, layer: range, kept: Ints) -> None:
         """Forgets the frontier but for some of its states (ascending), and choices that lead to the others.

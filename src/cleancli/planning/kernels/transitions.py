@@ -85,6 +85,17 @@ def rewarded(p: Process, state: Ints) -> tuple[float, float, float]:
 
 
 @compiled
+def at_goal(p: Process, state: Ints) -> bool:
+    """Whether the problem's goal holds, where it does not always do."""
+    start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
+    rules = len(p.outcome_start) - 1
+    for c in range(len(p.goal)):
+        if p.goal[c] and _holds(start, variable, row, allowed, state, rules + c):
+            return True
+    return False
+
+
+@compiled
 def _touched(p: Process, state: Ints, action: int) -> tuple[float, float]:
     """The share of `rewarded` that the action can change."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed

@@ -10,18 +10,19 @@ import numpy as np
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
-from cleancli.planning.planners import rational
+from cleancli.planning.plan import Options, Plan, PlanningRefused, TooManyStatesError, option
+from cleancli.planning.planners import rational, reaching
 from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
 
 
 @dataclass(frozen=True, slots=True)
 class ExactOptions:
     """Problems of more than so many `states` are refused; the `arithmetic` is that of machine numbers or of
-    fractions."""
+    fractions. Without a horizon, where values tend to what they are, what they lack is at most `error`."""
 
     states: int = option(100_000, 1, 10_000_000)
     arithmetic: str = option("float", "float", "rational")
+    error: float = option(1e-10, 1e-13, 0.1)
 
 
 def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
@@ -29,6 +30,13 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
 
     Raises `TooManyStatesError` where more than `own.states` states can be reached within the horizon.
     """
+    if prepared.task.reaching is not None:
+        if own.arithmetic == "rational":
+            raise PlanningRefused(
+                "without a horizon values are told by bounds, and not as fractions",
+                "leave `arithmetic` as it is; `--option error=1e-12` narrows the bounds",
+            )
+        return reaching.plan("exact", prepared, own.states, own.error)
     times = [time.perf_counter()]
     known = prepared.forgetful
     if own.arithmetic == "rational":

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
-from cleancli.planning.planners import exact
+from cleancli.planning.planners import exact, reaching
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
 from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
@@ -31,6 +31,10 @@ FIRST_MOVES = 500
 
 WORDS, FRESH_WORDS = 4, 64
 """A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
+
+REACHING_STATES = 2_000_000
+"""States up to which a problem without a horizon is solved: there is no other way for it. Chosen: some
+gigabytes, and half a minute."""
 
 Actions = tuple[int, ...]
 
@@ -49,6 +53,8 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
 
     A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
     """
+    if prepared.task.reaching is not None:
+        return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
     task, times = prepared.task, [time.perf_counter()]
     _ = prepared.tables, prepared.process
     times.append(time.perf_counter())

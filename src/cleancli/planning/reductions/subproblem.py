@@ -18,6 +18,7 @@ from cleancli.language.model import (
     Literal,
     Object,
     Problem,
+    Unlimited,
     wanted_decreased,
     without_objects,
 )
@@ -35,9 +36,10 @@ def fewer(domain: Domain, problem: Problem, most: int) -> Fewer:
     """The problem with at most `most` of the objects that the count to decrease counts (eq. 2) now.
 
     Those stay that share most facts with other objects: what depends on nothing else costs the same later. Of
-    equals the first declared stay. Objects that the goal names stay, as do counts of several objects at once.
+    equals the first declared stay. Objects that the goal names stay, as do counts of several objects at once,
+    and without a horizon all: what is left out could be what the goal asks for.
     """
-    count = _decreasing(domain)
+    count = None if isinstance(problem.horizon, Unlimited) else _decreasing(domain)
     if count is None or len(count.variables) != 1 or len(problem.objects) <= most:
         return Fewer(problem)
     view = StateView(domain, problem.objects, problem.state)

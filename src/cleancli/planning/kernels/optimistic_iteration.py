@@ -1,0 +1,178 @@
+"""Optimistic value iteration (Hartmanns and Kaminski 2020), component by component, those first that others
+lead to (Dai et al. 2011): values with bounds.
+
+Guaranteed by whoever calls: the graph has no end components but its fixed states, so that the values are the
+only solution of their equations; costs and fixed values are 0 or more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cleancli.array_types import Floats, Ints, Longs
+from cleancli.planning.kernels.decision_graph import Components, DecisionGraph
+from cleancli.planning.kernels.jit import compiled, inlined
+
+WORK = 200_000_000
+"""Transitions that are looked at before Python is asked again: about half a second. Chosen."""
+
+FIRST_SWEEPS = 16
+"""A guess is first tried in so many sweeps, and in more where the bound from below needed more. Chosen."""
+
+
+def bounds(
+    graph: DecisionGraph,
+    order: Components,
+    fixed: Floats,
+    greatest: bool,
+    share: float,
+    least: float,
+    asked: Callable[[], None],
+) -> tuple[Floats, Floats]:
+    """Bounds from below and above of the least expected cost that is paid until a fixed state is reached, and
+    of that state's value; or of the greatest. `fixed` are the values of the last states.
+
+    Within each component the bounds differ by `share` of the value, or of `least` where that is less, if
+    floats can tell; that adds up over components that lead to each other. What is `asked` may stop it, by an
+    exception.
+    """
+    number = len(graph.choice_start) - 1
+    lower = np.zeros(number)
+    lower[number - len(fixed) :] = fixed
+    upper, at = lower.copy(), np.zeros(1, dtype=np.int64)
+    sign = -1.0 if greatest else 1.0
+    while at[0] < order.number:
+        _solve(graph, order.of, order.start, order.states, lower, upper, sign, share, least, WORK, at)
+        asked()
+    return lower, upper
+
+
+@inlined
+def _best(
+    choice_start: Ints,
+    edge_start: Ints,
+    successor: Ints,
+    probability: Floats,
+    cost: Floats,
+    values: Floats,
+    sign: float,
+    s: int,
+) -> tuple[float, int]:
+    """The best value of a choice in a state, and the first choice that has it."""
+    best, chosen = np.inf, -1
+    for c in range(choice_start[s], choice_start[s + 1]):
+        total = cost[c]
+        for e in range(edge_start[c], edge_start[c + 1]):
+            total += probability[e] * values[successor[e]]
+        if sign * total < best:
+            best, chosen = sign * total, c
+    return sign * best, chosen
+
+
+@compiled
+def chosen(g: DecisionGraph, values: Floats, greatest: bool, choice: Ints) -> None:
+    """The choice in each state that is best by these values, of equals the first; -1 without one."""
+    a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
+    for s in range(len(choice)):
+        choice[s] = _best(a, b, successor, probability, cost, values, -1.0 if greatest else 1.0, s)[1]
+
+
+@compiled
+def _sweep(
+    g: DecisionGraph, states: Ints, first: int, last: int, lower: Floats, sign: float, least: float
+) -> float:
+    """Raises the lower bounds once, each by those before it; the greatest rise, as a share of the value."""
+    a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
+    most = 0.0
+    for i in range(first, last):
+        s = states[i]
+        value = _best(a, b, successor, probability, cost, lower, sign, s)[0]
+        if value > lower[s]:
+            most = max(most, (value - lower[s]) / max(value, least))
+            lower[s] = value
+    return most
+
+
+@compiled
+def _holds(
+    g: DecisionGraph, states: Ints, first: int, last: int, upper: Floats, sign: float, sweeps: int
+) -> bool:
+    """Whether a guess turns out to be an upper bound: in one sweep no state would have more. It is lowered on
+    the way."""
+    a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
+    for _ in range(sweeps):
+        grown = False
+        for i in range(first, last):
+            s = states[i]
+            value = _best(a, b, successor, probability, cost, upper, sign, s)[0]
+            if value > upper[s]:
+                grown = True
+            else:
+                upper[s] = value
+        if not grown:
+            return True
+    return False
+
+
+@compiled
+def _gap(
+    g: DecisionGraph, of: Ints, states: Ints, first: int, last: int, lower: Floats, upper: Floats
+) -> tuple[float, int]:
+    """How far apart the bounds are at most where the component leads to, and its transitions."""
+    gap, edges = 0.0, 0
+    for i in range(first, last):
+        s = states[i]
+        for e in range(g.edge_start[g.choice_start[s]], g.edge_start[g.choice_start[s + 1]]):
+            after = g.successor[e]
+            edges += 1
+            if of[after] != of[s]:
+                gap = max(gap, upper[after] - lower[after])
+    return gap, edges
+
+
+@compiled
+def _solve(
+    g: DecisionGraph,
+    of: Ints,
+    start: Ints,
+    states: Ints,
+    lower: Floats,
+    upper: Floats,
+    sign: float,
+    share: float,
+    least: float,
+    work: int,
+    at: Longs,
+) -> None:
+    """Solves components from `at` on, which it moves on, until there are none or enough has been done."""
+    a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
+    while at[0] < len(start) - 1 and work > 0:
+        first, last = start[at[0]], start[at[0] + 1]
+        if last - first == 1:
+            s = states[first]
+            lower[s] = _best(a, b, successor, probability, cost, lower, sign, s)[0]
+            upper[s] = _best(a, b, successor, probability, cost, upper, sign, s)[0]
+            at[0] += 1
+            work -= a[s + 1] - a[s] + 1
+            continue
+        gap, edges = _gap(g, of, states, first, last, lower, upper)
+        within, guess, solved = share / 8.0, share, False
+        while not solved and work > 0:
+            sweeps, rise = FIRST_SWEEPS, np.inf
+            while rise > within and work > 0:
+                rise = _sweep(g, states, first, last, lower, sign, least)
+                sweeps += 1
+                work -= edges
+            if rise > within:
+                break
+            for i in range(first, last):
+                s = states[i]
+                upper[s] = lower[s] + gap + guess * max(lower[s], least)
+            solved = _holds(g, states, first, last, upper, sign, sweeps)
+            work -= edges * sweeps
+            if rise == 0.0:  # floats tell no more
+                guess *= 4.0
+            within /= 8.0
+        at[0] += solved
