@@ -35,7 +35,7 @@ def _main(name: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Any:
 BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
-DRAWS_NOTHING = {"language.py", "structure.py"}
+DRAWS_NOTHING = {"language.py", "reaching.py", "structure.py"}
 LONG = {
     "bound.py",
     "chance.py",
@@ -50,6 +50,7 @@ LONG = {
     "new_grasp.py",
     "perception.py",
     "physics.py",
+    "reaching.py",
     "regret.py",
     "stand_in.py",
     "strategies.py",
@@ -91,6 +92,26 @@ def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
     (most,) = re.findall(r"95 % ([\d.]+), longest (\d+)$", told, re.M)
     assert float(most[0]) <= 25
     assert int(most[1]) <= 60
+
+
+def test_goals_without_a_horizon_are_solved_and_written_for_another_solver(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two locks, each picked at the price of 1 by a chance of 0.4, or forced for 3 by 0.9: 2.5 a lock."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    reaching = importlib.import_module("reaching")
+    row = reaching.measured("locks", 4, False)
+    assert (row["states"], row["transitions"], row["probability"]) == (4, 16, 1.0)
+    assert row["cost"] == pytest.approx(5.0, abs=1e-9)
+    known = reaching.prepare(reaching.FAMILIES["locks"](4)).forgetful
+    _, graph, goal = reaching.enumerated(known, 10)
+    reaching.write(reaching.decisions(known.task, graph), goal, tmp_path / "model.drn")
+    text = (tmp_path / "model.drn").read_text()
+    assert re.findall(r"^state (\d) \[0\]( init)?( goal)?$", text, re.M) == [
+        ("0", " init", ""), ("1", "", ""), ("2", "", ""), ("3", "", " goal")
+    ]  # fmt: skip
+    assert text.count("action") == 9, "the goal stays where it is"
+    assert "\taction 0 [3.0]\n\t\t0 : 0.1\n\t\t1 : 0.9\n" in text
 
 
 def test_the_seconds_and_the_memory_of_learning_are_measured(
