@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from fractions import Fraction
 
+from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.encoding import Numbering
@@ -38,6 +39,7 @@ Called = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
 
 
+@paused_collector()
 def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Collection[Called] = ()) -> Task:
     """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md.
 

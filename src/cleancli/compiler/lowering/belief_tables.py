@@ -17,6 +17,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Indices
+from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import (
@@ -85,6 +86,7 @@ class Tables(NamedTuple):
     independent: Bools  # (1,) whether the rules of an action are taken as independent, as libPRADA does
 
 
+@paused_collector()
 def lower(task: Task, *, independent: bool = False) -> Tables:
     """The arrays of a task, the same for each initial state; equal tasks give equal arrays.
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Ints
+from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
 from cleancli.compiler.semantics import payment
 from cleancli.compiler.task import GroundLiteral, GroundRule, Task, advances, asked, variables_of
@@ -56,6 +57,7 @@ class Process(NamedTuple):
     waiting: Bools  # (1,) as in Task
 
 
+@paused_collector()
 def lower_process(task: Task) -> Process:
     """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
     wanted = [each.condition for each in asked(task)]
