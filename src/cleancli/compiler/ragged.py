@@ -12,7 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from cleancli.array_types import Floats, Ints
+from cleancli.array_types import Floats, Ints, Longs
 
 _Item = TypeVar("_Item")
 
@@ -44,5 +44,16 @@ def ragged(lists: Sequence[Collection[int]]) -> tuple[Ints, Ints]:
     return starts(lists), np.array([entry for entries in lists for entry in entries], dtype=np.int32)
 
 
+def spans(first: Longs | Ints, count: Longs | Ints) -> tuple[Longs, Longs]:
+    """The entries of several spans one after the other, each given by its `first` entry and their `count`:
+    which span each is of, and the entry."""
+    span: Longs = np.repeat(np.arange(len(count)), count)
+    before: Longs = np.cumsum(count, dtype=np.int64) - count
+    return span, np.arange(len(span)) + (first - before)[span]
+
+
 def floats(values: Iterable[float | Fraction]) -> Floats:
-    return np.array([float(value) for value in values])
+    """Numbers as an array. Fractions take long to divide, so one that stands there often is divided once."""
+    listed = list(values)
+    divided = {id(value): float(value) for value in {id(value): value for value in listed}.values()}
+    return np.array([divided[id(value)] for value in listed], dtype=np.float64)

@@ -7,36 +7,19 @@ stored as ragged.py says.
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats, Indices
+from cleancli.array_types import Bools, Floats, Indices, Ints, Longs
 from cleancli.compiler.collector import paused_collector
-from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
+from cleancli.compiler.lowering.belief_numbers import Conditions, Numbers
+from cleancli.compiler.lowering.belief_updates import losses, shifts
+from cleancli.compiler.lowering.rule_columns import RuleColumns, rule_columns
+from cleancli.compiler.ragged import floats, spans
 from cleancli.compiler.semantics import payment
-from cleancli.compiler.task import (
-    GroundCondition,
-    GroundLiteral,
-    GroundRule,
-    Task,
-    advances,
-    asked,
-    variables_of,
-)
-
-Effects = dict[int, list[tuple[int, float]]]
-"""For each variable that a rule may set, ascending, the values that its outcomes give it, and how likely."""
-
-Losses = dict[int, tuple[int, float]]
-"""Per slot that loses, the number of the literal that is given, and how much of P(slot | given) goes."""
-
-_Entry = TypeVar("_Entry")
+from cleancli.compiler.task import RewardCondition, Task, advances, asked
 
 
 class Tables(NamedTuple):
@@ -93,185 +76,103 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     `independent`: for libPRADA's update, which takes whether rules of one action apply, and the values of
     variables, as independent of each other. Then rules may overlap.
     """
-    rules = [_merged(rule, independent) for rule in task.rules if task.waiting or independent or rule.changes]
-    rules_of = grouped(rules, [rule.action for rule in rules], len(task.actions))
-    wanted = [each.condition for each in asked(task)]
-    numbers = _Numbers(task, [*(rule.condition for rule in rules), *wanted])
-    guards = list(map(numbers.guard, rules_of))
-    beside = [numbers.beside(guards[rule.action], rule.condition) for rule in rules]
-    shifts = list(map(numbers.shifts, rules))
-    losses = list(map(numbers.losses, rules))
-    touched = [sorted(set().union(*(rule.effects for rule in group))) for group in rules_of]
-
-    sum_start, sum_slot = _indices(numbers.sums.values())
-    guard_start, guard = _indices(guards)
-    condition_start, condition = _indices([*beside, *map(numbers.of, wanted)])
-    shift_start, shift_slot = _indices(shifts)
-    loss_start, loss_slot = _indices(losses)
-    touched_slot_start, touched_slot = _indices(map(numbers.slots, touched))
-    touched_sum_start, touched_sum = _indices(overlapping([[v] for v, _ in numbers.sums], touched))
-    touched_reward_start, touched_reward = _indices(overlapping(map(variables_of, wanted), touched))
+    everything = task.waiting or independent
+    columns = rule_columns([rule for rule in task.rules if everything or rule.changes])
+    wanted, actions = asked(task), len(task.actions)
+    literals = [literal for each in wanted for literal in each.condition]
+    numbers = Numbers(task.variables, [*columns.literals, *literals])
+    conditions = Conditions(columns, numbers, actions, independent)
+    wanted_start = np.cumsum([len(each.condition) for each in wanted], dtype=np.int64)
+    happening = columns.possible()
+    shift_start, shift_slot, shift = shifts(happening, conditions, numbers)
+    loss_start, loss_slot, loss_given, loss = losses(happening, conditions, numbers)
+    touched = _Touched(happening, task)
+    touched_slot_start, touched_slot = touched.ranges(numbers.first)
+    of_variable = np.searchsorted(numbers.sum_variable, np.arange(len(task.variables) + 1))
+    touched_sum_start, touched_sum = touched.ranges(of_variable)
+    touched_reward_start, touched_reward = touched.asking(wanted)
     return Tables(
-        slot_start=np.array(numbers.first, dtype=np.uint32),
-        sum_start=sum_start,
-        sum_slot=sum_slot,
-        guard_start=guard_start,
-        guard=guard,
-        condition_start=condition_start,
-        condition=condition,
-        rule_start=starts(rules_of).astype(np.uint32),
-        useful=np.array(
-            [rule.changes or (task.waiting and not independent) for rule in rules], dtype=np.bool_
-        ),
-        shift_start=shift_start,
-        shift_slot=shift_slot,
-        shift=floats(_entries(shifts)),
-        loss_start=loss_start,
-        loss_slot=loss_slot,
-        loss_given=np.array([given for given, _ in _entries(losses)], dtype=np.uint32),
-        loss=floats(probability for _, probability in _entries(losses)),
-        touched_slot_start=touched_slot_start,
-        touched_slot=touched_slot,
-        touched_sum_start=touched_sum_start,
-        touched_sum=touched_sum,
-        touched_reward_start=touched_reward_start,
-        touched_reward=touched_reward,
+        slot_start=_indices(numbers.first),
+        sum_start=_indices(numbers.sum_start),
+        sum_slot=_indices(numbers.sum_slot),
+        guard_start=_indices(conditions.guard_start),
+        guard=_indices(conditions.guard),
+        condition_start=_indices(np.concatenate([conditions.start, conditions.start[-1] + wanted_start])),
+        condition=_indices(np.concatenate([conditions.entries, numbers.of(literals)])),
+        rule_start=_indices(np.searchsorted(columns.action, np.arange(actions + 1))),
+        useful=columns.changes | (task.waiting and not independent),
+        shift_start=_indices(shift_start),
+        shift_slot=_indices(shift_slot),
+        shift=shift,
+        loss_start=_indices(loss_start),
+        loss_slot=_indices(loss_slot),
+        loss_given=_indices(loss_given),
+        loss=loss,
+        touched_slot_start=_indices(touched_slot_start),
+        touched_slot=_indices(touched_slot),
+        touched_sum_start=_indices(touched_sum_start),
+        touched_sum=_indices(touched_sum),
+        touched_reward_start=_indices(touched_reward_start),
+        touched_reward=_indices(touched_reward),
         cost=floats(action.cost for action in task.actions),
-        payment=floats(payment(task, action) for action in range(len(task.actions))),
+        payment=floats(payment(task, action) for action in range(actions)),
         discount=floats(task.discounts),
-        most=floats(_most(task, rules_of)),
-        decrease=floats(each.decrease for each in asked(task)),
-        state=floats(each.state for each in asked(task)),
+        most=_most(task, happening, numbers),
+        decrease=floats(each.decrease for each in wanted),
+        state=floats(each.state for each in wanted),
         advance=floats(advances(task)),
         constant=floats([task.constant_reward]),
         independent=np.array([independent]),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Rule:
-    """A rule as a belief meets it: its outcomes are merged, variable by variable. `known` has what an update
-    may take as known where the rule applies; `changes` tells whether an outcome has an effect at all."""
-
-    action: int
-    condition: GroundCondition
-    known: dict[int, frozenset[int]]
-    effects: Effects
-    changes: bool
+def _indices(values: Longs | Ints) -> Indices:
+    return values.astype(np.uint32)
 
 
-def _merged(rule: GroundRule, independent: bool) -> _Rule:
-    effects: Effects = defaultdict(list)
-    for outcome in rule.outcomes:
-        probability = float(outcome.probability)
-        for variable, value in outcome.effects if probability else ():
-            effects[variable].append((value, probability))
-    ordered = {variable: effects[variable] for variable in sorted(effects)}
-    known = {} if independent else dict(rule.condition)
-    return _Rule(rule.action, rule.condition, known, ordered, rule.changes)
+class _Touched:
+    """The variables that an action can set."""
+
+    def __init__(self, columns: RuleColumns, task: Task) -> None:
+        self._actions, variables = np.arange(len(task.actions) + 1), max(len(task.variables), 1)
+        keys = np.unique(columns.action[columns.effect_rule] * variables + columns.effect_variable)
+        self._action, self._variable = keys // variables, keys % variables
+
+    def ranges(self, first: Longs | Ints) -> tuple[Longs, Longs]:
+        """For each action what belongs to its variables, as ragged.py says, where what belongs to each
+        variable stands together, from its `first` on."""
+        which, entry = spans(first[self._variable], np.diff(first)[self._variable])
+        return np.searchsorted(self._action[which], self._actions), entry
+
+    def asking(self, wanted: Sequence[RewardCondition]) -> tuple[Longs, Longs]:
+        """For each action which of the conditions ask for one of its variables."""
+        pairs = [(v, index) for index, each in enumerate(wanted) for v, _ in each.condition]
+        variable, index = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2).T
+        first = np.searchsorted(variable, self._variable)
+        which, entry = spans(first, np.searchsorted(variable, self._variable, side="right") - first)
+        found = np.unique(self._action[which] * max(len(wanted), 1) + index[entry])
+        return np.searchsorted(found // max(len(wanted), 1), self._actions), found % max(len(wanted), 1)
 
 
-def _indices(lists: Iterable[Collection[int]]) -> tuple[Indices, Indices]:
-    start, entries = ragged(list(lists))
-    return start.astype(np.uint32), entries.astype(np.uint32)
-
-
-def _entries(mappings: Iterable[Mapping[int, _Entry]]) -> list[_Entry]:
-    return [entry for mapping in mappings for entry in mapping.values()]
-
-
-class _Numbers:
-    """Which numbers of a belief literals, conditions and effects are about.
-
-    `first` has each variable's first slot, and how many slots there are; `sums` the slots that are added for
-    each literal that allows several values.
-    """
-
-    def __init__(self, task: Task, conditions: Iterable[GroundCondition]) -> None:
-        self.first = [0, *itertools.accumulate(len(variable.values) for variable in task.variables)]
-        literals = (literal for condition in conditions for literal in condition)
-        several = sorted({(v, tuple(sorted(allowed))) for v, allowed in literals if len(allowed) > 1})
-        self.sums = {(v, values): [self.first[v] + value for value in values] for v, values in several}
-        self._sum = {literal: self.first[-1] + index for index, literal in enumerate(self.sums)}
-        self._one = self.first[-1] + len(self.sums)
-
-    def slots(self, variables: Iterable[int]) -> list[int]:
-        """Those of all their values."""
-        return [slot for v in variables for slot in range(self.first[v], self.first[v + 1])]
-
-    def of(self, condition: Iterable[GroundLiteral]) -> list[int]:
-        """The numbers that the condition's probability is the product of."""
-        return [self._literal(variable, allowed) for variable, allowed in condition]
-
-    def _literal(self, variable: int, allowed: frozenset[int]) -> int:
-        if len(allowed) == 1:
-            (value,) = allowed
-            return self.first[variable] + value
-        return self._sum[variable, tuple(sorted(allowed))]
-
-    def guard(self, rules: Sequence[_Rule]) -> list[int]:
-        """The numbers of the literals that are known wherever one of the rules applies. (Where rules are
-        independent, the probability that one applies may be more than that of what all ask for.)"""
-        if not rules:
-            return []
-        return sorted(set.intersection(*(set(self.of(rule.known.items())) for rule in rules)))
-
-    def beside(self, guard: Iterable[int], condition: GroundCondition) -> list[int]:
-        """The numbers of the condition that the guard of its action does not multiply."""
-        return sorted({*self.of(condition)}.difference(guard))
-
-    def shifts(self, rule: _Rule) -> dict[int, float]:
-        """What the rule adds to slots: what its outcomes set, less what they set where the value is known."""
-        terms: defaultdict[int, list[float]] = defaultdict(list)
-        for variable, entries in rule.effects.items():
-            for value, probability in entries:
-                terms[self.first[variable] + value].append(probability)
-            if len(rule.known.get(variable, ())) == 1:
-                (value,) = rule.known[variable]
-                terms[self.first[variable] + value] += [-probability for _, probability in entries]
-        total = {slot: math.fsum(terms[slot]) for slot in sorted(terms)}
-        return {slot: shift for slot, shift in total.items() if shift}
-
-    def losses(self, rule: _Rule) -> Losses:
-        """What the rule takes from slots where the value that is lost is not known."""
-        losses = {}
-        for variable, entries in rule.effects.items():
-            slots, given = self._possible(variable, rule.known.get(variable))
-            probability = math.fsum(p for _, p in entries)
-            losses.update(dict.fromkeys(slots, (given, probability)))
-        return losses
-
-    def _possible(self, variable: int, allowed: frozenset[int] | None) -> tuple[list[int], int]:
-        """Slots of the values among which the variable's is not known, and the number of the literal that
-        allows them; no slots where one value alone is allowed."""
-        if allowed is None:
-            return self.slots([variable]), self._one
-        if len(allowed) == 1:
-            return [], self._one
-        return self.sums[variable, tuple(sorted(allowed))], self._literal(variable, allowed)
-
-
-def _most(task: Task, rules_of: Sequence[Sequence[_Rule]]) -> list[float]:
-    """Per action, with its rules, what it is paid at most for the conditions that may end or begin, less its
-    cost.
+def _most(task: Task, columns: RuleColumns, numbers: Numbers) -> Floats:
+    """Per action what it is paid at most for the conditions that may end or begin, less its cost.
 
     A rule as likely as p changes a literal's probability by at most p times that of the outcomes that change
     it, and a product of probabilities by at most the sum of what its factors change.
     """
-    asking: list[list[tuple[float, frozenset[int]]]] = [[] for _ in task.variables]
-    for reward in task.rewards:
+    pays: list[list[tuple[int, float]]] = [[] for _ in range(numbers.slots)]
+    for index, reward in enumerate(task.rewards):
         for variable, allowed in reward.condition:
-            asking[variable].append((float(reward.decrease), allowed))
-    best = [max((_paid_at_most(rule, asking) for rule in rules), default=0.0) for rules in rules_of]
-    return [most - float(action.cost) for most, action in zip(best, task.actions, strict=True)]
-
-
-def _paid_at_most(rule: _Rule, asking: Sequence[Sequence[tuple[float, frozenset[int]]]]) -> float:
-    """`asking` has, for each variable, what the conditions pay that ask for it, and the values they allow."""
-    return sum(
-        probability * abs(decrease)
-        for variable, entries in rule.effects.items()
-        for decrease, allowed in asking[variable]
-        for value, probability in entries
-        if (decrease < 0) == (value in allowed)
-    )
+            for value in range(len(task.variables[variable].values)):
+                if (reward.decrease < 0) == (value in allowed):
+                    pays[numbers.first[variable] + value].append((index, abs(float(reward.decrease))))
+    payers = np.array([payer for each in pays for payer in each], dtype=np.float64).reshape(-1, 2)
+    length: Longs = np.array([len(each) for each in pays], dtype=np.int64)
+    slot = numbers.first[columns.effect_variable] + columns.effect_value
+    effect, payer = spans((np.cumsum(length) - length)[slot], length[slot])
+    rule = columns.effect_rule[effect]
+    order = np.lexsort((effect, payers[payer, 0], columns.effect_variable[effect], rule))
+    paid = (columns.effect_probability[effect] * payers[payer, 1])[order]
+    best = np.zeros(len(task.actions))
+    np.maximum.at(best, columns.action, np.bincount(rule[order], paid, minlength=len(columns.action)))
+    return best - floats(action.cost for action in task.actions)
