@@ -9,7 +9,7 @@ from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.ground_formula import Requirement
 from cleancli.compiler.instances import Changes
 from cleancli.compiler.static_join import Universe
-from cleancli.compiler.task import GroundCondition, StateVariable
+from cleancli.compiler.task import GroundCondition, GroundLiteral, StateVariable
 from cleancli.language.model import Value
 
 
@@ -36,16 +36,21 @@ class Numbering:
         }
         self.initial = tuple(self._places[key].value[universe.initial(key)] for key in keys)
 
+    def literal(self, key: Fluent, values: frozenset[Value]) -> GroundLiteral:
+        """A literal over a key that can change, in numbers."""
+        place = self._places[key]
+        return place.variable, frozenset([place.value[value] for value in values])
+
+    def assignment(self, key: Fluent, value: Value) -> tuple[int, int]:
+        """What an outcome sets, in numbers."""
+        place = self._places[key]
+        return place.variable, place.value[value]
+
     def condition(self, required: Requirement) -> GroundCondition:
         """A requirement over keys that can change, in numbers."""
-        places = [(self._places[key], values) for key, values in required.items()]
-        numbered = [(place.variable, frozenset([place.value[v] for v in values])) for place, values in places]
+        numbered = [self.literal(key, values) for key, values in required.items()]
         return tuple(sorted(numbered, key=lambda pair: pair[0]))
 
     def effects(self, changes: Changes) -> tuple[tuple[int, int], ...]:
         """An outcome's changes in numbers."""
-        effects = []
-        for key, values in changes.items():
-            place = self._places[key]
-            effects += [(place.variable, place.value[value]) for value in values]
-        return tuple(sorted(effects))
+        return tuple(sorted([self.assignment(key, value) for key in changes for value in changes[key]]))

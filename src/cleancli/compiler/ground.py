@@ -7,33 +7,35 @@ sum to 1, and the problem's facts are complete and canonical.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.collector import paused_collector
+from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.encoding import Numbering
 from cleancli.compiler.fluents import bind
-from cleancli.compiler.ground_formula import Requirement
+from cleancli.compiler.ground_rules import PlainWords, RuleGroundings, from_cases, from_columns
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
-from cleancli.compiler.instances import instances
+from cleancli.compiler.instances import instances, instances_of
 from cleancli.compiler.partial_evaluation import Conditions
+from cleancli.compiler.plain_rules import PlainInstances
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.rewards import costs_of, rewards_of, usual_objective, waiting_can_pay
 from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import (
     GroundAction,
-    GroundOutcome,
+    GroundCondition,
     GroundRule,
     Objective,
     Reaching,
+    StateVariable,
     Task,
     literal_text,
 )
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Domain, OutcomeKind, Problem
+from cleancli.language.model import Domain, Problem
 
 Called = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
@@ -47,23 +49,25 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     each binding of the references is a rule of its own, whether or not others fit too, and rules may overlap
     (no E603). Such a task is for planners that are asked for the same."""
     universe = Universe(domain, problem)
-    _refuse(refuse_too_many(domain, problem, universe))
+    join = ColumnJoin(universe)
+    _refuse(refuse_too_many(domain, join))
     conditions = Conditions(universe)
-    reach = Reach(instances(domain, conditions, compat=compat), universe)
+    reach = Reach(instances(domain, conditions, join, compat=compat), universe)
     cases = _cases(domain, reach, conditions)
-    _refuse(_conflicts(domain, cases, universe))
-    waiting = not compat and waiting_can_pay(domain)
-    useful = _useful([_simplified(case, reach, compat) for case in cases], domain, waiting, named)
+    _refuse(_conflicts(domain, cases, reach, conditions, join))
     numbering = Numbering(reach.changing, universe)
+    groundings = _groundings(domain, cases, reach, numbering, join, compat)
+    waiting = not compat and waiting_can_pay(domain)
+    actions = _ground_actions(domain, groundings, waiting, named)
+    rules = _ground_rules(domain, groundings, actions)
     if not compat:
-        _refuse(_overlaps(domain, useful, numbering))
+        _refuse(_overlaps(domain, rules, actions, numbering.variables))
     rewards = rewards_of(domain, problem, conditions, numbering, reach.known)
-    actions = _ground_actions(domain, useful, named)
     return Task(
         variables=numbering.variables,
         initial=numbering.initial,
         actions=actions,
-        rules=_ground_rules(domain, useful, actions, numbering),
+        rules=rules,
         rewards=rewards.rewards,
         constant_reward=rewards.constant_reward,
         goal=rewards.goal,
@@ -97,124 +101,150 @@ def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
         raise Refused(found)
 
 
-def _cases(domain: Domain, reach: Reach, conditions: Conditions) -> list[Case]:
+def _cases(domain: Domain, reach: Reach, conditions: Conditions) -> dict[int, list[Case]]:
+    """The cases of rules that are not plain, by rule."""
+    most = RULE_LIMIT - sum(len(plain.objects) for plain in reach.plain)
     found: list[Case] = []
     for instance in reach.instances:
         try:
             found += cases_of(instance, conditions, reach.known)
         except TooManyCases:
             raise Refused([too_many_cases(domain, instance, conditions, reach.known)]) from None
-        if len(found) > RULE_LIMIT:
+        if len(found) > most:
             raise Refused([too_many_cases_in_all(domain, found)])
-    return found
+    return {rule: list(cases) for rule, cases in itertools.groupby(found, key=lambda case: case.rule)}
 
 
-def _conflicts(domain: Domain, found: Iterable[Case], universe: Universe) -> Iterator[Diagnostic]:
+def _conflicts(
+    domain: Domain,
+    cases: Mapping[int, Sequence[Case]],
+    reach: Reach,
+    conditions: Conditions,
+    join: ColumnJoin,
+) -> Iterator[Diagnostic]:
     """E602 for each outcome that gives one key two values, shown by the first such case."""
+    shown = {plain.rule: _conflicting(domain, plain, reach, conditions, join) for plain in reach.plain}
     reported = set()
-    for case in found:
-        rule = domain.rules[case.rule]
-        for position, key in case.conflicts:
-            if (case.rule, position) not in reported:
-                reported.add((case.rule, position))
-                binding = bind(rule, case.objects)
-                yield conflicting_effects(rule, rule.outcomes[position], binding, key, universe.symbols)
+    for number, rule in enumerate(domain.rules):
+        for case in shown.get(number, cases.get(number, ())):
+            for position, key in case.conflicts:
+                if (number, position) not in reported:
+                    reported.add((number, position))
+                    binding = bind(rule, case.objects)
+                    symbols = conditions.universe.symbols
+                    yield conflicting_effects(rule, rule.outcomes[position], binding, key, symbols)
 
 
-def _simplified(case: Case, reach: Reach, compat: bool) -> Case:
-    """Without effects that assign what is there anyway. libPRADA's update takes the condition and what is set
-    as independent, so there they count."""
-    changes = tuple(
+def _conflicting(
+    domain: Domain, plain: PlainInstances, reach: Reach, conditions: Conditions, join: ColumnJoin
+) -> Iterator[Case]:
+    """The first case in which each outcome of a plain rule gives a key two values."""
+    rule = domain.rules[plain.rule]
+    for row in plain.conflicts(reach.vocabulary):
+        for instance in instances_of(plain.rule, rule, join.named(plain.objects[row].tolist()), conditions):
+            yield from cases_of(instance, conditions, reach.known)
+
+
+def _groundings(
+    domain: Domain,
+    cases: Mapping[int, Sequence[Case]],
+    reach: Reach,
+    numbering: Numbering,
+    join: ColumnJoin,
+    compat: bool,
+) -> list[RuleGroundings]:
+    """The ground rules of each rule, in the domain's order."""
+    words = PlainWords(reach.vocabulary, numbering, reach.known, compat)
+    plain = {each.rule: each for each in reach.plain}
+    return [
+        from_columns(plain[number], rule, words, join)
+        if number in plain
+        else from_cases(number, rule, cases.get(number, ()), numbering, reach.known, compat)
+        for number, rule in enumerate(domain.rules)
+    ]
+
+
+def _ground_actions(
+    domain: Domain, groundings: Iterable[RuleGroundings], waiting: bool, named: Collection[Called]
+) -> tuple[GroundAction, ...]:
+    """Those that are named or can change something by at least one of their rules; all that have a rule where
+    waiting can pay."""
+    found = set(named)
+    for each in groundings:
+        name = domain.rules[each.rule].action
+        found |= {
+            (name, objects)
+            for objects, changes in zip(each.objects, each.changes, strict=True)
+            if changes or waiting
+        }
+    durations = {action.name: action.duration for action in domain.actions}
+    costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}
+    return tuple(
         [
-            {
-                key: values
-                for key, values in change.items()
-                if (compat or case.required.get(key) != values) and len(reach.known(key)) > 1
-            }
-            for change in case.changes
+            GroundAction(name, objects, durations[name], costs[name], declared[name])
+            for name, objects in sorted(found)
         ]
     )
-    return Case(case.rule, case.objects, case.required, changes)
-
-
-def _useful(
-    found: Sequence[Case], domain: Domain, waiting: bool, named: Collection[Called]
-) -> Sequence[Case]:
-    """The cases of those actions that are named or can change something by at least one of their rules; all
-    where waiting can pay."""
-    if waiting:
-        return found
-
-    def action(case: Case) -> Called:
-        return domain.rules[case.rule].action, case.objects
-
-    useful = {action(case) for case in found if any(case.changes)} | set(named)
-    return [case for case in found if action(case) in useful]
-
-
-def _overlaps(domain: Domain, found: Sequence[Case], numbering: Numbering) -> Iterator[Diagnostic]:
-    """E603 for each pair of rules that cover one state of an action, with what such a state has in common."""
-    reported = set()
-    by_action: dict[tuple[str, tuple[str, ...]], list[Case]] = {}
-    for instance in found:
-        by_action.setdefault((domain.rules[instance.rule].action, instance.objects), []).append(instance)
-    for (action, objects), rivals in sorted(by_action.items()):
-        for first, second in itertools.combinations(rivals, 2):
-            pair = (first.rule, second.rule)
-            if first.rule == second.rule or pair in reported:
-                continue  # cases of one rule exclude each other
-            shared = _both(first.required, second.required)
-            if shared is not None:
-                reported.add(pair)
-                names = domain.rules[first.rule].name, domain.rules[second.rule].name
-                state = ", ".join(
-                    literal_text(numbering.variables[variable], allowed)
-                    for variable, allowed in numbering.condition(shared)
-                )
-                yield Diagnostic(
-                    "E603",
-                    f"rules `{names[0]}` and `{names[1]}` both cover {action}({', '.join(objects)})"
-                    f" where {state or 'anything'} holds",
-                    domain.rules[second.rule].span,
-                    label=f"overlaps with `{names[0]}`",
-                    help="rules of one action must exclude each other (§3.3.2): add a literal that differs",
-                )
-
-
-def _both(first: Requirement, second: Requirement) -> Requirement | None:
-    """One state's worth of both requirements (a single value per key); None where they exclude each other."""
-    if any(not values & second[key] for key, values in first.items() if key in second):
-        return None
-    shared = {**second, **{key: values & second.get(key, values) for key, values in first.items()}}
-    return {key: frozenset({min(values, key=str)}) for key, values in sorted(shared.items())}
 
 
 def _ground_rules(
-    domain: Domain, found: Iterable[Case], actions: Sequence[GroundAction], numbering: Numbering
+    domain: Domain, groundings: Iterable[RuleGroundings], actions: Sequence[GroundAction]
 ) -> tuple[GroundRule, ...]:
-    position = {(action.name, action.objects): index for index, action in enumerate(actions)}
-    outcomes = [[(o.probability, o.kind) for o in rule.outcomes] for rule in domain.rules]
+    """The ground rules of these actions."""
+    position = {action.key: index for index, action in enumerate(actions)}
     rules = [
-        GroundRule(
-            case.rule,
-            position[domain.rules[case.rule].action, case.objects],
-            numbering.condition(case.required),
-            _outcomes(case, outcomes[case.rule], numbering),
-        )
-        for case in found
+        GroundRule(each.rule, action, condition, outcomes)
+        for each in groundings
+        for objects, condition, outcomes in each
+        if (action := position.get((domain.rules[each.rule].action, objects))) is not None
     ]
     return tuple(sorted(rules, key=lambda rule: (rule.action, rule.rule)))
 
 
-def _ground_actions(
-    domain: Domain, found: Iterable[Case], named: Collection[Called]
-) -> tuple[GroundAction, ...]:
-    durations = {action.name: action.duration for action in domain.actions}
-    costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}
-    names = sorted({(domain.rules[case.rule].action, case.objects) for case in found} | set(named))
-    return tuple(
-        GroundAction(name, objects, durations[name], costs[name], declared[name]) for name, objects in names
-    )
+def _overlaps(
+    domain: Domain,
+    rules: Sequence[GroundRule],
+    actions: Sequence[GroundAction],
+    variables: Sequence[StateVariable],
+) -> Iterator[Diagnostic]:
+    """E603 for each pair of rules that cover one state of an action, with what such a state has in common."""
+    reported = set()
+    for action, rivals in itertools.groupby(rules, key=lambda rule: rule.action):
+        for first, second in itertools.combinations(rivals, 2):
+            pair = (first.rule, second.rule)
+            if first.rule == second.rule or pair in reported:
+                continue  # cases of one rule exclude each other
+            if _exclude_each_other(first.condition, second.condition):
+                continue
+            reported.add(pair)
+            names = domain.rules[first.rule].name, domain.rules[second.rule].name
+            state = ", ".join(_shared(first.condition, second.condition, variables))
+            yield Diagnostic(
+                "E603",
+                f"rules `{names[0]}` and `{names[1]}` both cover {actions[action]}"
+                f" where {state or 'anything'} holds",
+                domain.rules[second.rule].span,
+                label=f"overlaps with `{names[0]}`",
+                help="rules of one action must exclude each other (§3.3.2): add a literal that differs",
+            )
+
+
+def _exclude_each_other(first: GroundCondition, second: GroundCondition) -> bool:
+    other = dict(second)
+    return any(variable in other and other[variable].isdisjoint(allowed) for variable, allowed in first)
+
+
+def _shared(
+    first: GroundCondition, second: GroundCondition, variables: Sequence[StateVariable]
+) -> Iterator[str]:
+    """One state's worth of both conditions: a single value of each variable."""
+    one, other = dict(first), dict(second)
+    for variable in sorted(one.keys() | other.keys()):
+        values = variables[variable].values
+        both = one.get(variable, other.get(variable, frozenset())) & other.get(
+            variable, one.get(variable, frozenset())
+        )
+        yield literal_text(variables[variable], [min(both, key=lambda index: str(values[index]))])
 
 
 def _step(domain: Domain) -> float | None:
@@ -223,14 +253,3 @@ def _step(domain: Domain) -> float | None:
     durations = [action.duration for action in domain.actions if action.name in acting or not acting]
     known = [duration for duration in durations if duration is not None]
     return sum(known) / len(known) if known and len(known) == len(durations) else None
-
-
-def _outcomes(
-    case: Case, probabilities: Sequence[tuple[Fraction, OutcomeKind]], numbering: Numbering
-) -> tuple[GroundOutcome, ...]:
-    ground_outcomes = []
-    for (probability, kind), changes in zip(probabilities, case.changes, strict=True):
-        effects = numbering.effects(changes)
-        left = kind if effects or kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
-        ground_outcomes.append(GroundOutcome(probability, left, effects))
-    return tuple(ground_outcomes)

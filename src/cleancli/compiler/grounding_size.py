@@ -1,7 +1,7 @@
 """How many instances a problem gives each rule, counted before they are built.
 
 Guaranteed by the checker: names, arities and types fit. A count follows the join that grounding does:
-exact where that takes few steps, otherwise an upper bound, the product of what each step can leave at most.
+exact where that leaves few rows, otherwise an upper bound, the product of what each step can leave at most.
 Parts of a rule that share no variable are counted apart, so a billion is counted as fast as a thousand.
 """
 
@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 
+from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.disjoint_cases import Case
 from cleancli.compiler.partial_evaluation import part_text
 from cleancli.compiler.static_join import Part, Universe, free_variables
@@ -36,11 +37,9 @@ benchmarks/planning.py, so this is 1 GB; and PRADA draws few sequences a second 
 PART_LIMIT = 2_000_000
 """Most literals and effects that instances may have in all, at about 500 bytes each: 1 GB too."""
 
-EXACT_STEPS = 20_000
-"""Steps of a join up to which it is run to count it: some hundredths of a second. Chosen."""
-
-PATIENT_STEPS = 250_000
-"""The same before a problem is refused, because a bound may be far too high. Chosen: some seconds."""
+EXACT_ROWS = 100_000
+"""Rows of a join up to which it is run to count it: some hundredths of a second. Chosen. Before a problem is
+refused, twice as many as may be left in the end, because a bound may be far too high."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +59,13 @@ class Groundings:
 
 def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]:
     """The number of instances of each rule, in the domain's order; what no action can reach still counts."""
-    universe = Universe(domain, problem)
-    return tuple(_groundings(index, rule, universe) for index, rule in enumerate(domain.rules))
+    join = ColumnJoin(Universe(domain, problem))
+    return tuple(_groundings(index, rule, join, EXACT_ROWS) for index, rule in enumerate(domain.rules))
 
 
-def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Iterator[Diagnostic]:
+def refuse_too_many(domain: Domain, join: ColumnJoin) -> Iterator[Diagnostic]:
     """E604 for each rule or count that has too many instances, or for the rules together."""
-    found = _counted_until_few(domain, universe)
+    found = _counted_until_few(domain, join)
     in_all = sum(each.count for each in found)
     if in_all > RULE_LIMIT:
         worst = max(found, key=lambda each: each.count)
@@ -74,30 +73,35 @@ def refuse_too_many(domain: Domain, problem: Problem, universe: Universe) -> Ite
         yield _refusal(f"rule `{worst.name}`", worst, share, domain.rules[worst.rule].span)
         return
     for each in found:
-        yield from _too_many_parts(each, domain.rules[each.rule], universe)
+        yield from _too_many_parts(each, domain.rules[each.rule], join)
     for count in domain.counts:
-        yield from _too_many_counted(count, universe)
+        yield from _too_many_counted(count, join)
 
 
-def _counted_until_few(domain: Domain, universe: Universe) -> list[Groundings]:
+def _counted_until_few(domain: Domain, join: ColumnJoin) -> list[Groundings]:
     """The instances of each rule, at most: counted by types alone, and ever more patiently while there are
     too many."""
     found = [
-        Groundings(index, rule.name, _product(rule.variables, universe), False, "")
+        Groundings(index, rule.name, _product(rule.variables, join), False, "")
         for index, rule in enumerate(domain.rules)
     ]
-    for steps in (0, EXACT_STEPS, PATIENT_STEPS):
+    for rows in (0, EXACT_ROWS, _patient()):
         if sum(each.count for each in found) <= RULE_LIMIT:
             break
-        found = [_groundings(index, rule, universe, steps) for index, rule in enumerate(domain.rules)]
+        found = [_groundings(index, rule, join, rows) for index, rule in enumerate(domain.rules)]
     return found
 
 
-def _too_many_counted(count: Count, universe: Universe) -> Iterator[Diagnostic]:
+def _patient() -> int:
+    """The rows of a join before a problem is refused."""
+    return max(EXACT_ROWS, 2 * RULE_LIMIT)
+
+
+def _too_many_counted(count: Count, join: ColumnJoin) -> Iterator[Diagnostic]:
     """E604 for a count of too many bindings."""
-    if _product(count.variables, universe) <= RULE_LIMIT:
+    if _product(count.variables, join) <= RULE_LIMIT:
         return
-    number, exact, blame = _count(count.variables, count.condition, universe, EXACT_STEPS)
+    number, exact, blame = _count(count.variables, count.condition, join, _patient())
     if number > RULE_LIMIT:
         yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), "", None)
 
@@ -125,17 +129,17 @@ def _refusal(what: str, found: Groundings, in_all: str, span: Span | None) -> Di
     )
 
 
-def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterator[Diagnostic]:
+def _too_many_parts(found: Groundings, rule: Rule, join: ColumnJoin) -> Iterator[Diagnostic]:
     """E604 for a rule whose references fit too much, or whose instances are few, but each is long: of an
     effect, quantifier or reference."""
-    if not _is_long(rule, universe):
+    if not _is_long(rule, join):
         return
-    fitting = _fitting(rule, universe)
-    lengths = _lengths(rule, fitting, universe)
+    fitting = _fitting(rule, join)
+    lengths = _lengths(rule, fitting, join)
     length = lengths.total()
     instances, exact = found.count * prod(count for _, count in fitting), found.exact and not fitting
     if (instances > RULE_LIMIT or instances * length > PART_LIMIT) and not exact:
-        instances = min(instances, _with_references(rule, universe))
+        instances = min(instances, _with_references(rule, join))
     if instances > RULE_LIMIT:
         worst, most = max(fitting, key=lambda reference: reference[1])
         label = f"the reference `{worst}` fits up to {most:,} bindings in each"
@@ -153,10 +157,10 @@ def _too_many_parts(found: Groundings, rule: Rule, universe: Universe) -> Iterat
         )
 
 
-def _is_long(rule: Rule, universe: Universe) -> bool:
+def _is_long(rule: Rule, join: ColumnJoin) -> bool:
     """Whether some part of the rule becomes several when the rule is grounded."""
     return bool(
-        rule.references or _foralls(rule) or any(_length(part, set(), universe) for part in rule.condition)
+        rule.references or _foralls(rule) or any(_length(part, set(), join) for part in rule.condition)
     )
 
 
@@ -165,81 +169,80 @@ def _foralls(rule: Rule) -> list[ForAll]:
     return [effect for effect in effects if isinstance(effect, ForAll)]
 
 
-def _fitting(rule: Rule, universe: Universe) -> list[tuple[str, int]]:
+def _fitting(rule: Rule, join: ColumnJoin) -> list[tuple[str, int]]:
     """Each reference's text, and at most how many bindings fit it."""
     bound = set(rule.variables)
     fitting = []
     for reference in rule.references:
         text = ", ".join(map(part_text, reference.condition))
-        fitting.append((text, _bound(reference.variables, reference.condition, universe, bound)))
+        fitting.append((text, _bound(reference.variables, reference.condition, join, bound)))
         bound |= set(reference.variables)
     return fitting
 
 
-def _lengths(rule: Rule, fitting: Iterable[tuple[str, int]], universe: Universe) -> Counter[str]:
+def _lengths(rule: Rule, fitting: Iterable[tuple[str, int]], join: ColumnJoin) -> Counter[str]:
     """By their texts, at most how many literals and effects the parts of a rule become in each instance."""
     own = set(rule.variables)
-    lengths = Counter({part_text(part): _length(part, own, universe) for part in rule.condition})
+    lengths = Counter({part_text(part): _length(part, own, join) for part in rule.condition})
     for text, count in fitting:
         # Each binding of a reference makes an instance, which speaks of all the others.
         lengths[text] += count
     bound = own.union(*(reference.variables for reference in rule.references))
     for effect in _foralls(rule):
         variables = " ".join(map(print_term, effect.variables))
-        lengths[f"forall {variables}"] += _bound(effect.variables, effect.condition, universe, bound)
+        lengths[f"forall {variables}"] += _bound(effect.variables, effect.condition, join, bound)
     return lengths
 
 
-def _with_references(rule: Rule, universe: Universe) -> int:
+def _with_references(rule: Rule, join: ColumnJoin) -> int:
     """The instances of a rule: bindings of its variables and of those of its references."""
     variables = [*rule.variables, *(v for reference in rule.references for v in reference.variables)]
     condition = (*rule.condition, *(part for reference in rule.references for part in reference.condition))
-    return _count(variables, condition, universe, PATIENT_STEPS)[0]
+    return _count(variables, condition, join, _patient())[0]
 
 
-def _length(part: Part, bound: set[Variable], universe: Universe) -> int:
+def _length(part: Part, bound: set[Variable], join: ColumnJoin) -> int:
     """At most how many literals a part of a condition becomes."""
     match part:
         case Quantified(variables=variables, condition=condition):
-            return _bound(variables, condition, universe, bound)
-        case Literal(symbol) if symbol in universe.derived:
-            derived = universe.derived[symbol]
+            return _bound(variables, condition, join, bound)
+        case Literal(symbol) if symbol in join.universe.derived:
+            derived = join.universe.derived[symbol]
             inner = set(derived.parameters)
-            return 1 + sum(_length(p, inner, universe) for p in derived.condition)
+            return 1 + sum(_length(p, inner, join) for p in derived.condition)
         case _:
             return 0
 
 
-def _groundings(index: int, rule: Rule, universe: Universe, steps: int = EXACT_STEPS) -> Groundings:
-    return Groundings(index, rule.name, *_count(rule.variables, rule.condition, universe, steps))
+def _groundings(index: int, rule: Rule, join: ColumnJoin, rows: int) -> Groundings:
+    return Groundings(index, rule.name, *_count(rule.variables, rule.condition, join, rows))
 
 
 def _count(
-    variables: Sequence[Variable], condition: Condition, universe: Universe, steps: int
+    variables: Sequence[Variable], condition: Condition, join: ColumnJoin, rows: int
 ) -> tuple[int, bool, str]:
-    """How many bindings the join finds, whether that is exact, and what to blame."""
+    """How many bindings a join of so many rows at most finds, whether that is exact, and what to blame."""
     numbers = [
-        _count_connected(group, condition, universe, steps)
-        for group in _connected(variables, condition, universe)
+        _count_connected(group, condition, join, rows) for group in _connected(variables, condition, join)
     ]
-    fixed = [part for part in condition if universe.is_static(part) and not free_variables(part)]
-    if not all(universe.holds(part, {}) for part in fixed):
+    fixed = [part for part in condition if join.universe.is_static(part) and not free_variables(part)]
+    if not all(join.universe.holds(part, {}) for part in fixed):
         return 0, True, ""
     count = prod(number for number, _ in numbers)
-    return count, all(exact for _, exact in numbers), _blame(variables, condition, universe)
+    return count, all(exact for _, exact in numbers), _blame(variables, condition, join)
 
 
-def _blame(variables: Sequence[Variable], condition: Condition, universe: Universe) -> str:
+def _blame(variables: Sequence[Variable], condition: Condition, join: ColumnJoin) -> str:
     """The variable of most objects that no fact restricts; if there is none, the literal that fits most."""
     rows = {
         part: width
         for part in condition
         if isinstance(part, Literal)
-        and universe.is_static(part)
-        and (width := universe.widest(part, ())) is not None
+        and join.universe.is_static(part)
+        and (width := join.widest(part, ())) is not None
     }
     restricted = {variable for part in rows for variable in free_variables(part)}
-    sizes = {v: len(universe.objects(v.type)) for v in variables if v not in restricted}
+    sizes = {v: len(join.universe.objects(v.type)) for v in variables if v not in restricted}
     if sizes:
         worst = max(sizes, key=lambda variable: sizes[variable])
         return f"no fact restricts `{print_term(worst)}`: {sizes[worst]:,} objects fit"
@@ -250,31 +253,25 @@ def _blame(variables: Sequence[Variable], condition: Condition, universe: Univer
 
 
 def _count_connected(
-    variables: Sequence[Variable], condition: Condition, universe: Universe, steps: int
+    variables: Sequence[Variable], condition: Condition, join: ColumnJoin, rows: int
 ) -> tuple[int, bool]:
     own = [part for part in condition if set(free_variables(part)) & set(variables)]
-    if len(variables) == 1 and not any(universe.is_static(part) for part in own):
-        return len(universe.objects(variables[0].type)), True
-    found = 0
-    for step, binding in enumerate(universe.search(variables, tuple(own), {})):
-        if step >= steps or found > RULE_LIMIT:
-            return _bound(variables, tuple(own), universe, set()), False
-        found += binding is not None
-    return found, True
+    if len(variables) == 1 and not any(join.universe.is_static(part) for part in own):
+        return len(join.universe.objects(variables[0].type)), True
+    found = join.count(variables, tuple(own), rows)
+    return (_bound(variables, tuple(own), join, set()), False) if found is None else (found, True)
 
 
-def _product(variables: Sequence[Variable], universe: Universe) -> int:
+def _product(variables: Sequence[Variable], join: ColumnJoin) -> int:
     """How many tuples of objects fit by their types alone."""
-    return prod(len(universe.objects(variable.type)) for variable in variables)
+    return prod(len(join.universe.objects(variable.type)) for variable in variables)
 
 
-def _connected(
-    variables: Sequence[Variable], condition: Condition, universe: Universe
-) -> list[list[Variable]]:
+def _connected(variables: Sequence[Variable], condition: Condition, join: ColumnJoin) -> list[list[Variable]]:
     """The variables in groups that no unchangeable part connects."""
     groups: list[list[Variable]] = [[variable] for variable in variables]
     for part in condition:
-        if universe.is_static(part):
+        if join.universe.is_static(part):
             groups = _joined(groups, set(free_variables(part)))
     # The join takes variables in the order of the rule.
     return [sorted(group, key=list(variables).index) for group in groups]
@@ -288,14 +285,14 @@ def _joined(groups: Sequence[list[Variable]], connected: set[Variable]) -> list[
 
 
 def _bound(
-    variables: Sequence[Variable], condition: Condition, universe: Universe, bound: set[Variable]
+    variables: Sequence[Variable], condition: Condition, join: ColumnJoin, bound: set[Variable]
 ) -> int:
     """The product of what each step of the join can leave at most."""
     bound = {variable for variable in bound if variable not in variables}
-    static = [part for part in condition if isinstance(part, Literal) and universe.is_static(part)]
+    static = [part for part in condition if isinstance(part, Literal) and join.universe.is_static(part)]
     free, product = list(variables), 1
     while free:
-        size, decided = _narrowest(free, static, universe, bound)
+        size, decided = _narrowest(free, static, join, bound)
         product *= size
         bound |= decided
         free = [variable for variable in free if variable not in bound]
@@ -303,14 +300,14 @@ def _bound(
 
 
 def _narrowest(
-    free: Sequence[Variable], static: Iterable[Literal], universe: Universe, bound: set[Variable]
+    free: Sequence[Variable], static: Iterable[Literal], join: ColumnJoin, bound: set[Variable]
 ) -> tuple[int, set[Variable]]:
     """How many bindings the next step of the join leaves at most, and the variables that it binds: those of
     the literal that leaves fewest, or the first by its type."""
     asking = [literal for literal in static if not set(free_variables(literal)).isdisjoint(free)]
-    widths = [(universe.widest(literal, bound), literal) for literal in asking]
+    widths = [(join.widest(literal, bound), literal) for literal in asking]
     known = [(width, literal) for width, literal in widths if width is not None]
-    size = len(universe.objects(free[0].type))
+    size = len(join.universe.objects(free[0].type))
     width, literal = min(known, key=lambda choice: choice[0], default=(size + 1, None))
     if literal is None or width > size:
         return size, {free[0]}

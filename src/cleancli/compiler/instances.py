@@ -1,6 +1,7 @@
 """Instances: the rules of a domain for each tuple of objects that the unchangeable facts allow.
 
-Guaranteed by the checker: names, arities and types fit, and every variable is bound.
+Guaranteed by the checker: names, arities and types fit, and every variable is bound. Rules that are plain are
+grounded by columns (plain_rules.py), the others one instance after the other.
 """
 
 from __future__ import annotations
@@ -8,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.compiler.fluents import Binding, Fluent
+from cleancli.compiler.column_join import ColumnJoin
+from cleancli.compiler.fluents import Binding, Fluent, bind
 from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
+from cleancli.compiler.plain_rules import PlainGrounding, PlainInstances, Vocabulary, is_plain
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
@@ -48,19 +51,36 @@ class Instance:
 _NONE: frozenset[Value] = frozenset()
 
 
-def instances(domain: Domain, conditions: Conditions, *, compat: bool = False) -> tuple[Instance, ...]:
-    """Every instance whose condition the unchangeable facts do not rule out, by rule and objects.
+@dataclass(frozen=True, slots=True)
+class Instances:
+    """Those of all rules, by rule and objects: plain ones by columns, whose words are of the `vocabulary`,
+    and others."""
+
+    plain: tuple[PlainInstances, ...]
+    others: tuple[Instance, ...]
+    vocabulary: Vocabulary
+
+
+def instances(domain: Domain, conditions: Conditions, join: ColumnJoin, *, compat: bool = False) -> Instances:
+    """Every instance whose condition the unchangeable facts do not rule out.
 
     With `compat`, a binding of the references need not be the only one that fits. Raises `Refused` (E606)
     where a closure has too many paths.
     """
-    found: list[Instance] = []
+    grounding = PlainGrounding(conditions.universe, join)
+    plain: list[PlainInstances] = []
+    others: list[Instance] = []
     for index, rule in enumerate(domain.rules):
-        try:
-            found += _instances_of(index, rule, conditions, compat)
-        except ClosureTooLargeError as error:
-            raise Refused([closure_refused(error, rule.span, f"in rule `{rule.name}`")]) from None
-    return tuple(sorted(found, key=lambda instance: (instance.rule, instance.objects)))
+        objects = join.bindings(rule.variables, rule.condition)
+        if is_plain(rule, conditions.universe):
+            plain.append(grounding.instances(index, rule, objects))
+            continue
+        for row in objects.tolist():
+            try:
+                others += instances_of(index, rule, join.named(row), conditions, compat=compat)
+            except ClosureTooLargeError as error:
+                raise Refused([closure_refused(error, rule.span, f"in rule `{rule.name}`")]) from None
+    return Instances(tuple(plain), tuple(others), grounding.vocabulary)
 
 
 def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) -> Diagnostic:
@@ -74,9 +94,12 @@ def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) 
     )
 
 
-def _instances_of(index: int, rule: Rule, conditions: Conditions, compat: bool) -> Iterator[Instance]:
-    for binding, formula in conditions.extensions(rule.variables, rule.condition, {}):
-        objects = tuple([binding[variable] for variable in rule.variables])
+def instances_of(
+    index: int, rule: Rule, objects: tuple[str, ...], conditions: Conditions, *, compat: bool = False
+) -> Iterator[Instance]:
+    """Those of a rule for some objects, one for each binding of its references. Raises
+    `ClosureTooLargeError`."""
+    for binding, formula in conditions.extensions((), rule.condition, bind(rule, objects)):
         for bound, whole in _references(rule.references, binding, formula, conditions, compat):
             changes, effects = _divided(rule.outcomes, bound, conditions)
             yield Instance(index, objects, whole, changes, effects)

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from cleancli.compiler.fluents import Fluent, shifted
 from cleancli.compiler.ground_formula import can_hold
-from cleancli.compiler.instances import Instance, StateEffect
+from cleancli.compiler.instances import Instance, Instances, StateEffect
+from cleancli.compiler.plain_rules import PlainInstances
 from cleancli.compiler.static_join import Universe
 from cleancli.language.model import Assign, Shift, Value
 
@@ -23,23 +26,29 @@ class Reach:
     Every state that actions can reach is inside it, so what it leaves out changes no plan's value.
     """
 
-    def __init__(self, candidates: Sequence[Instance], universe: Universe) -> None:
+    def __init__(self, candidates: Instances, universe: Universe) -> None:
         self._universe = universe
+        self.vocabulary = candidates.vocabulary
         self._possible: dict[Fluent, frozenset[Value]] = {}
+        self._applying = [np.zeros(len(plain.objects), dtype=np.bool_) for plain in candidates.plain]
         self.instances: list[Instance] = []
-        waiting = list(candidates)
+        waiting: Sequence[Instance] = candidates.others
         while True:
+            grown = self._apply_plain(candidates.plain)
             applicable: list[Instance] = []
             still_waiting: list[Instance] = []
             for instance in waiting:
                 (applicable if can_hold(instance.condition, self.known) else still_waiting).append(instance)
             waiting = still_waiting
             self.instances += applicable
-            grown = [self._apply(instance) for instance in applicable]
-            grown += [self._apply_effects(instance) for instance in self.instances if instance.effects]
-            if not any(grown):
+            for instance in applicable:
+                grown |= self._apply(instance)
+            for instance in self.instances:
+                grown |= bool(instance.effects) and self._apply_effects(instance)
+            if not grown:
                 break
         self.instances.sort(key=lambda instance: (instance.rule, instance.objects))
+        self.plain = tuple(map(PlainInstances.only, candidates.plain, self._applying))
 
     def known(self, key: Fluent) -> frozenset[Value]:
         """The values that a key can ever have."""
@@ -49,6 +58,20 @@ class Reach:
     def changing(self) -> Mapping[Fluent, frozenset[Value]]:
         """The keys that can ever have more than one value, with their values."""
         return {key: values for key, values in self._possible.items() if len(values) > 1}
+
+    def _apply_plain(self, blocks: Sequence[PlainInstances]) -> bool:
+        """Adds what those of the plain instances do that can apply now; whether that is anything new."""
+        can_be = [bool(values & self.known(key)) for key, values in self.vocabulary.literals.entries]
+        possible = np.array([*can_be, True])  # the last is for `NOTHING`
+        grown = False
+        for plain, applying in zip(blocks, self._applying, strict=True):
+            new = possible[plain.literals].all(axis=1) & ~applying
+            applying |= new
+            for rows, assigned in plain.assigned:
+                for number in np.unique(assigned[new[rows]]).tolist():
+                    key, value = self.vocabulary.assignments.entries[number]
+                    grown |= self._add(key, frozenset({value}))
+        return grown
 
     def _apply(self, instance: Instance) -> bool:
         """Adds what the instance always does; whether that is anything new."""

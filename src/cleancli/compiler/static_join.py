@@ -49,6 +49,7 @@ class Universe:
         self.derived: Mapping[str, DerivedPredicate] = {derived.name: derived for derived in domain.derived}
         self.changeable = _changeable(domain)
         objects = (*domain.constants, *problem.objects)
+        self.everything = tuple(sorted({each.name for each in objects}))
         self._objects = ObjectsByType(domain, sorted(set(objects)))
         self._values = values_of(problem.state)
         self._rows = self._rows_by_value(problem.state)
@@ -96,13 +97,6 @@ class Universe:
         """Names of the objects of a type, sorted."""
         return self._objects[type_name]
 
-    def widest(self, literal: Literal, bound: Collection[Variable]) -> int | None:
-        """The most object tuples that a literal leaves; None where facts do not list what it holds for."""
-        if not self._lists_rows(literal):
-            return None
-        index = self._index(literal, bound)
-        return max((len(rows) for rows in index.values()), default=0)
-
     def _extend(
         self, binding: dict[Variable, str], free: list[Variable], tests: list[Part]
     ) -> Iterator[dict[Variable, str] | None]:
@@ -146,7 +140,7 @@ class Universe:
         self, tests: Iterable[Part], binding: Binding
     ) -> tuple[Sequence[_Row], Literal] | None:
         """Of the literals whose object tuples facts list, the one with fewest, and these tuples."""
-        listed = [test for test in tests if isinstance(test, Literal) and self._lists_rows(test)]
+        listed = [test for test in tests if isinstance(test, Literal) and self.lists_rows(test)]
         joins = [(self._matches(literal, binding), literal) for literal in listed]
         return min(joins, key=lambda join: len(join[0]), default=None)
 
@@ -160,7 +154,7 @@ class Universe:
                 return None
         return more
 
-    def _lists_rows(self, literal: Literal) -> bool:
+    def lists_rows(self, literal: Literal) -> bool:
         """Whether facts list where it holds: not what is false, and not what only follows from facts."""
         return literal.symbol not in self.derived and not any(value is False for value in literal.values)
 
@@ -170,14 +164,18 @@ class Universe:
         index = self._index(literal, binding)
         return index.get(names_of([literal.terms[p] for p in known], binding), ())
 
+    def rows(self, literal: Literal) -> list[_Row]:
+        """Object tuples for which a literal holds whose rows facts list, sorted."""
+        rows = {row for value in literal.values for row in self._rows.get((literal.symbol, value), ())}
+        return sorted(rows)
+
     def _index(self, literal: Literal, bound: Collection[Variable]) -> dict[_Row, list[_Row]]:
         """Object tuples for which the literal holds, by the objects of its known terms."""
         known = _known(literal, bound)
         name = (literal.symbol, literal.values, known)
         if name not in self._indices:
             index: dict[_Row, list[_Row]] = defaultdict(list)
-            rows = {row for value in literal.values for row in self._rows.get((literal.symbol, value), ())}
-            for row in sorted(rows):
+            for row in self.rows(literal):
                 index[tuple(row[position] for position in known)].append(row)
             self._indices[name] = dict(index)
         return self._indices[name]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.ground_formula import Formula, Known, restricted
 from cleancli.compiler.grounding_size import count_groundings, refuse_too_many
@@ -50,14 +51,15 @@ def unreached(domain: Domain, problem: Problem) -> tuple[Unreached, ...]:
 
     Nothing is said of problems with many groundings, and of those that can't be grounded.
     """
-    universe = Universe(domain, problem)
     if sum(each.count for each in count_groundings(domain, problem)) > _MOST_GROUNDINGS:
         return ()
+    universe = Universe(domain, problem)
+    join = ColumnJoin(universe)
     try:
-        if any(refuse_too_many(domain, problem, universe)):
+        if any(refuse_too_many(domain, join)):
             return ()
         conditions = Conditions(universe)
-        known = Reach(instances(domain, conditions), universe).known
+        known = Reach(instances(domain, conditions, join), universe).known
         if problem.goal:
             return tuple(_goal(problem, conditions, known, symbols_of(domain)))
         wanted = wanted_decreased(domain)

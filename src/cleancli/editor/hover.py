@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.compiler.grounding_size import Groundings, count_groundings
 from cleancli.editor.library import Document, Library
 from cleancli.editor.mistakes import model_of, model_of_problem
 from cleancli.language import syntax
@@ -191,6 +190,9 @@ def _section_around(node: syntax.Node | None, offset: int) -> str:
 
 
 def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Iterator[str]:
+    """Grounding, and numpy with it, is imported here: the editor's other answers come without it."""
+    from cleancli.compiler.grounding_size import count_groundings
+
     domain = library.domain_of(asked)
     model = None if domain is None else model_of(domain, library)
     if domain is None or model is None:
@@ -201,7 +203,7 @@ def _about_rule(asked: Document, node: syntax.RuleNode, library: Library) -> Ite
         problem = model_of_problem(user, model)
         if problem is not None:
             counted = next(g for g in count_groundings(model, problem) if g.name == rule.name)
-            yield f"`{user.path.name}`: {_groundings(counted)}"
+            yield f"`{user.path.name}`: {_groundings(counted.count, counted.exact)}"
 
 
 def _sums(rule: Rule) -> str:
@@ -214,10 +216,9 @@ def _sums(rule: Rule) -> str:
     return f"{plural(count, 'outcome')}: {parts}"
 
 
-def _groundings(counted: Groundings) -> str:
+def _groundings(count: int, exact: bool) -> str:
     """For how many tuples of a problem's objects the facts that never change allow a rule."""
-    most = "" if counted.exact else "at most "
-    return f"{most}{plural(counted.count, 'grounding')}"
+    return f"{'' if exact else 'at most '}{plural(count, 'grounding')}"
 
 
 # ---- what was learned
