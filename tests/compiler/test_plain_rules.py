@@ -1,0 +1,187 @@
+"""Rules that are grounded by columns mean what they mean when they are grounded instance by instance.
+
+The latter is how rules with references, alternatives and shifts are grounded, and test_meaning.py compares it
+with the rules themselves.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from cleancli.compiler import instances as instances_module
+from cleancli.compiler.ground import ground
+from cleancli.compiler.task import Task
+from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.model import (
+    Action,
+    Assign,
+    Condition,
+    Count,
+    Domain,
+    Equality,
+    Fact,
+    ForAll,
+    Horizon,
+    Literal,
+    Object,
+    Outcome,
+    OutcomeKind,
+    Problem,
+    RewardKind,
+    RewardTerm,
+    Rule,
+    Symbol,
+    Term,
+    Type,
+    Variable,
+)
+
+X, Y, Z, W = (Variable(name, "thing") for name in "xyzw")
+HOME = Object("home", "thing")
+NAMES = ("a", "b", "c")
+TRUE, FALSE = frozenset({True}), frozenset({False})
+GRADES = ("low", "middle", "high")
+ACTIONS = (("one", (X,)), ("two", (X, Y)), ("three", (X, Y, Z)), ("all", ()))
+SYMBOLS = (
+    Symbol("red", (X,)),
+    Symbol("wet", (X,)),
+    Symbol("on", (X, Y)),
+    Symbol("beside", (X, Y), symmetric=True),
+    Symbol("grade", (X,), GRADES),
+    Symbol("near", (X, Y), symmetric=True, static=True),
+    Symbol("way", (X, Y, Z), static=True),
+    Symbol("kind", (X,), GRADES, static=True),
+)
+
+
+class Drawn:
+    """A random domain whose rules are all plain; many overlap, and some set one thing twice."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng(seed)
+        self.domain = Domain(
+            name="plain",
+            types=(Type("thing"),),
+            constants=(HOME,),
+            symbols=SYMBOLS,
+            counts=(Count("reds", (X,), (Literal("red", (X,), TRUE),)),),
+            actions=(
+                Action("one", (X,)),
+                Action("two", (X, Y)),
+                Action("three", (X, Y, Z)),
+                Action("all", ()),
+            ),
+            rules=tuple(self._rules()),
+            default=(Outcome(Fraction(1), OutcomeKind.NOTHING),),
+            reward=(RewardTerm(Fraction(1), RewardKind.DECREASE, "reds"),),
+        )
+        self.problem = self._problem()
+
+    def _rules(self) -> list[Rule]:
+        """For each action one rule for what is wet and one for what is not, or for all."""
+        found = []
+        for action, variables in ACTIONS:
+            for name, values in (("wet", TRUE), ("dry", FALSE)):
+                own = Literal("wet", variables[:1] or (HOME,), values)
+                apart = self.rng.random() < 0.97
+                condition = (*self._condition(variables), *((own,) if apart else ()))
+                found.append(
+                    Rule(f"{action}_{name}", action, variables, condition, self._outcomes(variables))
+                )
+        return found
+
+    def _condition(self, variables: tuple[Variable, ...]) -> Condition:
+        parts: list[Literal | Equality] = []
+        for _ in range(int(self.rng.integers(0, 4))):
+            one, other, third = (self._term(variables) for _ in range(3))
+            either = TRUE if self.rng.random() < 0.5 else FALSE
+            some = frozenset(
+                str(g) for g in self.rng.choice(GRADES, int(self.rng.integers(1, 3)), replace=False)
+            )
+            parts.append(
+                [
+                    Literal("red", (one,), either),
+                    Literal("on", (one, other), either),
+                    Literal("beside", (one, other), either),
+                    Literal("grade", (one,), some),
+                    Literal("near", (one, other), either),
+                    Literal("way", (one, other, third), TRUE),
+                    Literal("kind", (one,), some),
+                    Equality(one, other, bool(self.rng.random() < 0.3)),
+                ][int(self.rng.integers(8))]
+            )
+        return tuple(parts)
+
+    def _outcomes(self, variables: tuple[Variable, ...]) -> tuple[Outcome, ...]:
+        shares = [Fraction(1, 2), Fraction(1, 2), Fraction(0)][: int(self.rng.integers(2, 4))]
+        changing = [
+            Outcome(share, OutcomeKind.CHANGE, tuple(self._effect(variables) for _ in range(self._few())))
+            for share in shares
+        ]
+        return (*changing, Outcome(Fraction(0), OutcomeKind.NOISE))
+
+    def _few(self) -> int:
+        return 1 if self.rng.random() < 0.8 else 2
+
+    def _effect(self, variables: tuple[Variable, ...]) -> Assign | ForAll:
+        if self.rng.random() < 0.3:
+            guard = Literal("way", (W, self._term(variables), self._term((*variables, W))), TRUE)
+            condition = ((guard,), (), (Equality(W, self._term(variables), False),))[
+                int(self.rng.integers(3))
+            ]
+            return ForAll((W,), condition, (self._assign((W,)),))
+        return self._assign(variables)
+
+    def _assign(self, variables: tuple[Variable, ...]) -> Assign:
+        one, other = self._term(variables), self._term(variables)
+        value = bool(self.rng.random() < 0.5)
+        return [
+            Assign("red", (one,), value),
+            Assign("wet", (one,), value),
+            Assign("on", (one, other), value),
+            Assign("beside", (one, other), value),
+            Assign("grade", (one,), str(self.rng.choice(GRADES))),
+        ][int(self.rng.integers(5))]
+
+    def _term(self, variables: tuple[Variable, ...]) -> Term:
+        terms = (*variables, *variables, HOME)
+        return terms[int(self.rng.integers(len(terms)))]
+
+    def _problem(self) -> Problem:
+        things = (*NAMES, "home")
+        facts = [Fact(symbol, (x,)) for symbol in ("red", "wet") for x in things if self.rng.random() < 0.5]
+        facts += [Fact(s, (x,), str(self.rng.choice(GRADES))) for s in ("grade", "kind") for x in things]
+        for pair in itertools.product(things, things):
+            facts += [Fact("on", pair)] if self.rng.random() < 0.2 else []
+            symmetric = pair == tuple(sorted(pair))
+            facts += [Fact(s, pair) for s in ("beside", "near") if symmetric and self.rng.random() < 0.4]
+            facts += [Fact("way", (*pair, x)) for x in things if self.rng.random() < 0.2]
+        objects = tuple(Object(name, "thing") for name in NAMES)
+        return Problem("p", "plain", objects, frozenset(facts), Horizon(3))
+
+
+def grounded(drawn: Drawn, compat: bool) -> Task | tuple[Diagnostic, ...]:
+    try:
+        return ground(drawn.domain, drawn.problem, compat=compat, named=[("two", ("a", "home"))])
+    except Refused as refused:
+        return refused.diagnostics
+
+
+@pytest.mark.parametrize("compat", [False, True])
+def test_the_same_task_by_columns_and_one_by_one(compat: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = [Drawn(seed) for seed in range(60)]
+    by_columns = [grounded(each, compat) for each in drawn]
+    monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)
+    assert by_columns == [grounded(each, compat) for each in drawn]
+    codes = Counter(d.code for found in by_columns if isinstance(found, tuple) for d in found)
+    tasks = [found for found in by_columns if isinstance(found, Task)]
+    assert codes["E602"] > 5, "conflicts are among what is compared"
+    assert compat or codes["E603"] > 1, "and rules that overlap"
+    assert len(tasks) > 20
+    assert sum(len(task.rules) for task in tasks) > 500
