@@ -20,8 +20,8 @@ from cleancli.planning.registry import PLANNERS
 
 ROOT = Path(__file__).parent.parent
 NUMBERS = """
-compiler.grounding_size.RULE_LIMIT | planning.md | more than {:,} groundings
-compiler.grounding_size.PART_LIMIT | planning.md | {:,} literals and effects
+compiler.grounding_size.RULE_BYTES / 1024 | planning.md | at {:.0f} KiB each
+compiler.grounding_size.PART_BYTES | planning.md | literals and effects at {} bytes
 compiler.disjoint_cases.CASE_LIMIT | planning.md | into more than {:,} cases
 compiler.partial_evaluation.STEP_LIMIT | planning.md | too many paths ({:,} steps)
 compiler.semantics.SUPPORT_LIMIT | planning.md | follows the whole distribution, up to {:,} states

@@ -97,7 +97,7 @@ class Drawn:
         return choices[int(self.rng.integers(len(choices)))]
 
     def _term(self, variables: tuple[Variable, ...]) -> Term:
-        terms = (*variables, MOP)
+        terms: tuple[Term, ...] = (*variables, MOP)
         return terms[int(self.rng.integers(len(terms)))]
 
 

@@ -104,18 +104,17 @@ class Drawn:
             some = frozenset(
                 str(g) for g in self.rng.choice(GRADES, int(self.rng.integers(1, 3)), replace=False)
             )
-            parts.append(
-                [
-                    Literal("red", (one,), either),
-                    Literal("on", (one, other), either),
-                    Literal("beside", (one, other), either),
-                    Literal("grade", (one,), some),
-                    Literal("near", (one, other), either),
-                    Literal("way", (one, other, third), TRUE),
-                    Literal("kind", (one,), some),
-                    Equality(one, other, bool(self.rng.random() < 0.3)),
-                ][int(self.rng.integers(8))]
-            )
+            choices: list[Literal | Equality] = [
+                Literal("red", (one,), either),
+                Literal("on", (one, other), either),
+                Literal("beside", (one, other), either),
+                Literal("grade", (one,), some),
+                Literal("near", (one, other), either),
+                Literal("way", (one, other, third), TRUE),
+                Literal("kind", (one,), some),
+                Equality(one, other, bool(self.rng.random() < 0.3)),
+            ]
+            parts.append(choices[int(self.rng.integers(8))])
         return tuple(parts)
 
     def _outcomes(self, variables: tuple[Variable, ...]) -> tuple[Outcome, ...]:
@@ -150,7 +149,7 @@ class Drawn:
         ][int(self.rng.integers(5))]
 
     def _term(self, variables: tuple[Variable, ...]) -> Term:
-        terms = (*variables, *variables, HOME)
+        terms: tuple[Term, ...] = (*variables, *variables, HOME)
         return terms[int(self.rng.integers(len(terms)))]
 
     def _problem(self) -> Problem:

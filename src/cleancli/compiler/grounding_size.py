@@ -14,6 +14,7 @@ from math import prod
 
 from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.disjoint_cases import Case
+from cleancli.compiler.memory import most_bytes
 from cleancli.compiler.partial_evaluation import part_text
 from cleancli.compiler.static_join import Part, Universe, free_variables
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
@@ -30,16 +31,22 @@ from cleancli.language.model import (
 )
 from cleancli.language.printing.printer import print_term
 
-RULE_LIMIT = 100_000
-"""Most instances, and most ground rules, of a task. Grounding takes 9 KiB for each of those of
-benchmarks/planning.py, so this is 1 GB; and PRADA draws few sequences a second from as many."""
+RULE_BYTES = 10_240
+"""Memory that a grounding takes at most: 11 KiB with a reference, where each stands for many literals, and 1
+KiB without. Measured with join_three of benchmarks/planning.nid at 25 and 60 areas."""
 
-PART_LIMIT = 2_000_000
-"""Most literals and effects that instances may have in all, at about 500 bytes each: 1 GB too."""
+PART_BYTES = 500
+"""Memory that a literal or an effect takes."""
+
+RULE_LIMIT = most_bytes() // RULE_BYTES
+"""Most instances, and most ground rules, of a task."""
+
+PART_LIMIT = most_bytes() // PART_BYTES
+"""Most literals and effects that instances may have in all."""
 
 EXACT_ROWS = 100_000
 """Rows of a join up to which it is run to count it: some hundredths of a second. Chosen. Before a problem is
-refused, twice as many as may be left in the end, because a bound may be far too high."""
+refused, as many as may be left in the end, because a bound may be far too high."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +76,8 @@ def refuse_too_many(domain: Domain, join: ColumnJoin) -> Iterator[Diagnostic]:
     in_all = sum(each.count for each in found)
     if in_all > RULE_LIMIT:
         worst = max(found, key=lambda each: each.count)
-        share = "" if worst.count > RULE_LIMIT else f" of {in_all:,} in all"
-        yield _refusal(f"rule `{worst.name}`", worst, share, domain.rules[worst.rule].span)
+        number = worst.count if worst.count > RULE_LIMIT else in_all
+        yield _refusal(f"rule `{worst.name}`", worst, number, domain.rules[worst.rule].span)
         return
     for each in found:
         yield from _too_many_parts(each, domain.rules[each.rule], join)
@@ -94,7 +101,7 @@ def _counted_until_few(domain: Domain, join: ColumnJoin) -> list[Groundings]:
 
 def _patient() -> int:
     """The rows of a join before a problem is refused."""
-    return max(EXACT_ROWS, 2 * RULE_LIMIT)
+    return max(EXACT_ROWS, RULE_LIMIT)
 
 
 def _too_many_counted(count: Count, join: ColumnJoin) -> Iterator[Diagnostic]:
@@ -103,7 +110,7 @@ def _too_many_counted(count: Count, join: ColumnJoin) -> Iterator[Diagnostic]:
         return
     number, exact, blame = _count(count.variables, count.condition, join, _patient())
     if number > RULE_LIMIT:
-        yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), "", None)
+        yield _refusal(f"the count `{count.name}`", Groundings(0, "", number, exact, blame), number, None)
 
 
 def too_many_cases_in_all(domain: Domain, found: Sequence[Case]) -> Diagnostic:
@@ -111,22 +118,31 @@ def too_many_cases_in_all(domain: Domain, found: Sequence[Case]) -> Diagnostic:
     rule, cases = Counter(case.rule for case in found).most_common(1)[0]
     return Diagnostic(
         "E605",
-        f"the instances of rules fall into more than {RULE_LIMIT:,} cases",
+        f"the instances of rules fall into more cases than fit; {_MOST}",
         domain.rules[rule].span,
         label=f"{cases:,} are cases of rule `{domain.rules[rule].name}`",
         help="ask for less at once, take fewer objects, or leave to the facts what does not change",
     )
 
 
-def _refusal(what: str, found: Groundings, in_all: str, span: Span | None) -> Diagnostic:
+def _refusal(what: str, found: Groundings, in_all: int, span: Span | None) -> Diagnostic:
     number = f"{found.count:,}" if found.exact else f"up to {found.count:,}"
+    share = "" if in_all == found.count else f" of {in_all:,} in all"
     return Diagnostic(
         "E604",
-        f"{what} has {number} groundings{in_all}; {RULE_LIMIT:,} are the most that fit",
+        f"{what} has {number} groundings{share}, about {_size(in_all * RULE_BYTES)}; {_MOST}",
         span,
         label=found.blame,
         help="add a literal whose facts no rule changes, or take fewer objects",
     )
+
+
+_MOST = "half of the memory is the most that may be taken"
+
+
+def _size(number: int) -> str:
+    """A number of bytes in words."""
+    return f"{number / 1e9:,.1f} GB"
 
 
 def _too_many_parts(found: Groundings, rule: Rule, join: ColumnJoin) -> Iterator[Diagnostic]:
@@ -144,13 +160,13 @@ def _too_many_parts(found: Groundings, rule: Rule, join: ColumnJoin) -> Iterator
         worst, most = max(fitting, key=lambda reference: reference[1])
         label = f"the reference `{worst}` fits up to {most:,} bindings in each"
         refused = Groundings(found.rule, "", instances, False, label)
-        yield _refusal(f"rule `{rule.name}`", refused, "", rule.span)
+        yield _refusal(f"rule `{rule.name}`", refused, instances, rule.span)
     elif instances * length > PART_LIMIT:
         ((worst, most),) = lengths.most_common(1)
         yield Diagnostic(
             "E604",
-            f"the groundings of rule `{rule.name}` have up to {instances * length:,} literals and effects;"
-            f" {PART_LIMIT:,} are the most that fit",
+            f"the groundings of rule `{rule.name}` have up to {instances * length:,} literals and effects,"
+            f" about {_size(instances * length * PART_BYTES)}; {_MOST}",
             rule.span,
             label=f"`{worst}` stands for up to {most:,} of them in each",
             help="add a literal whose facts no rule changes, or take fewer objects",
