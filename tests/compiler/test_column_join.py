@@ -130,6 +130,8 @@ def test_the_most_that_a_literal_leaves() -> None:
         most = max(sum(tuple(row[p] for p in places) == each for row in rows) for each in chosen)
         assert join.widest(literal, bound) == most
     assert join.widest(Literal("u", (X, Y, Z), FALSE), ()) is None, "facts do not list it"
+    assert join.widest(Literal("always", (), TRUE), ()) == 1
+    assert join.widest(Literal("never", (), TRUE), ()) == 0
 
 
 def test_numbers_of_many_columns_do_not_run_over() -> None:

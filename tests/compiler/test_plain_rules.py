@@ -174,6 +174,7 @@ def grounded(drawn: Drawn, compat: bool) -> Task | tuple[Diagnostic, ...]:
 
 @pytest.mark.parametrize("compat", [False, True])
 def test_the_same_task_by_columns_and_one_by_one(compat: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(instances_module, "FEW", 0)
     drawn = [Drawn(seed) for seed in range(60)]
     by_columns = [grounded(each, compat) for each in drawn]
     monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)

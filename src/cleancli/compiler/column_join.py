@@ -49,6 +49,7 @@ class ColumnJoin:
         self.names: tuple[str, ...] = universe.everything
         self._number = {name: number for number, name in enumerate(self.names)}
         self._facts: dict[tuple[str, frozenset[object]], Longs] = {}
+        self._members: dict[str, Bools] = {}
 
     def bindings(self, variables: Sequence[Variable], condition: Condition) -> Longs:
         """Every tuple of objects that the unchangeable part of a condition allows: (n, variables), sorted."""
@@ -98,7 +99,7 @@ class ColumnJoin:
         for test in tests:
             if isinstance(test, Equality) and test.equal and (step := self._equated(test, columns, count)):
                 return step
-        objects = self._objects(free[0])
+        objects = np.flatnonzero(self._is_object(free[0]))
         whole = np.full(count, len(objects))
         by_type = _Step(np.zeros(count, dtype=np.int64), whole, {free[0]: objects})
         listed = [each for each in tests if isinstance(each, Literal) and self.universe.lists_rows(each)]
@@ -111,7 +112,7 @@ class ColumnJoin:
                 if isinstance(other, Variable) and other not in columns:
                     continue
                 values = self._column(other, columns, count)
-                fits = np.isin(values, self._objects(term))
+                fits = self._is_object(term)[values]
                 return _Step(np.arange(count), fits.astype(np.int64), {term: values})
         return None
 
@@ -128,7 +129,7 @@ class ColumnJoin:
                 fits &= new[term] == facts[:, position]
             else:
                 new[term] = facts[:, position]
-                fits &= np.isin(new[term], self._objects(term))
+                fits &= self._is_object(term)[new[term]]
         facts = facts[fits]
         asked, given = self._codes(
             _table([self._column(term, columns, count) for term, _ in known], count),
@@ -147,7 +148,9 @@ class ColumnJoin:
             return equal if test.equal else ~equal
         if isinstance(test, Literal) and test.terms and self.universe.lists_rows(test):
             asked = _table([self._column(term, columns, count) for term in test.terms], count)
-            holds: Bools = np.isin(*self._codes(asked, self._rows(test)))
+            codes, given = self._codes(asked, self._rows(test))
+            given = np.append(np.sort(given), -1)
+            holds: Bools = given[np.searchsorted(given[:-1], codes)] == codes
             return holds
         return self._holds_each(test, columns, count)
 
@@ -169,15 +172,21 @@ class ColumnJoin:
     def _column(self, term: Term, columns: _Columns, count: int) -> Longs:
         return columns[term] if isinstance(term, Variable) else np.full(count, self._number[term.name])
 
-    def _objects(self, variable: Variable) -> Longs:
-        return np.array([self._number[name] for name in self.universe.objects(variable.type)], dtype=np.int64)
+    def _is_object(self, variable: Variable) -> Bools:
+        """Whether each object is of the variable's type: (objects,)."""
+        if variable.type not in self._members:
+            members = np.zeros(len(self.names), dtype=np.bool_)
+            members[[self._number[name] for name in self.universe.objects(variable.type)]] = True
+            self._members[variable.type] = members
+        return self._members[variable.type]
 
     def _rows(self, literal: Literal) -> Longs:
         """The object tuples for which a literal holds, in numbers: (n, terms)."""
         name = (literal.symbol, frozenset[object](literal.values))
         if name not in self._facts:
-            numbers = [self._number[each] for row in self.universe.rows(literal) for each in row]
-            self._facts[name] = np.array(numbers, dtype=np.int64).reshape(-1, len(literal.terms))
+            rows = self.universe.rows(literal)
+            numbers = [self._number[each] for row in rows for each in row]
+            self._facts[name] = np.array(numbers, dtype=np.int64).reshape(len(rows), len(literal.terms))
         return self._facts[name]
 
     def projected(self, rows: Longs) -> tuple[Longs, Longs]:

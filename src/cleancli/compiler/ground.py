@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+from cleancli.array_types import Longs
 from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.conflict import conflicting_effects
@@ -19,7 +20,6 @@ from cleancli.compiler.ground_rules import PlainWords, RuleGroundings, from_case
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.instances import instances, instances_of
 from cleancli.compiler.partial_evaluation import Conditions
-from cleancli.compiler.plain_rules import PlainInstances
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.rewards import costs_of, rewards_of, usual_objective, waiting_can_pay
 from cleancli.compiler.static_join import Universe
@@ -122,8 +122,11 @@ def _conflicts(
     conditions: Conditions,
     join: ColumnJoin,
 ) -> Iterator[Diagnostic]:
-    """E602 for each outcome that gives one key two values, shown by the first such case."""
-    shown = {plain.rule: _conflicting(domain, plain, reach, conditions, join) for plain in reach.plain}
+    """E602 for each outcome that gives one key two values, shown by the first such case. Cases of plain rules
+    are made for those alone that conflict."""
+    about = reach.vocabulary.fluents_of(reach.vocabulary.assignments.entries)
+    rows = {plain.rule: plain.objects[plain.conflicts(about)] for plain in reach.plain}
+    shown = {rule: _conflicting(domain, rule, rows[rule], reach, conditions, join) for rule in rows}
     reported = set()
     for number, rule in enumerate(domain.rules):
         for case in shown.get(number, cases.get(number, ())):
@@ -136,12 +139,11 @@ def _conflicts(
 
 
 def _conflicting(
-    domain: Domain, plain: PlainInstances, reach: Reach, conditions: Conditions, join: ColumnJoin
+    domain: Domain, rule: int, rows: Longs, reach: Reach, conditions: Conditions, join: ColumnJoin
 ) -> Iterator[Case]:
-    """The first case in which each outcome of a plain rule gives a key two values."""
-    rule = domain.rules[plain.rule]
-    for row in plain.conflicts(reach.vocabulary):
-        for instance in instances_of(plain.rule, rule, join.named(plain.objects[row].tolist()), conditions):
+    """The cases of a plain rule for some rows of objects."""
+    for row in rows.tolist():
+        for instance in instances_of(rule, domain.rules[rule], join.named(row), conditions):
             yield from cases_of(instance, conditions, reach.known)
 
 

@@ -145,6 +145,8 @@ def _outcomes_of(
     outcome: Outcome, rows: Longs, assigned: Longs, literals: Longs, words: PlainWords, changes: Bools
 ) -> list[GroundOutcome]:
     """The outcome for each row, one object where it is the same; marks rows that it changes something in."""
+    if not len(rows):
+        return [_outcome(outcome, ())] * len(literals)
     slots = words.slot[assigned]
     kept = slots != _NEVER
     for column in literals.T:

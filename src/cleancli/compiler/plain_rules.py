@@ -22,7 +22,6 @@ from cleancli.compiler.ragged import spans, starts
 from cleancli.compiler.static_join import Universe, free_variables
 from cleancli.language.model import (
     Assign,
-    Condition,
     ForAll,
     Literal,
     Outcome,
@@ -79,15 +78,19 @@ class PlainInstances:
 
     def only(self, kept: Bools) -> PlainInstances:
         """Some of them."""
+        if kept.all():
+            return self
         place = np.cumsum(kept) - 1
         assigned = tuple([(place[rows[kept[rows]]], what[kept[rows]]) for rows, what in self.assigned])
         return PlainInstances(self.rule, self.objects[kept], self.literals[kept], assigned)
 
-    def conflicts(self, vocabulary: Vocabulary) -> list[int]:
-        """The first instance in which each outcome gives a fluent two values, if there is one."""
+    def conflicts(self, about: Longs) -> list[int]:
+        """The first instance in which each outcome gives a fluent two values, if there is one. `about` says
+        what each assignment is about."""
         found = set()
-        about = vocabulary.fluents_of(vocabulary.assignments.entries)
         for rows, assigned in self.assigned:
+            if not len(rows):
+                continue
             order = np.lexsort((about[assigned], rows))
             row, fluent = rows[order], about[assigned][order]
             found |= set(row[1:][(row[1:] == row[:-1]) & (fluent[1:] == fluent[:-1])][:1].tolist())
@@ -113,6 +116,25 @@ def _sets_always(effect: object, universe: Universe) -> bool:
     return isinstance(effect, Assign)
 
 
+class _Rows:
+    """What the variables of a rule stand for, a row for each instance."""
+
+    def __init__(self, variables: Sequence[Variable], objects: Longs, join: ColumnJoin) -> None:
+        self.objects = objects
+        self._variables = list(variables)
+        self._join = join
+        self._choices: dict[tuple[Variable, ...], tuple[list[Binding], Longs]] = {}
+
+    def choices(self, asked: Iterable[Variable]) -> tuple[list[Binding], Longs]:
+        """What some of the variables stand for, each choice once, and the choice of each row."""
+        wanted = tuple(dict.fromkeys(asked))
+        if wanted not in self._choices:
+            distinct, place = self._join.projected(self.objects[:, list(map(self._variables.index, wanted))])
+            named = map(self._join.named, distinct.tolist())
+            self._choices[wanted] = [dict(zip(wanted, names, strict=True)) for names in named], place
+        return self._choices[wanted]
+
+
 class PlainGrounding:
     """Makes instances of plain rules in one universe."""
 
@@ -123,29 +145,30 @@ class PlainGrounding:
 
     def instances(self, index: int, rule: Rule, objects: Longs) -> PlainInstances:
         """All for these objects, but for those whose literals exclude each other."""
-        literals = self._literals(rule.condition, rule.variables, objects)
-        possible = self._merge(literals)
-        objects, literals = objects[possible], literals[possible]
-        assigned = tuple([self._assigned(outcome, rule.variables, objects) for outcome in rule.outcomes])
-        return PlainInstances(index, objects, literals, assigned)
+        rows = _Rows(rule.variables, objects, self._join)
+        changing = [part for part in rule.condition if not self._universe.is_static(part)]
+        literals = self._literals([part for part in changing if isinstance(part, Literal)], rows)
+        assigned = tuple([self._assigned(outcome, rows) for outcome in rule.outcomes])
+        possible = self._merge(literals, [part.symbol for part in changing if isinstance(part, Literal)])
+        return PlainInstances(index, objects, literals, assigned).only(possible)
 
-    def _literals(self, condition: Condition, variables: Sequence[Variable], objects: Longs) -> Longs:
+    def _literals(self, parts: Sequence[Literal], rows: _Rows) -> Longs:
         columns = []
-        for part in condition:
-            if not isinstance(part, Literal) or self._universe.is_static(part):
-                continue
-            bindings, place = self._bindings(free_variables(part), variables, objects)
+        for part in parts:
+            bindings, place = rows.choices(free_variables(part))
             keys = [self._universe.key(part.symbol, part.terms, binding) for binding in bindings]
             numbers = [self.vocabulary.literals.number((key, part.values)) for key in keys]
             columns.append(np.array(numbers, dtype=np.int64)[place])
-        return np.array(columns, dtype=np.int64).reshape(len(columns), len(objects)).T
+        return np.array(columns, dtype=np.int64).reshape(len(columns), len(rows.objects)).T
 
-    def _merge(self, literals: Longs) -> Bools:
+    def _merge(self, literals: Longs, symbols: Sequence[str]) -> Bools:
         """Makes one literal in place of two about one fluent; whether each row can hold."""
         known = self.vocabulary.literals
         possible = np.ones(len(literals), dtype=np.bool_)
-        about = self.vocabulary.fluents_of(known.entries)[literals]
-        for one, other in itertools.combinations(range(literals.shape[1]), 2):
+        pairs = itertools.combinations(range(len(symbols)), 2)
+        alike = [(one, other) for one, other in pairs if symbols[one] == symbols[other]]
+        about = self.vocabulary.fluents_of(known.entries)[literals] if alike else literals
+        for one, other in alike:
             rows = np.flatnonzero((about[:, one] == about[:, other]) & (about[:, other] != NOTHING))
             for row in rows.tolist():
                 (fluent, left), (_, right) = (known.entries[literals[row, each]] for each in (one, other))
@@ -155,20 +178,19 @@ class PlainGrounding:
             about[rows, other] = NOTHING
         return possible
 
-    def _assigned(
-        self, outcome: Outcome, variables: Sequence[Variable], objects: Longs
-    ) -> tuple[Longs, Longs]:
+    def _assigned(self, outcome: Outcome, instances: _Rows) -> tuple[Longs, Longs]:
         """What an outcome assigns; nothing if it never happens."""
         rows, assigned = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
         for effect in outcome.effects if outcome.probability else ():
             own = effect.variables if isinstance(effect, ForAll) else ()
-            asked = [v for v in _mentioned(effect) if v not in own]
-            bindings, place = self._bindings(asked, variables, objects)
+            bindings, place = instances.choices(v for v in _mentioned(effect) if v not in own)
             found = [list(self._assignments(effect, binding)) for binding in bindings]
             start = starts(found).astype(np.int64)
             row, entry = spans(start[place], np.diff(start)[place])
             rows.append(row)
             assigned.append(np.array([each for several in found for each in several], dtype=np.int64)[entry])
+        if len(rows) == 1:
+            return rows[0], assigned[0]
         size = max(len(self.vocabulary.assignments.entries), 1)
         once = np.unique(np.concatenate(rows) * size + np.concatenate(assigned))
         return once // size, once % size
@@ -183,15 +205,6 @@ class PlainGrounding:
             assert isinstance(effect, Assign)
             key = self._universe.key(effect.symbol, effect.terms, binding)
             yield self.vocabulary.assignments.number((key, effect.value))
-
-    def _bindings(
-        self, asked: Iterable[Variable], variables: Sequence[Variable], objects: Longs
-    ) -> tuple[list[Binding], Longs]:
-        """What the variables that are asked for stand for, each choice once, and the choice of each row."""
-        wanted = list(dict.fromkeys(asked))
-        columns = [list(variables).index(variable) for variable in wanted]
-        distinct, place = self._join.projected(objects[:, columns])
-        return [dict(zip(wanted, self._join.named(row), strict=True)) for row in distinct.tolist()], place
 
 
 def _mentioned(effect: object) -> list[Variable]:

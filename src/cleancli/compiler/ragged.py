@@ -5,7 +5,6 @@ A ragged list is two arrays: the entries of item i of `x` are `x[x_start[i] : x_
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence, Sized
 from fractions import Fraction
 from typing import TypeVar
@@ -15,23 +14,6 @@ import numpy as np
 from cleancli.array_types import Floats, Ints, Longs
 
 _Item = TypeVar("_Item")
-
-
-def grouped(items: Iterable[_Item], groups: Iterable[int], count: int) -> list[list[_Item]]:
-    """The items of each of `count` groups, for items with the group that each is of."""
-    grouped: list[list[_Item]] = [[] for _ in range(count)]
-    for item, group in zip(items, groups, strict=True):
-        grouped[group].append(item)
-    return grouped
-
-
-def overlapping(lists: Iterable[Iterable[int]], sets: Iterable[Iterable[int]]) -> list[list[int]]:
-    """For each of the sets, which of the lists have a member of it, ascending."""
-    holders: defaultdict[int, list[int]] = defaultdict(list)
-    for index, members in enumerate(lists):
-        for member in members:
-            holders[member].append(index)
-    return [sorted({index for member in members for index in holders[member]}) for members in sets]
 
 
 def starts(lists: Iterable[Sized]) -> Ints:

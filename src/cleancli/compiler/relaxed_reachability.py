@@ -66,6 +66,8 @@ class Reach:
         grown = False
         for plain, applying in zip(blocks, self._applying, strict=True):
             new = possible[plain.literals].all(axis=1) & ~applying
+            if not new.any():
+                continue
             applying |= new
             for rows, assigned in plain.assigned:
                 for number in np.unique(assigned[new[rows]]).tolist():

@@ -7,7 +7,6 @@ stored as ragged.py says.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,10 +15,10 @@ from cleancli.array_types import Bools, Floats, Indices, Ints, Longs
 from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.lowering.belief_numbers import Conditions, Numbers
 from cleancli.compiler.lowering.belief_updates import losses, shifts
-from cleancli.compiler.lowering.rule_columns import RuleColumns, rule_columns
+from cleancli.compiler.lowering.rule_columns import RuleColumns, Touched, rule_columns
 from cleancli.compiler.ragged import floats, spans
 from cleancli.compiler.semantics import payment
-from cleancli.compiler.task import RewardCondition, Task, advances, asked
+from cleancli.compiler.task import Task, advances, asked
 
 
 class Tables(NamedTuple):
@@ -86,7 +85,7 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     happening = columns.possible()
     shift_start, shift_slot, shift = shifts(happening, conditions, numbers)
     loss_start, loss_slot, loss_given, loss = losses(happening, conditions, numbers)
-    touched = _Touched(happening, task)
+    touched = Touched(happening, task)
     touched_slot_start, touched_slot = touched.ranges(numbers.first)
     of_variable = np.searchsorted(numbers.sum_variable, np.arange(len(task.variables) + 1))
     touched_sum_start, touched_sum = touched.ranges(of_variable)
@@ -128,30 +127,6 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
 
 def _indices(values: Longs | Ints) -> Indices:
     return values.astype(np.uint32)
-
-
-class _Touched:
-    """The variables that an action can set."""
-
-    def __init__(self, columns: RuleColumns, task: Task) -> None:
-        self._actions, variables = np.arange(len(task.actions) + 1), max(len(task.variables), 1)
-        keys = np.unique(columns.action[columns.effect_rule] * variables + columns.effect_variable)
-        self._action, self._variable = keys // variables, keys % variables
-
-    def ranges(self, first: Longs | Ints) -> tuple[Longs, Longs]:
-        """For each action what belongs to its variables, as ragged.py says, where what belongs to each
-        variable stands together, from its `first` on."""
-        which, entry = spans(first[self._variable], np.diff(first)[self._variable])
-        return np.searchsorted(self._action[which], self._actions), entry
-
-    def asking(self, wanted: Sequence[RewardCondition]) -> tuple[Longs, Longs]:
-        """For each action which of the conditions ask for one of its variables."""
-        pairs = [(v, index) for index, each in enumerate(wanted) for v, _ in each.condition]
-        variable, index = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2).T
-        first = np.searchsorted(variable, self._variable)
-        which, entry = spans(first, np.searchsorted(variable, self._variable, side="right") - first)
-        found = np.unique(self._action[which] * max(len(wanted), 1) + index[entry])
-        return np.searchsorted(found // max(len(wanted), 1), self._actions), found % max(len(wanted), 1)
 
 
 def _most(task: Task, columns: RuleColumns, numbers: Numbers) -> Floats:

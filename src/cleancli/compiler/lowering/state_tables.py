@@ -8,17 +8,17 @@ transition.py.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
-from fractions import Fraction
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats, Ints
+from cleancli.array_types import Bools, Floats, Ints, Longs
 from cleancli.compiler.collector import paused_collector
-from cleancli.compiler.ragged import floats, grouped, overlapping, ragged, starts
+from cleancli.compiler.lowering.rule_columns import RuleColumns, Touched, rule_columns
+from cleancli.compiler.ragged import floats, ragged, spans, starts
 from cleancli.compiler.semantics import payment
-from cleancli.compiler.task import GroundLiteral, GroundRule, Task, advances, asked, variables_of
+from cleancli.compiler.task import GroundCondition, GroundRule, StateVariable, Task, advances, asked
 
 
 class Process(NamedTuple):
@@ -60,43 +60,33 @@ class Process(NamedTuple):
 @paused_collector()
 def lower_process(task: Task) -> Process:
     """The arrays of a task, the same for each initial state; equal tasks give equal arrays."""
-    wanted = [each.condition for each in asked(task)]
-    conditions = [*(rule.condition for rule in task.rules), *wanted]
-    literals = [literal for condition in conditions for literal in condition]
-    rows = list(dict.fromkeys(literals))  # of `allowed`
-    row_start = dict(zip(rows, starts(task.variables[v].values for v, _ in rows), strict=False))
-    slot_start = starts(variable.values for variable in task.variables)
-    slots = [[slot_start[v] + value for value in sorted(allowed)] for v, allowed in literals]
-    literal_slot_start, literal_slot = ragged(slots)
-    rules_of = grouped(task.rules, [rule.action for rule in task.rules], len(task.actions))
-    touched = overlapping(map(variables_of, wanted), map(_touched, rules_of))
-    touched_reward_start, touched_reward = ragged(touched)
-    outcomes = [outcome for rule in task.rules for outcome in rule.outcomes]
-    effects = [effect for outcome in outcomes for effect in outcome.effects]
+    columns, wanted = rule_columns(task.rules), asked(task)
+    literals = _Literals(columns, [each.condition for each in wanted], task.variables)
+    touched_reward_start, touched_reward = Touched(columns, task).asking(wanted)
     return Process(
-        sizes=np.array([len(variable.values) for variable in task.variables], dtype=np.int32),
-        slot_start=slot_start,
-        rule_start=starts(rules_of),
-        rule_useful=np.array([task.waiting or rule.changes for rule in task.rules], dtype=np.bool_),
-        literal_start=starts(conditions),
-        literal_variable=np.array([variable for variable, _ in literals], dtype=np.int32),
-        literal_row=np.array([row_start[literal] for literal in literals], dtype=np.int32),
-        allowed=np.array(_fits(task, rows), dtype=np.bool_),
-        literal_slot_start=literal_slot_start,
-        literal_slot=literal_slot,
+        sizes=_ints([len(variable.values) for variable in task.variables]),
+        slot_start=literals.slot_start,
+        rule_start=_ints(np.searchsorted(columns.action, np.arange(len(task.actions) + 1))),
+        rule_useful=columns.changes | task.waiting,
+        literal_start=literals.start,
+        literal_variable=literals.variable,
+        literal_row=literals.row,
+        allowed=literals.allowed,
+        literal_slot_start=literals.of_slot_start,
+        literal_slot=literals.of_slot,
         outcome_start=starts(rule.outcomes for rule in task.rules),
-        probability=floats(outcome.probability for outcome in outcomes),
-        cumulated=floats(itertools.chain.from_iterable(map(_cumulated, task.rules))),
-        effect_start=starts(outcome.effects for outcome in outcomes),
-        effect_variable=np.array([variable for variable, _ in effects], dtype=np.int32),
-        effect_value=np.array([value for _, value in effects], dtype=np.int32),
-        touched_reward_start=touched_reward_start,
-        touched_reward=touched_reward,
+        probability=columns.probability,
+        cumulated=_cumulated(task.rules),
+        effect_start=_ints(np.searchsorted(columns.effect_outcome, np.arange(len(columns.probability) + 1))),
+        effect_variable=_ints(columns.effect_variable),
+        effect_value=_ints(columns.effect_value),
+        touched_reward_start=_ints(touched_reward_start),
+        touched_reward=_ints(touched_reward),
         cost=floats(action.cost for action in task.actions),
         payment=floats(payment(task, action) for action in range(len(task.actions))),
         discount=floats(task.discounts),
-        decrease=floats(each.decrease for each in asked(task)),
-        state=floats(each.state for each in asked(task)),
+        decrease=floats(each.decrease for each in wanted),
+        state=floats(each.state for each in wanted),
         advance=floats(advances(task)),
         goal=np.array([each.condition in task.goal for each in asked(task)], dtype=np.bool_),
         constant=floats([task.constant_reward]),
@@ -104,15 +94,48 @@ def lower_process(task: Task) -> Process:
     )
 
 
-def _fits(task: Task, literals: Iterable[GroundLiteral]) -> list[bool]:
-    """For each literal, and each value of its variable, whether the literal allows it."""
-    return [value in allowed for v, allowed in literals for value in range(len(task.variables[v].values))]
+def _ints(values: Longs | Sequence[int]) -> Ints:
+    return np.asarray(values, dtype=np.int32)
 
 
-def _cumulated(rule: GroundRule) -> Iterator[Fraction]:
-    return itertools.accumulate(outcome.probability for outcome in rule.outcomes)
+class _Literals:
+    """The literals of rules and then of what is asked, as `Process` has them."""
+
+    def __init__(
+        self, columns: RuleColumns, wanted: Sequence[GroundCondition], variables: Sequence[StateVariable]
+    ) -> None:
+        more = [literal for condition in wanted for literal in condition]
+        literals = [*columns.literals, *more]
+        which = np.concatenate([columns.literal, len(columns.literals) + np.arange(len(more))])
+        lengths = np.bincount(columns.literal_rule, minlength=len(columns.action))
+        self.start = _ints(np.cumsum([0, *lengths, *map(len, wanted)]))
+        rows = list(dict.fromkeys(literals))  # of `allowed`
+        sizes = [len(variables[v].values) for v, _ in rows]
+        row_start = dict(zip(rows, starts(map(range, sizes)).tolist(), strict=False))
+        fits = [
+            value in allowed for (_, allowed), size in zip(rows, sizes, strict=True) for value in range(size)
+        ]
+        self.allowed: Bools = np.array(fits, dtype=np.bool_)
+        self.variable = _ints([variable for variable, _ in literals])[which]
+        self.row = _ints([row_start[literal] for literal in literals])[which]
+        self.slot_start = starts(variable.values for variable in variables)
+        first, slots = ragged(
+            [[self.slot_start[v] + value for value in sorted(allowed)] for v, allowed in literals]
+        )
+        count = np.diff(first)[which]
+        self.of_slot_start = _ints(np.cumsum([0, *count]))
+        self.of_slot = slots[spans(first[which], count)[1]]
 
 
-def _touched(rules: Iterable[GroundRule]) -> set[int]:
-    """The variables that an outcome of the rules sets."""
-    return {variable for rule in rules for outcome in rule.outcomes for variable, _ in outcome.effects}
+def _cumulated(rules: Sequence[GroundRule]) -> Floats:
+    """The probabilities of each rule's outcomes added up, exactly and then as numbers; most rules share
+    theirs."""
+    known: dict[tuple[int, ...], list[float]] = {}
+    found: list[float] = []
+    for rule in rules:
+        name = tuple([id(outcome.probability) for outcome in rule.outcomes])
+        if name not in known:
+            sums = itertools.accumulate(outcome.probability for outcome in rule.outcomes)
+            known[name] = [float(each) for each in sums]
+        found += known[name]
+    return np.array(found, dtype=np.float64)
