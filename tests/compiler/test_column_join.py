@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+from cleancli.compiler import column_join
 from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.static_join import Universe
@@ -101,8 +102,11 @@ class Drawn:
         return terms[int(self.rng.integers(len(terms)))]
 
 
+@pytest.mark.parametrize("few", [0, 1000])
 @pytest.mark.parametrize("seed", range(40))
-def test_joined_is_what_satisfies(seed: int) -> None:
+def test_joined_is_what_satisfies(seed: int, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where tuples are few enough to try one by one."""
+    monkeypatch.setattr(column_join, "FEW", few)
     drawn = Drawn(seed)
     join = ColumnJoin(Universe(DOMAIN, drawn.problem))
     view = StateView(DOMAIN, (*DOMAIN.constants, *drawn.problem.objects), drawn.problem.state)

@@ -13,6 +13,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from cleancli.compiler import column_join
 from cleancli.compiler import instances as instances_module
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Task
@@ -175,6 +176,7 @@ def grounded(drawn: Drawn, compat: bool) -> Task | tuple[Diagnostic, ...]:
 @pytest.mark.parametrize("compat", [False, True])
 def test_the_same_task_by_columns_and_one_by_one(compat: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(instances_module, "FEW", 0)
+    monkeypatch.setattr(column_join, "FEW", 0)
     drawn = [Drawn(seed) for seed in range(60)]
     by_columns = [grounded(each, compat) for each in drawn]
     monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)

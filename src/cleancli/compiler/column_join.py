@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -18,6 +19,10 @@ from cleancli.compiler.static_join import Part, Universe, free_variables
 from cleancli.language.model import Condition, Equality, Literal, Term, Variable
 
 _Columns = Mapping[Variable, Longs]
+
+FEW = 50
+"""Tuples of objects, by their types alone, up to which they are tried one by one, which is faster. Measured
+with benchmarks/planning.nid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +58,10 @@ class ColumnJoin:
 
     def bindings(self, variables: Sequence[Variable], condition: Condition) -> Longs:
         """Every tuple of objects that the unchangeable part of a condition allows: (n, variables), sorted."""
+        if prod(len(self.universe.objects(each.type)) for each in variables) <= FEW:
+            found = self.universe.extensions(variables, condition, {})
+            numbers = sorted([self._number[each[v]] for v in variables] for each in found)
+            return np.array(numbers, dtype=np.int64).reshape(len(numbers), len(variables))
         rows = self._joined(variables, condition, sys.maxsize)
         assert rows is not None, "nothing is more than that"
         return rows[np.lexsort(rows.T[::-1])] if variables else rows

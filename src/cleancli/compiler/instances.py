@@ -102,12 +102,15 @@ def closure_refused(error: ClosureTooLargeError, span: Span | None, label: str) 
 def instances_of(
     index: int, rule: Rule, objects: tuple[str, ...], conditions: Conditions, *, compat: bool = False
 ) -> Iterator[Instance]:
-    """Those of a rule for some objects, one for each binding of its references. Raises
-    `ClosureTooLargeError`."""
-    for binding, formula in conditions.extensions((), rule.condition, bind(rule, objects)):
-        for bound, whole in _references(rule.references, binding, formula, conditions, compat):
-            changes, effects = _divided(rule.outcomes, bound, conditions)
-            yield Instance(index, objects, whole, changes, effects)
+    """Those of a rule for objects that the unchangeable facts allow, one for each binding of its references.
+    Raises `ClosureTooLargeError`."""
+    binding = bind(rule, objects)
+    formula = conditions.remaining(rule.condition, binding)
+    if formula is None:
+        return
+    for bound, whole in _references(rule.references, binding, formula, conditions, compat):
+        changes, effects = _divided(rule.outcomes, bound, conditions)
+        yield Instance(index, objects, whole, changes, effects)
 
 
 def _divided(

@@ -50,7 +50,7 @@ class Conditions:
     ) -> Iterator[tuple[Binding, Formula]]:
         """Every extension of `binding` for which the condition may hold, with what is left of it."""
         for extended in self.universe.extensions(variables, condition, binding):
-            formula = self._rest(condition, extended)
+            formula = self.remaining(condition, extended)
             if formula is not None:
                 yield extended, formula
 
@@ -58,8 +58,8 @@ class Conditions:
         """A condition whose own variables are all bound."""
         return next((formula for _, formula in self.extensions((), condition, binding)), None)
 
-    def _rest(self, condition: Condition, binding: Binding) -> Formula | None:
-        """What the changeable parts ask for."""
+    def remaining(self, condition: Condition, binding: Binding) -> Formula | None:
+        """What the changeable parts ask for, where the others hold."""
         required: dict[Fluent, frozenset[Value]] = {}
         parts: list[Formula | None] = []
         for part in condition:
