@@ -233,7 +233,10 @@ def _overlaps(
 
 def _exclude_each_other(first: GroundCondition, second: GroundCondition) -> bool:
     other = dict(second)
-    return any(variable in other and other[variable].isdisjoint(allowed) for variable, allowed in first)
+    for variable, allowed in first:  # noqa: SIM110, twice as fast as any() of a generator
+        if variable in other and other[variable].isdisjoint(allowed):
+            return True
+    return False
 
 
 def _shared(

@@ -37,5 +37,8 @@ def spans(first: Longs | Ints, count: Longs | Ints) -> tuple[Longs, Longs]:
 def floats(values: Iterable[float | Fraction]) -> Floats:
     """Numbers as an array. Fractions take long to divide, so one that stands there often is divided once."""
     listed = list(values)
-    divided = {id(value): float(value) for value in {id(value): value for value in listed}.values()}
-    return np.array([divided[id(value)] for value in listed], dtype=np.float64)
+    identities = list(map(id, listed))
+    divided = {
+        identity: float(value) for identity, value in dict(zip(identities, listed, strict=True)).items()
+    }
+    return np.array([divided[identity] for identity in identities], dtype=np.float64)

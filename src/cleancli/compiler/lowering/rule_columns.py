@@ -5,6 +5,7 @@ Guaranteed by `ground`: rules share literals and outcomes that are the same, so 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -54,8 +55,9 @@ def rule_columns(rules: Sequence[GroundRule]) -> RuleColumns:
     literals, literal = _distinct([literal for rule in rules for literal in rule.condition])
     outcomes, outcome = _distinct([outcome for rule in rules for outcome in rule.outcomes])
     outcome_rule = np.repeat(everything, [len(rule.outcomes) for rule in rules])
-    numbers = (number for outcome in outcomes for effect in outcome.effects for number in effect)
-    variable, value = np.fromiter(numbers, dtype=np.int64).reshape(-1, 2).T
+    effects = itertools.chain.from_iterable([outcome.effects for outcome in outcomes])
+    numbers = np.fromiter(itertools.chain.from_iterable(effects), dtype=np.int64)
+    variable, value = numbers.reshape(-1, 2).T
     first = starts(outcome.effects for outcome in outcomes)
     which, entry = spans(first[outcome], np.diff(first)[outcome])
     changes = np.zeros(len(rules), dtype=np.bool_)
