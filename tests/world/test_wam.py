@@ -9,7 +9,7 @@ import pytest
 
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import tool_path
-from cleancli.motion.arm import forward, frames
+from cleancli.motion.arm import everywhere, forward, frames, poses
 from cleancli.motion.clearance import hull_ends, segment_gaps
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.scene.model import Group, Scene
@@ -83,6 +83,26 @@ def test_most_lentils_of_a_push_end_in_the_container(action: str) -> None:
         table.withdraw()
         assert finish(table) is Status.DONE
         assert drive_of(table).stray() < 1e-3
+
+
+def test_a_stopped_arm_rises_as_far_as_its_joints_let_it() -> None:
+    """What is stopped is raised straight up (docs/execution.md); near its limits an arm cannot rise all the
+    way."""
+    rng, heights = np.random.default_rng(1), []
+    with closing(PybulletTable(small(), 1)) as table:
+        drive = drive_of(table)
+        points = np.column_stack((rng.uniform(-0.4, 0.4, (60, 2)), np.zeros(60), rng.uniform(-3, 3, 60)))
+        for point, found in zip(points, everywhere(drive._arm, poses(points, np.zeros(60))), strict=True):
+            able = found.reshape(-1, 7)[np.isfinite(found.reshape(-1, 7)).all(axis=1)]
+            for joints in able[:4]:
+                drive.stand(joints)
+                motion = drive.lift()
+                assert np.isfinite(motion).all()
+                tools = forward(drive._arm, np.concatenate((joints[None], motion)))[:, :3, 3]
+                assert np.abs(tools[:, :2] - point[:2]).max() < 1e-3, "straight up"
+                heights.append(tools[-1, 2])
+    assert max(heights) > 0.04
+    assert min(heights) < 0.02, "some cannot rise all the way"
 
 
 @pytest.mark.parametrize("edge", ["north", "south", "west"])

@@ -183,15 +183,17 @@ def course(arm: Arm, joints: Floats, speeds: Floats) -> Course:
 
 
 def rise(arm: Arm, begin: Floats, leg: Leg) -> Floats:
-    """Joints (n, 7) from `begin` (7,) along a leg straight up, with the elbow's swivel as it is; only `begin`
-    itself where the arm can't."""
+    """Joints (n, 7) from `begin` (7,) along a leg straight up, with the elbow's swivel as it is, as far as
+    the arm can: at least `begin` itself."""
     tool = forward(arm, begin[None])[0]
     tilts = np.full(len(leg.points), np.arcsin(np.clip(-tool[2, 0], -1, 1)))
     swivel, branch = swivel_of(arm, begin)
     rest = inverse(
         arm, poses(leg.points, tilts), np.full(len(tilts), swivel), np.tile(branch, (len(tilts), 1))
     )
-    return np.concatenate((begin[None], rest[1:])) if np.isfinite(rest).all() else begin[None]
+    able = np.isfinite(rest).all(axis=1)
+    able[0] = True
+    return np.concatenate((begin[None], rest[1 : len(rest) if able.all() else int(able.argmin())]))
 
 
 def nearest_pose(arm: Arm, point: Floats) -> Floats:

@@ -111,15 +111,14 @@ class ArmDrive:
         return self.through_air(self.joints(), np.array(self._build.rest), TRANSIT_SPEED)
 
     def lift(self) -> Floats:
-        """(k, 7) joints straight up until the tool is clear of the surface."""
+        """(k, 7) joints straight up until the tool is clear of the surface, or as far as the arm can."""
         x, y, z, yaw = (float(value) for value in self.tool())
         corners = Waypoint(x, y, z, yaw, TRANSIT_SPEED), Waypoint(x, y, max(z, LIFT), yaw, TRANSIT_SPEED)
         (leg,) = legs(corners, np.zeros(4)) or (None,)
-        if leg is None:
+        joints = np.empty((0, 7)) if leg is None else rise(self._arm, self.joints(), leg)
+        if leg is None or len(joints) < 2:
             return np.empty((0, 7))
-        return timed(
-            course(self._arm, rise(self._arm, self.joints(), leg), leg.speeds), self._limits, par.STEP
-        )
+        return timed(course(self._arm, joints, leg.speeds[: len(joints)]), self._limits, par.STEP)
 
     def command(self, joints: Floats) -> None:
         """Be at `joints` (7,) after the next step, as far as the joints' torques allow."""
