@@ -191,9 +191,9 @@ def rise(arm: Arm, begin: Floats, leg: Leg) -> Floats:
     rest = inverse(
         arm, poses(leg.points, tilts), np.full(len(tilts), swivel), np.tile(branch, (len(tilts), 1))
     )
-    able = np.isfinite(rest).all(axis=1)
-    able[0] = True
-    return np.concatenate((begin[None], rest[1 : len(rest) if able.all() else int(able.argmin())]))
+    missed = np.flatnonzero(~np.isfinite(rest[1:]).all(axis=1))
+    end = len(rest) if not len(missed) else 1 + int(missed[0])
+    return np.concatenate((begin[None], rest[1:end]))
 
 
 def nearest_pose(arm: Arm, point: Floats) -> Floats:
