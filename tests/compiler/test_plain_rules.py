@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
+from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -16,7 +17,8 @@ import pytest
 from cleancli.compiler import column_join
 from cleancli.compiler import instances as instances_module
 from cleancli.compiler.ground import ground
-from cleancli.compiler.task import Task
+from cleancli.compiler.semantics import successors
+from cleancli.compiler.task import GroundState, Task
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
@@ -24,6 +26,7 @@ from cleancli.language.model import (
     Assign,
     Condition,
     Count,
+    DerivedPredicate,
     Domain,
     Equality,
     Fact,
@@ -61,16 +64,27 @@ SYMBOLS = (
 )
 
 
-class Drawn:
-    """A random domain whose rules are all plain; many overlap, and some set one thing twice."""
+DERIVED = (
+    DerivedPredicate(
+        "ripe", (X, Y), (Literal("red", (X,), TRUE), Literal("grade", (Y,), frozenset(GRADES[1:])))
+    ),
+    DerivedPredicate("lone", (X,), (Literal("on", (X, HOME), FALSE), Literal("on", (X, X), FALSE))),
+)
 
-    def __init__(self, seed: int) -> None:
+
+class Drawn:
+    """A random domain whose rules are all plain; many overlap, and some set one thing twice. With derived
+    predicates, their conditions are of several conjunctions."""
+
+    def __init__(self, seed: int, derived: tuple[DerivedPredicate, ...] = ()) -> None:
         self.rng = np.random.default_rng(seed)
+        self.derived = derived
         self.domain = Domain(
             name="plain",
             types=(Type("thing"),),
             constants=(HOME,),
             symbols=SYMBOLS,
+            derived=derived,
             counts=(Count("reds", (X,), (Literal("red", (X,), TRUE),)),),
             actions=(
                 Action("one", (X,)),
@@ -115,7 +129,9 @@ class Drawn:
                 Literal("kind", (one,), some),
                 Equality(one, other, bool(self.rng.random() < 0.3)),
             ]
-            parts.append(choices[int(self.rng.integers(8))])
+            if self.derived:
+                choices += [Literal("ripe", (one, other), either), Literal("lone", (one,), either)] * 2
+            parts.append(choices[int(self.rng.integers(len(choices)))])
         return tuple(parts)
 
     def _outcomes(self, variables: tuple[Variable, ...]) -> tuple[Outcome, ...]:
@@ -187,3 +203,60 @@ def test_the_same_task_by_columns_and_one_by_one(compat: bool, monkeypatch: pyte
     assert compat or codes["E603"] > 1, "and rules that overlap"
     assert len(tasks) > 20
     assert sum(len(task.rules) for task in tasks) > 500
+
+
+def test_several_conjunctions_mean_what_derived_predicates_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(instances_module, "FEW", 0)
+    drawn = [Drawn(seed, DERIVED) for seed in range(60)]
+    by_columns = [grounded(each, compat=False) for each in drawn]
+    monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)
+    one_by_one = [grounded(each, compat=False) for each in drawn]
+    tasks, divided = 0, 0
+    for seed, (left, right) in enumerate(zip(by_columns, one_by_one, strict=True)):
+        if not isinstance(left, Task) or not isinstance(right, Task):
+            assert codes(left) == codes(right) != [], seed
+            continue
+        assert walked(left, seed) == walked(right, seed), seed
+        tasks += 1
+        pairs = [p for p in itertools.combinations(left.rules, 2) if p[0].action == p[1].action]
+        alike = [(one, other) for one, other in pairs if one.rule == other.rule]
+        assert all(excluding(dict(one.condition), dict(other.condition)) for one, other in alike), seed
+        divided += bool(alike)
+    assert tasks > 20
+    assert divided > 10, "some rules are divided into several conjunctions"
+
+
+def walked(task: Task, seed: int) -> list[tuple[dict[str, object], dict[str, float]]]:
+    """States of a random walk, by what differs from the initial one, and the chance of each that may follow;
+    by the names of fluents and actions, since a task may list some that never change anything."""
+    rng, state, found = np.random.default_rng(seed), task.initial, []
+    for _ in range(30):
+        moves = {
+            f"{action}: {sorted(told(task, successor).items())}": (chance, successor)
+            for number, action in enumerate(task.actions)
+            for chance, successor in successors(task, state, number)
+            if successor != state
+        }
+        found.append((told(task, state), {move: chance for move, (chance, _) in moves.items()}))
+        if not moves:
+            break
+        state = moves[sorted(moves)[int(rng.integers(len(moves)))]][1]
+    return found
+
+
+def excluding(one: Mapping[int, frozenset[int]], other: Mapping[int, frozenset[int]]) -> bool:
+    return any(not allowed & other.get(variable, allowed) for variable, allowed in one.items())
+
+
+def told(task: Task, state: GroundState) -> dict[str, object]:
+    """What differs from the initial state."""
+    pairs = zip(task.variables, zip(task.initial, state, strict=True), strict=True)
+    return {
+        f"{variable.symbol}{variable.objects}": variable.values[now]
+        for variable, (before, now) in pairs
+        if now != before
+    }
+
+
+def codes(found: Task | tuple[Diagnostic, ...]) -> list[str]:
+    return [] if isinstance(found, Task) else [diagnostic.code for diagnostic in found]

@@ -10,6 +10,8 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
+import numpy as np
+
 from cleancli.array_types import Longs
 from cleancli.compiler.collector import paused_collector
 from cleancli.compiler.column_join import ColumnJoin
@@ -126,8 +128,10 @@ def _conflicts(
     """E602 for each outcome that gives one key two values, shown by the first such case. Cases of plain rules
     are made for those alone that conflict."""
     about = reach.vocabulary.fluents_of(reach.vocabulary.assignments.entries)
-    rows = {plain.rule: plain.objects[plain.conflicts(about)] for plain in reach.plain}
-    shown = {rule: _conflicting(domain, rule, rows[rule], reach, conditions, join) for rule in rows}
+    shown: dict[int, Iterator[Case]] = {}
+    for number, several in itertools.groupby(reach.plain, key=lambda plain: plain.rule):
+        rows = np.unique(np.concatenate([each.objects[each.conflicts(about)] for each in several]), axis=0)
+        shown[number] = _conflicting(domain, number, rows, reach, conditions, join)
     reported = set()
     for number, rule in enumerate(domain.rules):
         for case in shown.get(number, cases.get(number, ())):
@@ -156,15 +160,14 @@ def _groundings(
     join: ColumnJoin,
     compat: bool,
 ) -> list[RuleGroundings]:
-    """The ground rules of each rule, in the domain's order."""
+    """The ground rules of each rule, in no order; those of the same objects and rule in that of its cases."""
     words = PlainWords(reach.vocabulary, numbering, reach.known, compat)
-    plain = {each.rule: each for each in reach.plain}
-    return [
-        from_columns(plain[number], rule, words, join)
-        if number in plain
-        else from_cases(number, rule, cases.get(number, ()), numbering, reach.known, compat)
-        for number, rule in enumerate(domain.rules)
+    by_columns = [from_columns(plain, domain.rules[plain.rule], words, join) for plain in reach.plain]
+    one_by_one = [
+        from_cases(number, domain.rules[number], several, numbering, reach.known, compat)
+        for number, several in cases.items()
     ]
+    return [*by_columns, *one_by_one]
 
 
 def _ground_actions(

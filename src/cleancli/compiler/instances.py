@@ -78,7 +78,7 @@ def instances(domain: Domain, conditions: Conditions, join: ColumnJoin, *, compa
     for index, rule in enumerate(domain.rules):
         objects = join.bindings(rule.variables, rule.condition)
         if len(objects) > FEW and is_plain(rule, conditions.universe):
-            plain.append(grounding.instances(index, rule, objects))
+            plain += grounding.instances(index, rule, objects)
             continue
         for row in objects.tolist():
             try:

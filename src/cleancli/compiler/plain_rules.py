@@ -1,5 +1,5 @@
-"""Plain rules, grounded by columns: those whose condition is one conjunction, and whose outcomes set the same
-in every state.
+"""Plain rules, grounded by columns: those whose condition is one conjunction of literals or several that
+exclude each other, and whose outcomes set the same in every state.
 
 Guaranteed by the checker: every variable is bound. Each literal and each effect is made once for each choice
 of the objects that it speaks of itself, and not once for each binding of the rule: a rule for three objects
@@ -17,6 +17,7 @@ import numpy as np
 
 from cleancli.array_types import Bools, Longs
 from cleancli.compiler.column_join import ColumnJoin
+from cleancli.compiler.conjunctions import conjunctions
 from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.ragged import spans, starts
 from cleancli.compiler.static_join import Universe, free_variables
@@ -65,7 +66,7 @@ class Vocabulary:
 
 @dataclass(frozen=True, slots=True)
 class PlainInstances:
-    """The n instances of a plain rule (its index in the domain), sorted by objects.
+    """The n instances of a plain rule (its index in the domain) for one of its conjunctions, by objects.
 
     Literals and what outcomes assign are numbers of the vocabulary. Each outcome has two columns: instances,
     ascending, and what is assigned there.
@@ -98,14 +99,13 @@ class PlainInstances:
 
 
 def is_plain(rule: Rule, universe: Universe) -> bool:
-    """Whether a rule is grounded by columns: it has no references, and the state decides none of its effects
-    and alternatives."""
-    changing = [part for part in rule.condition if not universe.is_static(part)]
+    """Whether a rule is grounded by columns: it has no references, the state decides none of its effects, and
+    its condition is a few conjunctions of literals."""
     effects = [effect for outcome in rule.outcomes for effect in outcome.effects]
     return (
         not rule.references
-        and all(isinstance(part, Literal) and part.symbol not in universe.derived for part in changing)
         and all(_sets_always(effect, universe) for effect in effects)
+        and conjunctions(rule, universe) is not None
     )
 
 
@@ -143,14 +143,16 @@ class PlainGrounding:
         self._join = join
         self.vocabulary = Vocabulary()
 
-    def instances(self, index: int, rule: Rule, objects: Longs) -> PlainInstances:
-        """All for these objects, but for those whose literals exclude each other."""
+    def instances(self, index: int, rule: Rule, objects: Longs) -> Iterator[PlainInstances]:
+        """All for these objects, by conjunctions, but for those whose literals exclude each other."""
         rows = _Rows(rule.variables, objects, self._join)
-        changing = [part for part in rule.condition if not self._universe.is_static(part)]
-        literals = self._literals([part for part in changing if isinstance(part, Literal)], rows)
+        cases = conjunctions(rule, self._universe)
+        assert cases is not None, "the rule is plain"
+        found = [self._literals(conjunction, rows) for conjunction in cases]
         assigned = tuple([self._assigned(outcome, rows) for outcome in rule.outcomes])
-        possible = self._merge(literals, [part.symbol for part in changing if isinstance(part, Literal)])
-        return PlainInstances(index, objects, literals, assigned).only(possible)
+        for conjunction, literals in zip(cases, found, strict=True):
+            possible = self._merge(literals, [literal.symbol for literal in conjunction])
+            yield PlainInstances(index, objects, literals, assigned).only(possible)
 
     def _literals(self, parts: Sequence[Literal], rows: _Rows) -> Longs:
         columns = []
