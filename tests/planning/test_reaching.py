@@ -19,7 +19,7 @@ from cleancli.compiler.semantics import reaches_goal, successors
 from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.objective import aimed
-from cleancli.planning.plan import Options, Plan, PlanningRefused, TooManyStatesError
+from cleancli.planning.plan import Options, Plan, PlanningRefused, Reached, TooManyStatesError
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.episode import EpisodeLimits, episode
@@ -109,14 +109,15 @@ def cases() -> tuple[Case, ...]:
     return tuple(found)
 
 
-def planned(each: Case, planner: str = "exact") -> Plan:
-    return PLANNERS[planner](prepare(aimed(each.grounded.task, each.objective)), Options())
+def planned(each: Case, planner: str = "exact", **own: str) -> Plan:
+    return PLANNERS[planner].having(**own)(prepare(aimed(each.grounded.task, each.objective)), Options())
 
 
-def test_probabilities_and_costs_are_those_of_linear_programs() -> None:
+@pytest.mark.parametrize("arithmetic", ["float", "rational"])
+def test_probabilities_and_costs_are_those_of_linear_programs(arithmetic: str) -> None:
     assert len(cases()) == 200
     for each in cases():
-        reached = planned(each).reached
+        reached = planned(each, arithmetic=arithmetic).reached
         assert reached is not None
         assert reached.probability == pytest.approx(each.probability[0], abs=1e-9), each.seed
         assert reached.cost == pytest.approx(each.cost[0], abs=1e-9, rel=1e-9), each.seed
@@ -343,3 +344,37 @@ def test_what_nearly_always_starts_again_is_known_as_well() -> None:
     assert plan.value == 1.0
     assert plan.reached.cost == pytest.approx(3 * (1000 + 1) * 1000, rel=1e-6)
     assert plan.reached.cost_error <= 1e-6 * plan.reached.cost
+
+
+def bounds(reached: Reached | None) -> tuple[float, float]:
+    assert reached is not None
+    return reached.cost - reached.cost_error, reached.cost + reached.cost_error
+
+
+def test_bounds_hold_what_floats_lose() -> None:
+    """By fractions, which lose nothing; where success takes very many tries, each loses its share."""
+    for chance in ("0.01", "0.001", "0.0001", "0.00001", "0.000001"):
+        steep = from_text.task(
+            UPHILL.replace("0.001", chance), "init { low() } goal { not low() } horizon = unlimited"
+        )
+        tries = round(1 / float(chance))
+        exact = PLANNERS["exact"].having(arithmetic="rational")(prepare(steep), Options()).reached
+        assert exact is not None
+        assert (exact.probability, exact.cost) == (1.0, 3 * (tries + 1) * tries)
+        low, high = bounds(PLANNERS["exact"].having(error=1e-6)(prepare(steep), Options()).reached)
+        assert low <= exact.cost <= high
+    for each in cases():
+        exact, told = (planned(each, arithmetic=arithmetic).reached for arithmetic in ("rational", "float"))
+        assert exact is not None
+        assert told is not None
+        assert abs(exact.probability - told.probability) <= told.probability_error
+        assert abs(exact.cost - told.cost) <= told.cost_error
+    with pytest.raises(PlanningRefused, match="not of 1e-10"):
+        PLANNERS["exact"](prepare(steep), Options())
+
+
+def test_fractions_by_hand() -> None:
+    task = aimed(from_text.task(RAG, f"{TWO} horizon = unlimited"), "cost")
+    reached = PLANNERS["exact"].having(arithmetic="rational")(prepare(task), Options()).reached
+    assert reached is not None
+    assert (reached.probability, reached.cost) == (0.64, 7.2)

@@ -41,6 +41,27 @@ class GoalPolicy(NamedTuple):
     choice: Ints  # (N,)
 
 
+class Outlook(NamedTuple):
+    """What the graph tells alone, whatever the chances are, of its N states and M choices."""
+
+    back: Entering
+    inside: Bools  # (N,) where the goal does not hold and can be reached
+    ends: Ints  # (N,) the maximal end component inside, -1 where there is none
+    staying: Bools  # (M,) which choices stay in one
+    certain: Bools  # (N,) inside, and the goal is reached for certain by some policy
+    sure: Bools  # (M,) the choices there that keep it so
+
+
+def outlook(graph: DecisionGraph, goal: Bools, asked: Callable[[], None] = lambda: None) -> Outlook:
+    """What the graph tells; `goal` and `asked` as of `solve`."""
+    back = entering(graph)
+    inside = reaching(back, goal)[0] & ~goal
+    ends, staying = end_components(graph, back, inside, np.ones(len(graph.cost), dtype=np.bool_))
+    asked()
+    certain, sure = _certain(graph, back, goal, inside, ends, staying)
+    return Outlook(back, inside, ends, staying, certain, sure)
+
+
 def solve(
     graph: DecisionGraph, goal: Bools, share: float, asked: Callable[[], None] = lambda: None
 ) -> GoalPolicy:
@@ -48,22 +69,20 @@ def solve(
 
     The bounds within a component differ by `share`, see `optimistic_iteration.bounds`; `asked` is too.
     """
-    back = entering(graph)
-    inside = reaching(back, goal)[0] & ~goal
-    ends, staying = end_components(graph, back, inside, np.ones(len(graph.cost), dtype=np.bool_))
-    asked()
-    certain, sure = _certain(graph, back, goal, inside, ends, staying)
+    told = outlook(graph, goal, asked)
+    inside, certain = told.inside, told.certain
     probability = np.zeros((2, len(goal)))
     probability[:, goal | certain] = 1.0
     unknown = inside & ~certain
-    lossless = sure
+    lossless = told.sure
     if unknown.any():
-        _probabilities(graph, unknown, ends, probability, share, asked)
+        _probabilities(graph, unknown, told.ends, probability, share, asked)
         left_open = (probability[1] - probability[0])[unknown] / probability[0, unknown]
-        lossless = np.zeros_like(sure)
-        _lossless(graph, inside, certain, sure, probability[0], 2 * left_open.max() + ROUNDING, lossless)
+        lossless = np.zeros_like(told.sure)
+        share_open = 2 * left_open.max() + ROUNDING
+        _lossless(graph, inside, certain, told.sure, probability[0], share_open, lossless)
     cost = np.zeros((2, len(goal)))
-    choice = _costs(graph, back, inside, lossless, cost, share, asked)
+    choice = _costs(graph, told.back, inside, lossless, cost, share, asked)
     return GoalPolicy(probability, cost, choice)
 
 
@@ -87,7 +106,7 @@ def _certain(
 
     Who leaves each end component by choices that never lead out of these states reaches it at last.
     """
-    block, blocks = _blocks(inside, ends)
+    block, blocks = blocks_of(inside, ends)
     certain = inside.copy()
     keeps = np.zeros(len(graph.cost), dtype=np.bool_)
     left = np.zeros(blocks, dtype=np.int32)
@@ -157,7 +176,7 @@ def _probabilities(
 ) -> None:
     """Fills in the bounds where only chance decides. Behind the blocks stand the goal, and where it is out
     of reach."""
-    block, blocks = _blocks(unknown, ends)
+    block, blocks = blocks_of(unknown, ends)
     block[~unknown] = np.where(probability[0, ~unknown] == 1.0, blocks, blocks + 1)
     small = quotient(graph, block, blocks, np.ones(len(graph.cost), dtype=np.bool_), 2).graph
     order = solving_order(small, 2)
@@ -201,11 +220,9 @@ def _costs(
     asked: Callable[[], None],
 ) -> Ints:
     """Fills in the bounds of the costs; returns the choices."""
-    ends, staying = np.full(len(inside), -1, dtype=np.int32), np.zeros(len(lossless), dtype=np.bool_)
-    if (graph.cost[lossless] == 0.0).any():
-        ends, staying = end_components(graph, back, inside, lossless & (graph.cost == 0.0))
+    ends, staying = free_components(graph, back, inside, lossless)
     asked()
-    block, blocks = _blocks(inside, ends)
+    block, blocks = blocks_of(inside, ends)
     block[~inside] = blocks
     small = quotient(graph, block, blocks, lossless, 1)
     order = solving_order(small.graph, 1)
@@ -214,10 +231,17 @@ def _costs(
     leaving = np.empty(blocks, dtype=np.int32)
     chosen(small.graph, found[1], False, leaving)
     assert (leaving >= 0).all()
-    return _choices(back, inside, ends, staying, small.origin[leaving])
+    return spread_out(back, inside, ends, staying, small.origin[leaving])
 
 
-def _choices(back: Entering, inside: Bools, ends: Ints, staying: Bools, leaving: Ints) -> Ints:
+def free_components(graph: DecisionGraph, back: Entering, inside: Bools, kept: Bools) -> tuple[Ints, Bools]:
+    """The maximal end components by choices that are `kept` and cost nothing, as of `end_components`."""
+    if not (graph.cost[kept] == 0.0).any():
+        return np.full(len(inside), -1, dtype=np.int32), np.zeros(len(kept), dtype=np.bool_)
+    return end_components(graph, back, inside, kept & (graph.cost == 0.0))
+
+
+def spread_out(back: Entering, inside: Bools, ends: Ints, staying: Bools, leaving: Ints) -> Ints:
     """The choice in each state, given by which choice each block is left: there the others go to."""
     choice = np.full(len(inside), -1, dtype=np.int32)
     exits = back.state[leaving]
@@ -243,7 +267,7 @@ def _approach(back: Entering, ends: Ints, staying: Bools, choice: Ints, queue: I
                 last += 1
 
 
-def _blocks(part: Bools, ends: Ints) -> tuple[Ints, int]:
+def blocks_of(part: Bools, ends: Ints) -> tuple[Ints, int]:
     """A number for each end component and for each other state of the part, in no order; how many."""
     occurring = np.bincount(ends[part & (ends >= 0)]) > 0
     number = np.cumsum(occurring, dtype=np.int32) - 1

@@ -10,7 +10,7 @@ import numpy as np
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, PlanningRefused, TooManyStatesError, option
+from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import rational, reaching
 from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
 
@@ -31,12 +31,8 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     Raises `TooManyStatesError` where more than `own.states` states can be reached within the horizon.
     """
     if prepared.task.reaching is not None:
-        if own.arithmetic == "rational":
-            raise PlanningRefused(
-                "without a horizon values are told by bounds, and not as fractions",
-                "leave `arithmetic` as it is; `--option error=1e-12` narrows the bounds",
-            )
-        return reaching.plan("exact", prepared, own.states, own.error)
+        error = None if own.arithmetic == "rational" else own.error
+        return reaching.plan("exact", prepared, own.states, error)
     times = [time.perf_counter()]
     known = prepared.forgetful
     if own.arithmetic == "rational":

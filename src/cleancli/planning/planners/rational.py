@@ -88,7 +88,7 @@ def _state(task: Task, state: GroundState) -> _State:
     decreasing, standing = _paid(task, state)
     reached, choices = reaches_goal(task, state), []
     for action in range(len(task.actions)):
-        after = _after(task, state, action)
+        after = successors(task, state, action)
         if after and (task.waiting or list(after) != [state]):
             reward, progress = -task.actions[action].cost, Fraction(0)
             for successor, probability in after.items():
@@ -99,16 +99,16 @@ def _state(task: Task, state: GroundState) -> _State:
     return _State(standing, tuple(choices))
 
 
-def _after(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
+def successors(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
     """The states that may follow, with their probabilities; none where no rule covers the state."""
     rule = covering_rule(task, state, action)
-    after: dict[GroundState, Fraction] = {}
+    found: dict[GroundState, Fraction] = {}
     for outcome in () if rule is None else rule.outcomes:
         if outcome.probability:
             effects = dict(outcome.effects)
             successor = tuple(effects.get(variable, value) for variable, value in enumerate(state))
-            after[successor] = after.get(successor, Fraction(0)) + outcome.probability
-    return after
+            found[successor] = found.get(successor, Fraction(0)) + outcome.probability
+    return found
 
 
 def _paid(task: Task, state: GroundState) -> tuple[Fraction, Fraction]:

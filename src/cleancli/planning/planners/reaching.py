@@ -22,6 +22,7 @@ from cleancli.compiler.task import Reaching, Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Plan, PlanningRefused, Reached, TooManyStatesError
+from cleancli.planning.planners import rational_reaching
 
 SHARES = (1e-2, 1e-4)
 """Of the error that is asked for, what each component of states may leave open, in a first try and in a
@@ -43,9 +44,9 @@ class Solution:
     policy: Any  # kernels.goal_policy.GoalPolicy
 
 
-def plan(planner: str, prepared: Prepared, limit: int, error: float) -> Plan:
+def plan(planner: str, prepared: Prepared, limit: int, error: float | None) -> Plan:
     """The likeliest way to the goal by the best policy, and what that is worth; empty where the goal holds,
-    and where it is out of reach.
+    and where it is out of reach. Without an `error` it is worked out in fractions.
 
     Raises `TooManyStatesError` where more than `limit` states can be reached, and `PlanningRefused` where
     the values cannot be told with so small an error.
@@ -79,7 +80,7 @@ def plan(planner: str, prepared: Prepared, limit: int, error: float) -> Plan:
     )
 
 
-def _kept(prepared: Prepared, error: float) -> tuple[Solution | None, int]:
+def _kept(prepared: Prepared, error: float | None) -> tuple[Solution | None, int]:
     """An earlier solution and the number of the present state in it; None where it has not met the state."""
     known: Solution | None = prepared.solutions.get((reaching_of(prepared.task), error))
     start = -1 if known is None else known.enumeration.index(prepared.task.initial)
@@ -111,14 +112,19 @@ def decisions(task: Task, graph: Any) -> Any:
     )
 
 
-def solved(prepared: Prepared, limit: int, error: float) -> Solution:
+def solved(prepared: Prepared, limit: int, error: float | None) -> Solution:
     """The solution from the present state on. Raises as `plan` does."""
     enumeration, graph, goal = enumerated(prepared, limit)
+    if error is None:
+        task = prepared.task
+        policy = rational_reaching.solve(task, reaching_of(task), enumeration, graph, goal)
+        return Solution(enumeration, graph, goal, policy)
     policy, left = policy_of(decisions(prepared.task, graph), goal, error)
     if left > error:
         raise PlanningRefused(
             f"values can be told with an error of {left:.1g}, not of {error:.1g}",
-            f"ask for less: `--planner exact --option error={10.0 ** math.ceil(math.log10(left)):.0e}`",
+            f"ask for less, `--planner exact --option error={10.0 ** math.ceil(math.log10(left)):.0e}`,"
+            " or, of few states, for fractions: `--option arithmetic=rational`",
         )
     return Solution(enumeration, graph, goal, policy)
 

@@ -1,0 +1,213 @@
+"""Goals without a horizon in exact arithmetic: policy iteration (Howard 1960) over fractions.
+
+What graphs tell alone, and which states count as one, is as in planning/kernels/goal_policy.py. What a policy
+is worth solves a system of linear equations, by taking one state after the other out of it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats, Ints
+from cleancli.compiler.task import Reaching, Task
+from cleancli.planning import kernels
+from cleancli.planning.planners import rational
+
+Chances = Mapping[int, Fraction]
+"""Where a choice leads to, and how likely."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """What a choice of a block costs until it has left it, where it leads to then, and its number in the
+    graph of states."""
+
+    cost: Fraction
+    after: Chances
+    origin: int
+
+
+def solve(task: Task, reaching: Reaching, enumeration: Any, graph: Any, goal: Bools) -> Any:
+    """As kernels.goal_policy.solve: the policy, and bounds that are equal, exact but for their rounding to
+    floats. `enumeration` and `graph` are those of kernels.state_graph."""
+    loops = kernels.goal_policy
+    after = [dict(each) for each in _transitions(task, enumeration, graph)]
+    costs = [reaching.costs[action] for action in graph.choice_action.tolist()]
+    known = kernels.decision_graph.DecisionGraph(
+        graph.choice_start,
+        graph.edge_start,
+        graph.edge_successor,
+        graph.edge_probability,
+        np.array([float(cost > 0) for cost in costs]),
+    )
+    told = loops.outlook(known, goal)
+    probability = [Fraction(int(sure)) for sure in (goal | told.certain).tolist()]
+    unknown = told.inside & ~told.certain
+    block, blocks = loops.blocks_of(unknown, told.ends)
+    block[~unknown] = np.where((goal | told.certain)[~unknown], blocks, blocks + 1)
+    every = np.ones(len(costs), dtype=np.bool_)
+    free = [Fraction(0)] * len(costs)
+    chances, _ = _best(_choices(graph, after, free, block, blocks, every), (Fraction(1), Fraction(0)), True)
+    for state in np.flatnonzero(unknown).tolist():
+        probability[state] = chances[block[state]]
+    lossless = _lossless(graph, after, probability, told)
+    ends, staying = loops.free_components(known, told.back, told.inside, lossless)
+    block, blocks = loops.blocks_of(told.inside, ends)
+    block[~told.inside] = blocks
+    values, leaving = _best(_choices(graph, after, costs, block, blocks, lossless), (Fraction(0),), False)
+    cost = [values[b] if inside else Fraction(0) for b, inside in zip(block, told.inside, strict=True)]
+    exits = np.array([each.origin for each in leaving], dtype=np.int32)
+    choice = loops.spread_out(told.back, told.inside, ends, staying, exits)
+    return loops.GoalPolicy(_rounded(probability), _rounded(cost), choice)
+
+
+def _rounded(values: Sequence[Fraction]) -> Floats:
+    """Both bounds."""
+    return np.array([[float(value) for value in values]] * 2)
+
+
+def _transitions(task: Task, enumeration: Any, graph: Any) -> Iterator[Iterator[tuple[int, Fraction]]]:
+    """Of each choice where it leads to, and how likely."""
+    for number, state in enumerate(graph.states.tolist()):
+        for choice in range(*graph.choice_start[number : number + 2].tolist()):
+            found = rational.successors(task, tuple(state), int(graph.choice_action[choice]))
+            yield ((enumeration.index(successor), chance) for successor, chance in found.items())
+
+
+def _choices(
+    graph: Any,
+    after: Sequence[Chances],
+    costs: Sequence[Fraction],
+    block: Ints,
+    blocks: int,
+    kept: Bools,
+) -> list[list[_Choice]]:
+    """The choices of each block that are kept and can leave it, as those of a `Quotient`."""
+    found: list[list[_Choice]] = [[] for _ in range(blocks)]
+    owner = np.repeat(block, np.diff(graph.choice_start)).tolist()
+    of = block.tolist()
+    for choice, own in enumerate(owner):
+        if own >= blocks or not kept[choice]:
+            continue
+        leading: dict[int, Fraction] = {}
+        for state, chance in after[choice].items():
+            leading[of[state]] = leading.get(of[state], Fraction(0)) + chance
+        leading.pop(own, None)
+        if leaving := sum(leading.values()):
+            chances = {b: chance / leaving for b, chance in leading.items()}
+            found[own].append(_Choice(costs[choice] / leaving, chances, choice))
+    return found
+
+
+def _lossless(graph: Any, after: Sequence[Chances], probability: Sequence[Fraction], told: Any) -> Bools:
+    """Which choices lose no probability."""
+    owner = np.repeat(np.arange(len(told.inside)), np.diff(graph.choice_start)).tolist()
+    kept: Bools = told.sure.copy()
+    for choice, state in enumerate(owner):
+        if told.inside[state] and not told.certain[state]:
+            worth = sum(chance * probability[s] for s, chance in after[choice].items())
+            kept[choice] = worth == probability[state]
+    return kept
+
+
+def _best(
+    choices: Sequence[Sequence[_Choice]], fixed: Sequence[Fraction], greatest: bool
+) -> tuple[list[Fraction], list[_Choice]]:
+    """The best values of all blocks, and the choices that have them. `fixed` are the values of the states
+    behind the blocks, one of which every policy that is met reaches for certain."""
+    policy, sign = _approaching(choices), -1 if greatest else 1
+    while True:
+        values = [*_worth(policy, fixed), *fixed]
+        improved = [_improved(several, sign, values) for several in choices]
+        changes = [
+            block
+            for block, (worth, _) in enumerate(improved)
+            if worth
+            < sign * values[block]  # of equals the policy's own choice stays, or it might turn in circles
+        ]
+        if not changes:
+            return values, policy
+        for block in changes:
+            policy[block] = improved[block][1]
+
+
+def _improved(several: Sequence[_Choice], sign: int, values: Sequence[Fraction]) -> tuple[Fraction, _Choice]:
+    """The best choice, by what it is worth where others are worth so much."""
+    worths = [sign * (each.cost + sum(p * values[b] for b, p in each.after.items())) for each in several]
+    best = min(range(len(several)), key=worths.__getitem__)
+    return worths[best], several[best]
+
+
+def _approaching(choices: Sequence[Sequence[_Choice]]) -> list[_Choice]:
+    """A policy that reaches a fixed state for certain: each choice leads nearer to one with some chance."""
+    chosen: dict[int, _Choice] = {}
+    while len(chosen) < len(choices):
+        nearer = {
+            block: choice
+            for block, several in enumerate(choices)
+            if block not in chosen
+            for choice in reversed(several)
+            if any(b >= len(choices) or b in chosen for b in choice.after)
+        }
+        assert nearer, "from each block a fixed state can be reached"
+        chosen |= nearer
+    return [chosen[block] for block in range(len(choices))]
+
+
+def _worth(policy: Sequence[_Choice], fixed: Sequence[Fraction]) -> list[Fraction]:
+    """What a policy costs in each block: one block after the other is taken out of the equations, always one
+    that the fewest others are tied to, and then they are solved backwards."""
+    constant = [each.cost for each in policy]
+    rows = [dict(each.after) for each in policy]
+    for block, row in enumerate(rows):
+        for place, value in enumerate(fixed, len(policy)):
+            constant[block] += row.pop(place, Fraction(0)) * value
+    before: list[set[int]] = [set() for _ in rows]
+    for block, row in enumerate(rows):
+        for other in row:
+            before[other].add(block)
+    waiting = [(len(row) * len(before[block]), block) for block, row in enumerate(rows)]
+    heapq.heapify(waiting)
+    order: list[int] = []
+    gone = set[int]()
+    while waiting:
+        degree, block = heapq.heappop(waiting)
+        if block in gone:
+            continue
+        if degree < (now := len(rows[block]) * len(before[block])):
+            heapq.heappush(waiting, (now, block))
+            continue
+        gone.add(block)
+        order.append(block)
+        for other in before[block]:
+            _substitute(rows, constant, before, block, other)
+        for other in rows[block]:
+            before[other].discard(block)
+    for block in reversed(order):
+        constant[block] += sum(p * constant[other] for other, p in rows[block].items())
+    return constant
+
+
+def _substitute(
+    rows: list[dict[int, Fraction]],
+    constant: list[Fraction],
+    before: Sequence[set[int]],
+    block: int,
+    other: int,
+) -> None:
+    """Puts a block's equation into another one's, and solves that for its own block again."""
+    share = rows[other].pop(block)
+    constant[other] += share * constant[block]
+    for after, p in rows[block].items():
+        rows[other][after] = rows[other].get(after, Fraction(0)) + share * p
+        before[after].add(other)
+    if staying := rows[other].pop(other, Fraction(0)):
+        before[other].discard(other)
+        constant[other] /= 1 - staying
+        rows[other] = {after: p / (1 - staying) for after, p in rows[other].items()}
