@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from fractions import Fraction
 
 import numpy as np
 
@@ -35,6 +34,7 @@ from cleancli.compiler.task import (
     StateVariable,
     Task,
     literal_text,
+    reaching_by,
 )
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
@@ -89,13 +89,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
 def _reaching(domain: Domain, problem: Problem, actions: Sequence[GroundAction]) -> Reaching | None:
     """What counts without a horizon, unless something else is asked for; None with one."""
     objective = usual_objective(domain, problem)
-    match objective:
-        case Objective.COST:
-            return Reaching(objective, tuple(action.declared_cost for action in actions))
-        case Objective.PROBABILITY:
-            return Reaching(objective, (Fraction(1),) * len(actions))
-        case Objective.REWARD | Objective.TIME:
-            return None
+    return None if objective is Objective.REWARD else reaching_by(objective, actions)
 
 
 def _refuse(diagnostics: Iterable[Diagnostic]) -> None:

@@ -109,6 +109,21 @@ class Reaching:
     costs: tuple[Fraction, ...]
 
 
+def reaching_by(objective: Objective, actions: Sequence[GroundAction]) -> Reaching:
+    """What counts without a horizon by an objective. By time all actions have durations: floats, which count
+    as the decimal numbers that they are printed as. A reward counts up to a horizon alone."""
+    match objective:
+        case Objective.PROBABILITY:
+            costs = (Fraction(1),) * len(actions)
+        case Objective.COST:
+            costs = tuple(action.declared_cost for action in actions)
+        case Objective.TIME:
+            costs = tuple(Fraction(repr(action.duration)) for action in actions)
+        case Objective.REWARD:
+            raise ValueError("a reward is summed up to a horizon")
+    return Reaching(objective, costs)
+
+
 @dataclass(frozen=True, slots=True)
 class Task:
     """A grounded problem.

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
-from cleancli.compiler.task import NoDurationError, Objective, Reaching, Task, by_time
+from cleancli.compiler.task import NoDurationError, Objective, Task, by_time, reaching_by
 from cleancli.planning.plan import PlanningRefused
 
 OBJECTIVES = tuple(objective.value for objective in Objective)
@@ -37,29 +36,19 @@ def _up_to_the_horizon(task: Task, objective: Objective) -> Task:
 
 
 def _reaching(task: Task, objective: Objective) -> Task:
-    return replace(task, reaching=Reaching(objective, _costs(task, objective)))
-
-
-def _costs(task: Task, objective: Objective) -> tuple[Fraction, ...]:
-    """What each action costs by an objective. Durations, which are floats, count as the decimal numbers that
-    they are printed as."""
     match objective:
         case Objective.REWARD:
             raise PlanningRefused(
                 "without a horizon there is no end up to which a reward would be summed up",
                 "ask for `--objective probability`, `cost` or `time`, or give the problem a horizon",
             )
-        case Objective.PROBABILITY:
-            return (Fraction(1),) * len(task.actions)
         case Objective.COST:
             if task.actions and not any(action.declared_cost for action in task.actions):
                 raise PlanningRefused(
                     "no action that matters here has a cost",
                     "declare one: `[cost = 2]`, or ask for `--objective probability` or `time`",
                 )
-            return tuple(action.declared_cost for action in task.actions)
         case Objective.TIME:
-            durations = [action.duration for action in task.actions if action.duration is not None]
-            if task.untimed or len(durations) < len(task.actions):
+            if task.untimed or any(action.duration is None for action in task.actions):
                 raise NoDurationError(task.untimed)
-            return tuple(Fraction(repr(seconds)) for seconds in durations)
+    return replace(task, reaching=reaching_by(objective, task.actions))
