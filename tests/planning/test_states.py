@@ -63,7 +63,7 @@ def test_drawn_steps_have_declared_frequencies_and_rewards(seed: int) -> None:
         seen: Counter[GroundState] = Counter()
         for k in range(draws):
             state = array(assignment)
-            paid, rise = transitions.step(process, state, action, (k + 0.5) / draws)
+            paid, rise, _ = transitions.step(process, state, action, (k + 0.5) / draws)
             after = tuple(state.tolist())
             seen[after] += 1
             total = paid + rise + standing(task, assignment)

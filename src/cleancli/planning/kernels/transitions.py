@@ -96,33 +96,38 @@ def at_goal(p: Process, state: Ints) -> bool:
 
 
 @compiled
-def _touched(p: Process, state: Ints, action: int) -> tuple[float, float]:
+def touched(p: Process, state: Ints, action: int) -> tuple[float, float, float]:
     """The share of `rewarded` that the action can change."""
     start, variable, row, allowed = p.literal_start, p.literal_variable, p.literal_row, p.allowed
-    rules, decrease, standing = len(p.outcome_start) - 1, p.decrease, p.state
-    decreasing, paid, touched = 0.0, 0.0, p.touched_reward
+    rules, decrease, standing, advance = len(p.outcome_start) - 1, p.decrease, p.state, p.advance
+    decreasing, paid, ahead, conditions = 0.0, 0.0, 0.0, p.touched_reward
     for i in range(p.touched_reward_start[action], p.touched_reward_start[action + 1]):
-        c = touched[i]
+        c = conditions[i]
         if _holds(start, variable, row, allowed, state, rules + c):
             decreasing += decrease[c]
             paid += standing[c]
-    return decreasing, paid
+            ahead += advance[c]
+    return decreasing, paid, ahead
 
 
 @compiled
-def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, float]:
-    """Draws a transition by an action and changes the state; returns what the action pays (eq. 2, less its
-    cost), and the rise of what doing nothing is paid from then on."""
-    rule = covering(p, state, action)
-    if rule < 0:
-        return -p.cost[action], 0.0
-    outcome = draw(p, rule, uniform)
-    if p.effect_start[outcome] == p.effect_start[outcome + 1]:
-        return -p.cost[action], 0.0
-    decreasing, standing = _touched(p, state, action)
+def carry_out(p: Process, state: Ints, action: int, outcome: int) -> tuple[float, float, float]:
+    """Changes the state as an outcome of the action says (none where it is -1); returns what the action pays
+    (eq. 2, less its cost), the rise of what doing nothing is paid from then on, and the decrease that is
+    progress."""
+    if outcome < 0 or p.effect_start[outcome] == p.effect_start[outcome + 1]:
+        return -p.cost[action], 0.0, 0.0
+    decreasing, standing, ahead = touched(p, state, action)
     apply(p, state, outcome)
-    left, after = _touched(p, state, action)
-    return decreasing - left - p.cost[action], after - standing
+    left, after, still = touched(p, state, action)
+    return decreasing - left - p.cost[action], after - standing, ahead - still
+
+
+@compiled
+def step(p: Process, state: Ints, action: int, uniform: float) -> tuple[float, float, float]:
+    """Draws a transition by an action and changes the state; returns what `carry_out` does."""
+    rule = covering(p, state, action)
+    return carry_out(p, state, action, -1 if rule < 0 else draw(p, rule, uniform))
 
 
 @njit(cache=True, nogil=True)
@@ -152,7 +157,7 @@ def _sequence_value(
         value, factor, now = 0.0, 1.0, standing
         for place in range(len(actions)):
             stream += GOLDEN
-            paid, rise = step(p, state, actions[place], uniform(stream))
+            paid, rise, _ = step(p, state, actions[place], uniform(stream))
             now += rise
             value += factor * p.payment[actions[place]] * (paid + now)
             factor *= p.discount[actions[place]]

@@ -114,7 +114,7 @@ def _rollout(p: Process, state: Ints, standing: float, idle: Floats, left: int, 
         action = _some_action(p, state, stream)
         if action < 0:
             break
-        paid, rise = step(p, state, action, uniform(stream ^ GOLDEN))
+        paid, rise, _ = step(p, state, action, uniform(stream ^ GOLDEN))
         standing += rise
         value += factor * payment[action] * (paid + standing)
         factor *= discount[action]

@@ -1,0 +1,494 @@
+"""Search in policies, compiled: a tree of states and steps that grows where the policy so far is uncertain.
+
+Trial-based heuristic tree search (Keller and Helmert 2013) with explicit outcomes: a node is a state with the
+number of the step that it is seen at, shared by all ways to it. A trial goes down from the initial state, by
+the choice with the greatest upper bound (UCB1) and to the outcome that was seen least for its probability. It
+tries one new choice, all of whose outcomes become nodes, and each of these is worth what the best of its base
+policies is (base_policies.py). On the way back Bellman's equation holds for every choice and node that was
+passed. Nodes whose value is known are labelled and not entered any more.
+
+The meaning of actions and rewards is that of compiler/semantics.py. Guaranteed by `lower_process`: at most
+one rule of an action covers a state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cleancli.array_types import Bools, Floats, Ints, Longs, Words
+from cleancli.compiler.lowering.state_tables import Process
+from cleancli.compiler.semantics import idle_worth
+from cleancli.compiler.task import GroundState
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.kernels.base_policies import (
+    FIRST_ROLLOUT,
+    GREEDY,
+    LAST_ROLLOUT,
+    RETRIED,
+    STOP,
+    Bases,
+    chosen,
+    likeliest,
+    mean_rollout,
+    next_place,
+    one_step,
+    rollout,
+)
+from cleancli.planning.kernels.jit import better, compiled, inner, standing_earliness
+from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
+from cleancli.planning.kernels.state_graph import change, digit, enter, find
+from cleancli.planning.kernels.transitions import choosable, rewarded
+
+NODES, CHOICES, EDGES = 0, 1, 2
+"""What is counted in `Tree.used`."""
+
+SUGGESTED, LISTED = 2.0, 1.0
+"""What an action gains in the order in which a node's choices are tried: for being what a base policy does
+there, and for standing in the sequence. Chosen; what the next step pays adds up to about 1."""
+
+
+class Tree(NamedTuple):
+    """Room for N nodes, M choices of an action, and E transitions; what belongs to one stands together."""
+
+    states: Ints  # (N, V + 1) the state, and the step at which it is seen
+    hashes: Words  # (N,)
+    table: Ints  # (2^k,) nodes in the places of their hashes; -1 where free
+    decreasing: Floats  # (N,) what is paid for its decrease in the state
+    standing: Floats  # (N,) what a step that ends in the state is paid
+    ahead: Floats  # (N,) whose decrease is progress
+    value: Floats  # (N,)
+    early: Floats  # (N,) the value's earliness
+    visits: Ints  # (N,) trials that went through
+    known: Bools  # (N,) whether the value is not an estimate
+    base: Ints  # (N,) the best base policy
+    place: Ints  # (N,) where the retried sequence is
+    best: Ints  # (N,) the best choice that was tried; -1 to stop, -2 where none was tried
+    choice_start: Ints  # (N + 1,)
+    action: Ints  # (M,) ascending within a node
+    rule: Ints  # (M,) the rule that covers the state
+    rank: Floats  # (M,) choices of higher rank are tried first
+    tried: Ints  # (M,) trials that took the choice
+    worth: Floats  # (M,) what follows from the choice
+    soon: Floats  # (M,) its earliness
+    reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
+    progress: Floats  # (M,) expected progress of the step
+    closed: Bools  # (M,) whether all that the choice leads to is known
+    edge_start: Ints  # (M,) of choices that were tried
+    edge_stop: Ints  # (M,)
+    successor: Ints  # (E,)
+    chance: Floats  # (E,)
+    seen: Ints  # (E,) trials that went this way
+    used: Longs  # (3,) nodes, choices and transitions so far
+    path: Longs  # (2, H + 1) nodes and choices of the trial
+
+
+class Manner(NamedTuple):
+    """How a search goes about it."""
+
+    runs: int  # that value a base policy in a new node
+    exploration: float  # the upper bounds' weight, as a share of what a node gains over stopping
+    width: float  # a node that was visited n times tries no more than 1 + width · sqrt(n) choices
+    unit: float  # what a node gains is taken to be no less
+    seed: np.uint64
+
+
+@inner
+def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
+    """Values a new node by its base policies and lists its choices."""
+    state, horizon = t.states[node], len(b.idle) - 1
+    last = t.states.shape[1] - 1
+    at = int(state[last])
+    left, standing, state = horizon - at, t.standing[node], state[:last]
+    value, early = standing * b.idle[left], standing * standing_earliness(left)
+    best, first = STOP, int(t.used[CHOICES])
+    stopping, count, suggestion = value, first, -1
+    if left > 0:
+        for action in range(len(p.cost)):
+            rule = choosable(p, state, action)
+            if rule < 0:
+                continue
+            gained, soon = one_step(p, b, state, action, rule, left, standing)
+            t.action[count], t.rule[count], t.tried[count], t.closed[count] = action, rule, 0, False
+            t.rank[count] = (gained - stopping) / m.unit
+            if better(gained, soon, value, early):
+                value, early, best, suggestion = gained, soon, GREEDY, action
+            count += 1
+    t.choice_start[node], t.choice_start[node + 1], t.used[CHOICES] = first, count, count
+    t.best[node], t.visits[node], t.known[node] = -2, 0, count == first
+    if count > first and len(b.sequence):
+        stream = mixed(m.seed ^ t.hashes[node])
+        for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
+            place = t.place[node] if base == RETRIED else at
+            if base == RETRIED:
+                place = next_place(p, b, state, int(place))
+                t.place[node] = place
+            action = chosen(p, b, state, base, int(place), left, standing)
+            if action < 0:
+                continue
+            _rank(t, first, count, action, SUGGESTED)
+            paid, soon = mean_rollout(p, b, state, base, int(place), left, m.runs, stream)
+            if better(paid, soon, value, early):
+                value, early, best, suggestion = paid, soon, base, action
+        for i in range(len(b.priority)):
+            _rank(t, first, count, int(b.priority[i]), LISTED)
+    if suggestion >= 0:
+        _rank(t, first, count, suggestion, 2 * SUGGESTED)
+    t.value[node], t.early[node], t.base[node] = value, early, best
+
+
+@inner
+def _rank(t: Tree, first: int, last: int, action: int, more: float) -> None:
+    """Raises the rank of an action in a node, if it is a choice there."""
+    while first < last:
+        middle = (first + last) // 2
+        if t.action[middle] < action:
+            first = middle + 1
+        else:
+            last = middle
+    if first < t.used[CHOICES] and t.action[first] == action:
+        t.rank[first] += more
+
+
+@inner
+def _enter(p: Process, t: Tree, b: Bases, m: Manner, h: np.uint64, place: int) -> int:
+    """The node of the row that stands in its place, made if there was none."""
+    number = int(t.used[NODES])
+    slot = find(t.table, t.hashes, t.states, h, number)
+    node = int(t.table[slot])
+    if node >= 0:
+        return node
+    t.hashes[number], t.table[slot], t.place[number] = h, number, place
+    decreasing, standing, ahead = rewarded(p, t.states[number])
+    t.decreasing[number], t.standing[number], t.ahead[number] = decreasing, standing, ahead
+    t.used[NODES] = number + 1
+    _appraise(p, t, b, m, number)
+    return number
+
+
+@inner
+def _expand(p: Process, t: Tree, b: Bases, m: Manner, node: int, choice: int) -> None:
+    """Makes nodes of all outcomes of a choice."""
+    last, rule, action = t.states.shape[1] - 1, int(t.rule[choice]), int(t.action[choice])
+    at, begin = int(t.states[node, last]), int(t.used[EDGES])
+    place, edges = int(t.place[node]), begin
+    follows = place < len(b.sequence) and b.sequence[place] == action
+    reward, progress = -p.cost[action], 0.0
+    for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+        chance, row = p.probability[outcome], int(t.used[NODES])
+        if chance == 0.0:
+            continue
+        h = change(
+            p.effect_start, p.effect_variable, p.effect_value, t.states, node, row, outcome, t.hashes[node]
+        )
+        t.states[row, last] = at + 1
+        h ^= digit(last, at) ^ digit(last, at + 1)
+        changed = p.effect_start[outcome] < p.effect_start[outcome + 1]
+        after = _enter(p, t, b, m, h, place + 1 if follows and changed else place)
+        reward += chance * (t.decreasing[node] - t.decreasing[after] + t.standing[after])
+        progress += chance * (t.ahead[node] - t.ahead[after] + t.standing[after])
+        e = begin
+        while e < edges and t.successor[e] != after:
+            e += 1
+        if e == edges:
+            t.successor[e], t.chance[e], t.seen[e] = after, 0.0, 0
+            edges += 1
+        t.chance[e] += chance
+    t.edge_start[choice], t.edge_stop[choice], t.used[EDGES] = begin, edges, edges
+    t.reward[choice], t.progress[choice] = reward, progress
+
+
+@inner
+def _back_up(p: Process, t: Tree, b: Bases, node: int, choice: int) -> None:
+    """Bellman's equation for a choice that was tried and for its node."""
+    last, action = t.states.shape[1] - 1, int(t.action[choice])
+    left = len(b.idle) - 1 - int(t.states[node, last])
+    expected, early, closed = 0.0, left * t.progress[choice], True
+    for e in range(t.edge_start[choice], t.edge_stop[choice]):
+        after = t.successor[e]
+        expected += t.chance[e] * t.value[after]
+        early += t.chance[e] * t.early[after]
+        closed = closed and t.known[after]
+    t.worth[choice] = p.payment[action] * t.reward[choice] + p.discount[action] * expected
+    t.soon[choice], t.closed[choice] = early, closed
+    t.tried[choice] += 1
+    t.visits[node] += 1
+    _settle(t, b, node, left)
+
+
+@inner
+def _settle(t: Tree, b: Bases, node: int, left: int) -> None:
+    """The best of stopping and of a node's tried choices."""
+    value, early = t.standing[node] * b.idle[left], t.standing[node] * standing_earliness(left)
+    most, best, known = value, -1, True
+    for c in range(t.choice_start[node], t.choice_start[node + 1]):
+        known = known and t.closed[c]
+        if t.tried[c]:
+            if better(t.worth[c], t.soon[c], most, early):
+                best, value, early = c, t.worth[c], t.soon[c]
+            most = max(most, t.worth[c])
+    t.value[node], t.early[node], t.best[node], t.known[node] = value, early, best, known
+
+
+@inner
+def _select(t: Tree, b: Bases, m: Manner, node: int) -> int:
+    """An untried choice of the highest rank, while a node may widen; else the open one of the greatest upper
+    bound."""
+    first, last, at = int(t.choice_start[node]), int(t.choice_start[node + 1]), t.states.shape[1] - 1
+    untried, tried, bound, bounded = -1, 0, -math.inf, -1
+    left = len(b.idle) - 1 - int(t.states[node, at])
+    gain = t.value[node] - t.standing[node] * b.idle[left]
+    scale, visits = m.exploration * max(gain, m.unit), max(t.visits[node], 1)
+    logarithm = math.log(visits)
+    for c in range(first, last):
+        if t.tried[c] == 0:
+            if untried < 0 or t.rank[c] > t.rank[untried]:
+                untried = c
+            continue
+        tried += 1
+        if not t.closed[c]:
+            upper = t.worth[c] + scale * math.sqrt(logarithm / t.tried[c])
+            if upper > bound:
+                bound, bounded = upper, c
+    if untried >= 0 and (bounded < 0 or tried < 1.0 + m.width * math.sqrt(visits)):
+        return untried
+    return bounded
+
+
+@inner
+def _branch(t: Tree, choice: int) -> int:
+    """The transition of a choice, to a node whose value is not known, that was seen least for its chance."""
+    best, most = -1, -1.0
+    for e in range(t.edge_start[choice], t.edge_stop[choice]):
+        share = t.chance[e] / (1.0 + t.seen[e])
+        if share > most and not t.known[t.successor[e]]:
+            best, most = e, share
+    return best
+
+
+@inner
+def _trial(p: Process, t: Tree, b: Bases, m: Manner) -> None:
+    """Goes down from the first node, tries a new choice, and backs up what it is worth."""
+    node, depth, ended = int(np.int64(0)), 0, False
+    while not ended:
+        choice = _select(t, b, m, node)
+        t.path[0, depth], t.path[1, depth] = node, choice
+        depth += 1
+        if t.tried[choice] == 0:
+            _expand(p, t, b, m, node, choice)
+            ended = True
+            continue
+        e = _branch(t, choice)
+        ended = e < 0  # other trials have found all of its values
+        if not ended:
+            t.seen[e] += 1
+            node = int(t.successor[e])
+    for i in range(depth - 1, -1, -1):
+        _back_up(p, t, b, int(t.path[0, i]), int(t.path[1, i]))
+
+
+@compiled
+def plant(p: Process, t: Tree, b: Bases, m: Manner) -> None:
+    """Makes the first node of the row that stands in its place."""
+    _enter(p, t, b, m, np.uint64(0), 0)
+
+
+@compiled
+def trials(p: Process, t: Tree, b: Bases, m: Manner, number: int, outcomes: int) -> int:
+    """Does so many trials; returns how many it did, before there was no room any more, or the value was known.
+    A rule has at most so many `outcomes`."""
+    for i in range(number):
+        nodes, choices = t.used[NODES] + outcomes + 1, t.used[CHOICES] + outcomes * len(p.cost)
+        full = nodes > len(t.states) or choices > len(t.action) or t.used[EDGES] + outcomes > len(t.chance)
+        if full or t.known[0]:
+            return i
+        _trial(p, t, b, m)
+    return number
+
+
+@inner
+def _run(p: Process, t: Tree, b: Bases, state: Ints, stream: np.uint64) -> tuple[float, float]:
+    """Discounted reward of the tree's policy in a run, and its earliness: in nodes where nothing was tried,
+    that of their best base policy. Leaves the state anywhere."""
+    value, early, factor, last = 0.0, 0.0, 1.0, t.states.shape[1] - 1
+    node, left, horizon = int(np.int64(0)), len(b.idle) - 1, len(b.idle) - 1
+    while t.best[node] >= 0:
+        choice = int(t.best[node])
+        stream += GOLDEN
+        drawn, e = uniform(stream), int(t.edge_start[choice])
+        while e < t.edge_stop[choice] - 1 and drawn >= t.chance[e]:
+            drawn -= t.chance[e]
+            e += 1
+        after, action = int(t.successor[e]), int(t.action[choice])
+        paid = t.decreasing[node] - t.decreasing[after] + t.standing[after] - p.cost[action]
+        value += factor * p.payment[action] * paid
+        early += left * (t.ahead[node] - t.ahead[after] + t.standing[after])
+        factor *= p.discount[action]
+        left -= 1
+        node = after
+    for v in range(last):
+        state[v] = t.states[node, v]
+    base = STOP if t.best[node] == -1 else int(t.base[node])
+    place = int(t.place[node]) if base == RETRIED else horizon - left
+    paid, soon = rollout(p, b, state, base, place, left, t.standing[node], mixed(stream))
+    return value + factor * paid, early + soon
+
+
+@compiled
+def policy_mean(p: Process, t: Tree, b: Bases, runs: int, seed: np.uint64) -> tuple[float, float]:
+    """Means of `_run`'s value and earliness over runs of a seed."""
+    value, early = 0.0, 0.0
+    for i in range(runs):
+        paid, soon = _run(p, t, b, b.scratch[1], split(seed, np.uint64(i)))
+        value += paid
+        early += soon
+    return value / runs, early / runs
+
+
+class Search:
+    """A tree that grows from the initial state of a task by trials. What it finds depends on the sequence, the
+    seed and the number of trials."""
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        sequence: Sequence[int],
+        *,
+        runs: int,
+        exploration: float,
+        width: float,
+        seed: int,
+    ) -> None:
+        task, self._process = prepared.task, prepared.process
+        horizon, variables = max(task.horizon, 0), len(task.variables)
+        self._bases = bases_of(prepared, sequence)
+        paying = (*self._process.decrease, *self._process.state)
+        unit = max(map(abs, paying), default=0.0) or 1.0
+        self._manner = Manner(runs, exploration, width, unit, np.uint64(seed % 2**64))
+        self._outcomes = int(np.diff(self._process.outcome_start).max(initial=1))
+        choices = (self._outcomes + 1) * len(task.actions)
+        self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
+        self._tree.states[0, :-1] = task.initial
+        self.played = 0
+        plant(self._process, self._tree, self._bases, self._manner)
+
+    @property
+    def solved(self) -> bool:
+        """Whether the value is no estimate any more."""
+        return bool(self._tree.known[0])
+
+    @property
+    def value(self) -> float:
+        """What the tree takes the initial state to be worth."""
+        return float(self._tree.value[0])
+
+    def run(self, number: int) -> None:
+        """Does so many trials more, or fewer where the value is known before."""
+        until = self.played + number
+        while self.played < until and not self.solved:
+            self.played += trials(
+                self._process, self._tree, self._bases, self._manner, until - self.played, self._outcomes
+            )
+            if self.played < until and not self.solved:
+                self._tree = _grown(self._tree, self._outcomes, len(self._process.cost))
+
+    def mean(self, runs: int, seed: int) -> tuple[float, float]:
+        """What the policy is worth over so many runs, and its earliness."""
+        found: tuple[float, float] = policy_mean(
+            self._process, self._tree, self._bases, runs, np.uint64(seed % 2**64)
+        )
+        return found
+
+    def course(self) -> tuple[int, ...]:
+        """What is done if each action has its likeliest result, of equals the first, up to where the policy
+        stops."""
+        t, node, course = self._tree, 0, list[int]()
+        while t.best[node] >= 0:
+            choice = t.best[node]
+            course.append(int(t.action[choice]))
+            edges = slice(t.edge_start[choice], t.edge_stop[choice])
+            node = int(t.successor[edges][np.argmax(t.chance[edges])])
+        base = STOP if t.best[node] == -1 else int(t.base[node])
+        place = int(t.place[node]) if base == RETRIED else len(course)
+        rest = np.zeros(len(self._bases.idle) - 1 - len(course), dtype=np.int32)
+        state = t.states[node, :-1].copy()
+        length = likeliest(self._process, self._bases, state, base, place, t.standing[node], rest)
+        return (*course, *rest[:length].tolist())
+
+
+def base_means(prepared: Prepared, sequence: Sequence[int], runs: int, seed: int) -> list[float]:
+    """What the base policies of a sequence are worth over so many runs of a seed: tail, list and retried."""
+    bases, state = bases_of(prepared, sequence), np.array(prepared.task.initial, dtype=np.int32)
+    left, start = len(bases.idle) - 1, np.uint64(seed % 2**64)
+    kinds = range(FIRST_ROLLOUT, LAST_ROLLOUT + 1)
+    return [mean_rollout(prepared.process, bases, state, kind, 0, left, runs, start)[0] for kind in kinds]
+
+
+def bases_of(prepared: Prepared, sequence: Sequence[int]) -> Bases:
+    """The base policies of a sequence."""
+    task = prepared.task
+    return Bases(
+        np.array(sequence, dtype=np.int32),
+        np.array(tuple(dict.fromkeys(sequence)), dtype=np.int32),
+        idle_worth(task.discount, max(task.horizon, 0)),
+        np.zeros((2, len(task.variables)), dtype=np.int32),
+    )
+
+
+def _grown(old: Tree, outcomes: int, actions: int) -> Tree:
+    """The tree with twice as much of what has become short."""
+    nodes, choices, edges = old.used.tolist()
+    sizes = [len(old.states), len(old.action), len(old.chance)]
+    needed = [nodes + outcomes + 1, choices + outcomes * actions, edges + outcomes]
+    sizes = [size * (1 + (need > size)) for size, need in zip(sizes, needed, strict=True)]
+    tree = _room(old.states.shape[1], *sizes, old.path.shape[1] - 1)
+    for name in Tree._fields:
+        if name != "table":
+            before: NDArray[Any] = getattr(old, name)
+            getattr(tree, name)[: len(before)] = before
+    enter(tree.table, tree.hashes, nodes)
+    return tree
+
+
+def _room(variables: int, nodes: int, choices: int, edges: int, horizon: int) -> Tree:
+    """An empty tree with room for so much."""
+
+    def whole(*shape: int) -> Ints:
+        return np.zeros(shape, dtype=np.int32)
+
+    return Tree(
+        states=whole(nodes, variables),
+        hashes=np.zeros(nodes, dtype=np.uint64),
+        table=np.full(1 << (2 * nodes).bit_length(), -1, dtype=np.int32),
+        decreasing=np.zeros(nodes),
+        standing=np.zeros(nodes),
+        ahead=np.zeros(nodes),
+        value=np.zeros(nodes),
+        early=np.zeros(nodes),
+        visits=whole(nodes),
+        known=np.zeros(nodes, dtype=np.bool_),
+        base=whole(nodes),
+        place=whole(nodes),
+        best=whole(nodes),
+        choice_start=whole(nodes + 1),
+        action=whole(choices),
+        rule=whole(choices),
+        rank=np.zeros(choices),
+        tried=whole(choices),
+        worth=np.zeros(choices),
+        soon=np.zeros(choices),
+        reward=np.zeros(choices),
+        progress=np.zeros(choices),
+        closed=np.zeros(choices, dtype=np.bool_),
+        edge_start=whole(choices),
+        edge_stop=whole(choices),
+        successor=whole(edges),
+        chance=np.zeros(edges),
+        seen=whole(edges),
+        used=np.zeros(3, dtype=np.int64),
+        path=np.zeros((2, horizon + 1), dtype=np.int64),
+    )

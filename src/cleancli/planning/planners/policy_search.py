@@ -1,0 +1,91 @@
+"""Search in policies, which starts from the best sequence that is known."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cleancli.compiler.lowering.state_tables import lower_process
+from cleancli.planning import kernels
+from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.planners import beam
+from cleancli.planning.reductions.determinization import all_outcomes
+
+EXPLORATION, WIDTH = 0.3, 1.0
+"""How the tree is searched (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
+
+START_RUNS = 256
+"""Runs that value a sequence as a base policy, to choose the one to start from. Chosen."""
+
+FRESH_RUNS = 1024
+"""Runs that value the policy that was found. Chosen."""
+
+ROUND = 20
+"""Trials between two looks at the clock. Chosen: some milliseconds where states are large."""
+
+BEAM_WIDTH = 200
+"""States that are followed in each step where outcomes could be chosen. Chosen."""
+
+Actions = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, and how many trials
+    found it."""
+
+    course: Actions
+    value: float
+    earliness: float
+    trials: int
+
+
+def search(
+    prepared: Prepared,
+    starts: Sequence[Actions],
+    *,
+    runs: int,
+    trials: int,
+    deadline: float | None,
+    seed: int,
+) -> Policy:
+    """The policy that so many trials lead to, or as many as there is time for, from the best of sequences."""
+    tree = kernels.policy_tree.Search(
+        prepared,
+        best_start(prepared, starts, seed),
+        runs=runs,
+        exploration=EXPLORATION,
+        width=WIDTH,
+        seed=seed,
+    )
+    while tree.played < trials and not tree.solved and (deadline is None or time.perf_counter() < deadline):
+        tree.run(min(ROUND, trials - tree.played))
+    return Policy(tree.course(), *tree.mean(FRESH_RUNS, seed + 1), tree.played)
+
+
+def best_start(prepared: Prepared, starts: Sequence[Actions], seed: int) -> Actions:
+    """The sequence that is worth most as a base policy, of equals the first."""
+    if len(starts) == 1:
+        return starts[0]
+    worth = [max(kernels.policy_tree.base_means(prepared, each, START_RUNS, seed)) for each in starts]
+    return starts[worth.index(max(worth))]
+
+
+def hoped_for(prepared: Prepared) -> Actions:
+    """The best sequence if outcomes could be chosen."""
+    task = prepared.task
+    process, origins = _hopeful(prepared)
+    steps = max(task.horizon, 0)
+    sequence = beam.best_sequence(process, task.initial, task.discount, steps=steps, width=BEAM_WIDTH)
+    return tuple(origins[action] for action in sequence)
+
+
+def _hopeful(prepared: Prepared) -> tuple[Any, tuple[int, ...]]:
+    """The process in which outcomes are chosen, and what its actions stand for; made once for all states."""
+    if "all-outcomes" not in prepared.solutions:
+        task, origins = all_outcomes(prepared.task)
+        prepared.solutions["all-outcomes"] = lower_process(task), origins
+    made: tuple[Any, tuple[int, ...]] = prepared.solutions["all-outcomes"]
+    return made
