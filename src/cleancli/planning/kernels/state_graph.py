@@ -186,15 +186,15 @@ def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
 
 @njit(cache=True, nogil=True)
 def _expand(
-    p: Process, room: _Room, used: Longs, first: int, last: int, most: int, limit: int, ends: bool
+    p: Process, room: _Room, used: Longs, first: int, last: int, most: int, limits: Longs, ends: bool
 ) -> int:
     """Adds choices and successors of the states from `first` on, but not where the goal `ends` all; returns
     where it stopped: before `last` if the room may not do (a state has at most `most` transitions), or there
-    are more states than `limit`."""
+    are more states or transitions than the `limits` (2,)."""
     states, choices, edges = len(room.states), len(room.choice_action), len(room.edge_successor)
     for s in range(first, last):
         short = used[0] + most > states or used[1] + len(p.cost) > choices or used[2] + most > edges
-        if short or used[0] > limit:
+        if short or used[0] > limits[0] or used[2] > limits[1]:
             return s
         if not (ends and at_goal(p, room.states[s])):
             _choices(p, room, used, s)
@@ -235,11 +235,19 @@ def _stage(
 
 
 class Enumeration:
-    """A graph that grows by one step at a time from an initial state; where the goal `ends` all, states in
-    which it holds have no choices."""
+    """A graph that grows by one step at a time from an initial state, up to a `limit` of states and one of
+    transitions (`edges`); where the goal `ends` all, states in which it holds have no choices."""
 
-    def __init__(self, process: Process, initial: GroundState, limit: int, ends: bool = False) -> None:
-        self._process, self._limit, self._ends = process, limit, ends
+    def __init__(
+        self,
+        process: Process,
+        initial: GroundState,
+        limit: int,
+        ends: bool = False,
+        edges: int = EDGE_LIMIT,
+    ) -> None:
+        self._process, self._ends = process, ends
+        self._limits = np.array([limit, edges], dtype=np.int64)
         outcomes = np.diff(process.outcome_start)
         rules = zip(process.rule_start[:-1], process.rule_start[1:], strict=True)
         self._most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
@@ -261,6 +269,11 @@ class Enumeration:
         return int(self._used[0])
 
     @property
+    def transitions(self) -> int:
+        """Transitions found so far."""
+        return int(self._used[2])
+
+    @property
     def frontier(self) -> range:
         """The states of the last step, which have no choices yet."""
         return range(self._expanded, self.number)
@@ -270,9 +283,9 @@ class Enumeration:
         first, last = self._expanded, self.number
         while True:
             first = _expand(
-                self._process, self._room, self._used, first, last, self._most, self._limit, self._ends
+                self._process, self._room, self._used, first, last, self._most, self._limits, self._ends
             )
-            full = self.number > self._limit or self._used[2] > EDGE_LIMIT
+            full = bool((self._used[[0, 2]] > self._limits).any())
             if first == last or full:
                 break
             self._grow()

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
-import numpy as np
-
+from cleancli.array_types import Floats, Ints
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import rational, reaching
 from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
+
+_KEPT = "optimum"
+"""What the last solution is called among those of a task."""
+
+PATIENCE = 3.0
+"""An enumeration is given up where it will find so many times more than it may, because what it will find is
+a guess. Chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,31 +58,113 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
 
 
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """The best policy from a state on, for so many `steps` at most and all states that can be reached."""
+
+    enumeration: Any  # kernels.state_graph.Enumeration: numba is loaded by whoever plans
+    within: Ints  # (steps + 1,) how many states are found within so many steps, or fewer where no more are found
+    values: Floats  # (steps + 1, N) what a state is worth, by step
+    best: Ints  # (steps, N) -1 to stop
+    steps: int
+
+    def place(self, state: GroundState, left: int) -> tuple[int, int] | None:
+        """The step and number of a state with so many steps left; None where they were not met."""
+        step = self.steps - left
+        number = self.enumeration.index(state)
+        known = step >= 0 and 0 <= number < self.within[min(step, len(self.within) - 1)]
+        return (step, number) if known else None
+
+
 def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
     """The optimal value of the present state, and the policy.
 
     Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
     """
-    task, process = prepared.task, prepared.process
-    horizon = max(task.horizon, 0)
-    enumeration = kernels.state_graph.Enumeration(process, task.initial, limit)
-    if not enumeration.reach(horizon):
-        raise TooManyStatesError(enumeration.number, limit)
+    solution = kept(prepared, limit, kernels.state_graph.EDGE_LIMIT)
+    if solution is None:
+        enumeration = kernels.state_graph.Enumeration(prepared.process, prepared.task.initial, limit)
+        if not enumeration.reach(max(prepared.task.horizon, 0)):
+            raise TooManyStatesError(enumeration.number, limit)
+        solution = solved(prepared, enumeration)
+    return valued(prepared, solution)
+
+
+def kept(prepared: Prepared, states: int, transitions: int) -> Solution | None:
+    """The last solution, if it is of no more states and transitions than these and has met the present state
+    with as many steps left."""
+    task, known = prepared.task, prepared.solutions.get(_KEPT)
+    if known is None or known.enumeration.number > states or known.enumeration.transitions > transitions:
+        return None
+    met = known.place(task.initial, max(task.horizon, 0)) is not None
+    return cast(Solution, known) if met else None
+
+
+def solved(prepared: Prepared, enumeration: Any) -> Solution:
+    """The solution of all that was enumerated; it is kept for the states that come of the present one."""
+    task, horizon = prepared.task, max(prepared.task.horizon, 0)
     graph = enumeration.graph()
-    values, best = kernels.state_graph.backward(graph, process, task.discount, horizon)
+    values, best = kernels.state_graph.backward(graph, prepared.process, task.discount, horizon)
+    prepared.solutions[_KEPT] = found = Solution(enumeration, graph.within, values, best, horizon)
+    return found
+
+
+def valued(prepared: Prepared, solution: Solution) -> tuple[float, Choose]:
+    """The optimal value of the present state, and the policy from there on."""
+    first, number = _met(solution, prepared.task.initial, max(prepared.task.horizon, 0))
 
     def choose(step: int, state: GroundState) -> int | None:
-        action = best[step, np.flatnonzero((graph.states == state).all(axis=1))[0]]
+        action = solution.best[_met(solution, state, solution.steps - first - step)]
         return int(action) if action >= 0 else None
 
-    return float(values[0, 0]), choose
+    return float(solution.values[first, number]), choose
 
 
-def few_states(prepared: Prepared, limit: int, steps: int) -> bool:
-    """Whether no more than `limit` states can be reached within so many steps."""
-    steps = min(steps, max(prepared.task.horizon, 0))
-    graph = kernels.state_graph.reachable(prepared.process, prepared.task.initial, limit, steps)
-    return graph is not None
+def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:
+    place = solution.place(state, left)
+    assert place is not None
+    return place
+
+
+def within_reach(prepared: Prepared, transitions: int) -> Any | None:
+    """The enumeration (kernels.state_graph.Enumeration) of all states that can be reached within the horizon;
+    None where they have more than so many transitions, or will have by what the first steps say."""
+    process, task = prepared.process, prepared.task
+    enumeration = kernels.state_graph.Enumeration(process, task.initial, transitions, edges=transitions)
+    layers: list[int] = []
+    for left in reversed(range(max(task.horizon, 0))):
+        if not enumeration.frontier:
+            break
+        before = enumeration.transitions
+        if not enumeration.expand():
+            return None
+        layers.append(enumeration.transitions - before)
+        if projected(layers, left) > PATIENCE * transitions:
+            return None
+    return enumeration
+
+
+def projected(layers: Sequence[int], steps: int) -> float:
+    """How many transitions there will be after so many more steps, by those that each step so far has found:
+    their growth is taken to fall from step to step as it did last, or not at all. 0 after fewer than
+    three steps that found any."""
+    if len(layers) < 3 or min(layers[-3:]) == 0:
+        return 0.0
+    before, growth = (math.log(layers[-i] / layers[-i - 1]) for i in (2, 1))
+    total, layer, bend = float(sum(layers)), float(layers[-1]), min(growth - before, 0.0)
+    for _ in range(steps):
+        growth += bend
+        layer *= math.exp(min(growth, 2.0))
+        total += layer
+    return total
+
+
+def few_transitions(prepared: Prepared, limit: int, steps: int) -> bool:
+    """Whether no more than `limit` transitions are found within so many steps."""
+    enumeration = kernels.state_graph.Enumeration(
+        prepared.process, prepared.task.initial, limit, edges=limit
+    )
+    return enumeration.reach(min(steps, max(prepared.task.horizon, 0)))
 
 
 def load(prepared: Prepared) -> None:

@@ -12,10 +12,11 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
+from cleancli.compiler.task import Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
-from cleancli.planning.planners import exact, reaching
+from cleancli.planning.plan import Options, Plan, option
+from cleancli.planning.planners import exact, policy_search, reaching
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
 from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
@@ -29,6 +30,9 @@ BELIEF_SHARE = 20
 FIRST_MOVES = 500
 """Changes that the first chains try where time is limited. Chosen: milliseconds for ten areas."""
 
+TRIAL_SHARE = 8
+"""The tree is searched by one trial for so many samples. Chosen: about as long as annealing takes."""
+
 WORDS, FRESH_WORDS = 4, 64
 """A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
 
@@ -41,17 +45,20 @@ Actions = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class PradaPlusOptions(PradaOptions):
-    """Where at most `solve` states can be reached the best policy is calculated; the rest is for the PRADA
-    whose plan is improved."""
+    """The best policy is calculated where all that can be reached has at most `solve` transitions. Else a tree
+    is searched whose new states are valued by so many `runs` of each base policy; with 0 the plan is the best
+    sequence. The rest is for the PRADA whose plan is improved."""
 
-    solve: int = option(10_000, 0, 10_000_000)
+    solve: int = option(1_000_000, 0, 100_000_000)
+    runs: int = option(2, 0, 1_000)
 
 
 def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Plan:
-    """The best policy where at most `solve` states can be reached, and otherwise the best of about `samples`
-    sequences, or of as many as `time_limit` allows; empty where stopping at once is preferred.
+    """The best policy where few states can be reached, and otherwise the best that a search finds with about
+    `samples` sequences, or with as many as `time_limit` allows; empty where stopping at once is preferred.
 
-    A sequence's value is the mean of runs that chose nothing, so it is not too high for having been chosen.
+    The value of what was searched for is the mean of runs that chose nothing, so it is not too high for having
+    been chosen.
     """
     if prepared.task.reaching is not None:
         return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
@@ -65,39 +72,79 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
         course, value = solved
         times.append(time.perf_counter())
         return course_plan("prada+", task, course, value, times=times)
-    found, tried = _annealed(prepared, options, own, times[-1])
+    deadline = None if options.time_limit is None else times[-1] + options.time_limit
+    best, tried = _best_sequence(prepared, options, own, deadline)
+    value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
+    measure = "sampled"
+    if own.runs:
+        starts = [best]
+        if not beats_nothing(task, value, earliness) or all_or_nothing(task):
+            starts += _other_starts(prepared, options, own)
+        found = policy_search.search(
+            prepared,
+            starts,
+            runs=own.runs,
+            trials=options.samples // TRIAL_SHARE,
+            deadline=deadline,
+            seed=options.seed,
+        )
+        tried += found.trials
+        if preferred(found.value, found.earliness, value, earliness):
+            best, value, earliness, measure = found.course, found.value, found.earliness, "policy"
+    best = best if beats_nothing(task, value, earliness) else ()
+    times.append(time.perf_counter())
+    return course_plan("prada+", task, best, value, times=times, measure=measure, samples=tried)
+
+
+def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | None:
+    """The likeliest course and the value of the best policy; None where there are more transitions.
+
+    Many within two steps are enough to know, before time is spent on what could be forgotten.
+    """
+    if not exact.few_transitions(prepared, transitions, 2):
+        return None
+    known = prepared.forgetful
+    solution = exact.kept(known, transitions, transitions)
+    if solution is None:
+        enumeration = exact.within_reach(known, transitions)
+        if enumeration is None:
+            return None
+        solution = exact.solved(known, enumeration)
+    value, choose = exact.valued(known, solution)
+    return likeliest_course(known.task, choose), value
+
+
+def all_or_nothing(task: Task) -> bool:
+    """Whether one condition alone is paid, so that most sequences are worth nothing, and none is better than
+    another of these."""
+    return len([each for each in task.rewards if each.decrease or each.state]) <= 1
+
+
+def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
+    """What other planners find, with half of the samples."""
+    number = {action: index for index, action in enumerate(prepared.task.actions)}
+    drawn = prada(prepared, replace(options, samples=options.samples // 2, time_limit=None), own)
+    return [tuple(number[action] for action in drawn.actions), policy_search.hoped_for(prepared)]
+
+
+def _best_sequence(
+    prepared: Prepared, options: Options, own: PradaOptions, deadline: float | None
+) -> tuple[Actions, int]:
+    """The best of the chains' sequences by fresh runs, and how many sequences were tried."""
+    found, tried = _annealed(prepared, options, own, deadline)
     worth, best = kernels.annealing.worth, found[0]
     known = worth(prepared, best, FRESH_WORDS, options.seed)
     for actions in found[1:]:
         other = worth(prepared, actions, FRESH_WORDS, options.seed)
         if preferred(*other, *known):
             best, known = actions, other
-    value, earliness = worth(prepared, best, FRESH_WORDS, options.seed + 1)
-    best = best if beats_nothing(task, value, earliness) else ()
-    times.append(time.perf_counter())
-    return course_plan("prada+", task, best, value, times=times, measure="sampled", samples=tried)
-
-
-def _solved(prepared: Prepared, limit: int) -> tuple[Actions, float] | None:
-    """The likeliest course and the value of the best policy; None where more states can be reached.
-
-    More within two steps are enough to know, before time is spent on what could be forgotten.
-    """
-    if not exact.few_states(prepared, limit, 2):
-        return None
-    known = prepared.forgetful
-    try:
-        value, choose = exact.optimum(known, limit)
-    except TooManyStatesError:
-        return None
-    return likeliest_course(known.task, choose), value
+    return best, tried
 
 
 def _annealed(
-    prepared: Prepared, options: Options, own: PradaOptions, started: float
+    prepared: Prepared, options: Options, own: PradaOptions, deadline: float | None
 ) -> tuple[list[Actions], int]:
     """The best sequence of each chain, and how many sequences were tried in all."""
-    deadline = None if options.time_limit is None else started + options.time_limit
     few = 1 + options.samples // BELIEF_SHARE if deadline is None else FIRST_MOVES
     number = {action.key: index for index, action in enumerate(prepared.task.actions)}
     first = prada(prepared, replace(options, samples=few, time_limit=None), own)
@@ -143,3 +190,5 @@ def _load(prepared: Prepared, own: PradaOptions) -> None:
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1), own)
     exact.load(prepared)
+    if own.runs:
+        policy_search.search(prepared, [()], runs=1, trials=1, deadline=None, seed=0)

@@ -26,8 +26,10 @@ def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
     """
     origins: list[int] = []
     rules: list[tuple[GroundRule, int, GroundOutcome]] = []
-    for action in range(len(task.actions)):
-        own = [rule for rule in task.rules if rule.action == action]
+    of_action: list[list[GroundRule]] = [[] for _ in task.actions]
+    for rule in task.rules:
+        of_action[rule.action].append(rule)
+    for action, own in enumerate(of_action):
         for place in range(max((len(rule.outcomes) for rule in own), default=0)):
             chosen = [(rule, rule.outcomes[place]) for rule in own if place < len(rule.outcomes)]
             rules += [(rule, len(origins), outcome) for rule, outcome in chosen if outcome.probability]
