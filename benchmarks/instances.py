@@ -61,7 +61,7 @@ def _shaken(rule: Rule, rng: Rng) -> Rule:
     return replace(rule, outcomes=outcomes)
 
 
-def _read(name: str) -> Domain:
+def read(name: str) -> Domain:
     return _loaded(FOLDER / f"{name}.nid")
 
 
@@ -76,7 +76,7 @@ def _problem(domain: Domain, objects: Mapping[str, Sequence[str]], facts: set[Fa
     return Problem("random", domain.name, listed, frozenset(facts), Horizon(steps))
 
 
-def _named(letter: str, number: int) -> list[str]:
+def named(letter: str, number: int) -> list[str]:
     return [f"{letter}{index}" for index in range(number)]
 
 
@@ -108,19 +108,19 @@ def as_shipped(problem: Problem, domain: Domain) -> Problem:
 
 def blocks(rng: Rng) -> tuple[Domain, Problem]:
     """Three or four blocks in random piles, and a random tower that is wanted."""
-    names = _named("b", int(rng.integers(3, 5)))
+    names = named("b", int(rng.integers(3, 5)))
     facts, order = set(), rng.permutation(names).tolist()
     for position, name in enumerate(order):
         below = position > 0 and rng.random() < 0.6
         facts.add(Fact("on", (name, order[position - 1])) if below else Fact("table", (name,)))
     tower = rng.permutation(names).tolist()
     facts |= {Fact("wants", pair) for pair in itertools.pairwise(tower)}
-    return (domain := _read("blocks")), _problem(domain, {"block": names}, facts, len(names) + 3)
+    return (domain := read("blocks")), _problem(domain, {"block": names}, facts, len(names) + 3)
 
 
 def delivery(rng: Rng) -> tuple[Domain, Problem]:
     """Four places, half of the corridors slippery, and one or two parcels."""
-    places, parcels = _named("p", 4), _named("o", int(rng.integers(1, 3)))
+    places, parcels = named("p", 4), named("o", int(rng.integers(1, 3)))
     corridors = _linked("corridor", places, rng, 1)
     facts = corridors | {Fact("here", (str(rng.choice(places)),))}
     facts |= {Fact("slippery", fact.objects) for fact in sorted(corridors, key=str) if rng.random() < 0.5}
@@ -129,24 +129,24 @@ def delivery(rng: Rng) -> tuple[Domain, Problem]:
         facts |= {Fact("lies", (parcel, start)), Fact("wanted", (parcel, end))}
     if rng.random() < 0.5:
         facts.add(Fact("raining", ("sky",)))
-    domain = _read("delivery")
+    domain = read("delivery")
     return domain, _problem(domain, {"place": places, "parcel": parcels}, facts, 5 + 3 * len(parcels))
 
 
 def machines(rng: Rng) -> tuple[Domain, Problem]:
     """Two or three machines, new or worn, and three to five jobs that fit some of them."""
-    names, jobs = _named("m", int(rng.integers(2, 4))), _named("j", int(rng.integers(3, 6)))
+    names, jobs = named("m", int(rng.integers(2, 4))), named("j", int(rng.integers(3, 6)))
     facts = {Fact("health", (name,), int(rng.integers(3))) for name in names}
     for job in jobs:
         fitting = rng.permutation(names)[: int(rng.integers(1, 3))].tolist()
         facts |= {Fact("fits", (name, job)) for name in fitting}
-    domain = _read("machines")
+    domain = read("machines")
     return domain, _problem(domain, {"machine": names, "job": jobs}, facts, len(jobs) + 3)
 
 
 def keys(rng: Rng) -> tuple[Domain, Problem]:
     """Five rooms, some locked or with a pit, and two keys."""
-    rooms, held = _named("r", 5), _named("k", 2)
+    rooms, held = named("r", 5), named("k", 2)
     doors = sorted(_linked("door", rooms, rng, 1), key=str)
     facts = {*doors, Fact("here", ("r0",)), Fact("visited", ("r0",))}
     facts |= {Fact("locked", door.objects) for door in doors if rng.random() < 0.5}
@@ -154,7 +154,7 @@ def keys(rng: Rng) -> tuple[Domain, Problem]:
     for key in held:
         facts.add(Fact("lies", (key, rooms[int(rng.integers(2))])))
         facts |= {Fact("opens", (key, room)) for room in rng.choice(rooms, size=3).tolist()}
-    domain = _read("keys")
+    domain = read("keys")
     return domain, _problem(domain, {"room": rooms, "key": held}, facts, 8)
 
 

@@ -18,7 +18,6 @@ stand there are not played again.
 from __future__ import annotations
 
 import argparse
-import itertools
 import json
 import math
 import multiprocessing
@@ -36,6 +35,7 @@ from kept import Kept
 from written import planner_of
 
 from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundAction
 from cleancli.planning.compiled_task import Prepared, prepare
 from cleancli.planning.kernels.state_graph import Graph, backward, reachable
@@ -69,18 +69,27 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Game:
-    """A problem with its optimum: `values` (H + 1, N) by step and state, `nothing` likewise for doing nothing
-    from there on; `choices` of each state by action."""
+    """A problem with its optimum: `values` (H + 1, N) by step and state; `idle` (H + 1,) is what a reward of 1
+    in each step that is left after so many is worth."""
 
     prepared: Prepared
     graph: Graph
     values: np.ndarray
-    nothing: np.ndarray
-    choices: tuple[Mapping[int, int], ...]
+    idle: np.ndarray
 
     @property
     def steps(self) -> int:
         return len(self.values) - 1
+
+    def nothing(self, step: int, state: int) -> float:
+        """What it is worth to do nothing from there on."""
+        return float(self.idle[step] * self.graph.standing[state])
+
+    def choice(self, state: int, action: int) -> int | None:
+        """The number of a choice in the graph; None where the action changes nothing."""
+        first, last = self.graph.choice_start[state : state + 2].tolist()
+        place = first + int(np.searchsorted(self.graph.choice_action[first:last], action))
+        return place if place < last and self.graph.choice_action[place] == action else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,19 +104,14 @@ class Score:
     seconds: tuple[float, ...]
 
 
-def game_of(prepared: Prepared, steps: int) -> Game | None:
-    """The optimum of a task; None where it has too many states."""
+def game_of(prepared: Prepared, steps: int, states: int = STATES) -> Game | None:
+    """The optimum of a task; None where it has more states."""
     task, process = prepared.task, prepared.process
-    graph = reachable(process, task.initial, STATES, steps)
+    graph = reachable(process, task.initial, states, steps)
     if graph is None:
         return None
     values, _ = backward(graph, process, task.discount, steps)
-    idle = [sum(task.discount**k for k in range(steps - t)) for t in range(steps + 1)]
-    starts = graph.choice_start.tolist()
-    choices = tuple(
-        {int(graph.choice_action[c]): c for c in range(a, b)} for a, b in itertools.pairwise(starts)
-    )
-    return Game(prepared, graph, values, np.outer(idle, graph.standing), choices)
+    return Game(prepared, graph, values, idle_worth(task.discount, steps)[::-1])
 
 
 class Policy:
@@ -148,8 +152,8 @@ def move(game: Game, step: int, state: int, action: int | None) -> Move:
     """What comes of an action in a state at a step."""
     best, graph, process = game.values[step, state], game.graph, game.prepared.process
     if action is None:
-        return Move(best - game.nothing[step, state], (), 0.0)
-    choice = game.choices[state].get(action)
+        return Move(best - game.nothing(step, state), (), 0.0)
+    choice = game.choice(state, action)
     after: tuple[tuple[int, float], ...] = ((state, 1.0),)
     reward = graph.standing[state] - process.cost[action]
     if choice is not None:
@@ -210,7 +214,7 @@ def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
     game = game_of(prepare(ground(found.domain, found.problem)), found.steps)
     if game is None:
         return f"more than {STATES:,} states"
-    worth = float(game.values[0, 0] - game.nothing[0, 0])
+    worth = float(game.values[0, 0] - game.nothing(0, 0))
     if worth < WORTH:
         return f"the optimum gains less than {WORTH}"
     result = []

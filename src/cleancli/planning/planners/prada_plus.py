@@ -33,6 +33,9 @@ FIRST_MOVES = 500
 TRIAL_SHARE = 8
 """The tree is searched by one trial for so many samples. Chosen: about as long as annealing takes."""
 
+SEQUENCE_SHARE, DRAWING_SHARE = 0.4, 0.1
+"""How much of a limited time goes to annealing, and to PRADA where annealing may not do. Chosen."""
+
 WORDS, FRESH_WORDS = 4, 64
 """A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
 
@@ -72,8 +75,9 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
         course, value = solved
         times.append(time.perf_counter())
         return course_plan("prada+", task, course, value, times=times)
-    deadline = None if options.time_limit is None else times[-1] + options.time_limit
-    best, tried = _best_sequence(prepared, options, own, deadline)
+    begun, limit = time.perf_counter(), options.time_limit
+    share = SEQUENCE_SHARE if own.runs else 1.0
+    best, tried = _best_sequence(prepared, options, own, None if limit is None else begun + share * limit)
     value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
     measure = "sampled"
     if own.runs:
@@ -85,7 +89,7 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
             starts,
             runs=own.runs,
             trials=options.samples // TRIAL_SHARE,
-            deadline=deadline,
+            deadline=None if limit is None else begun + limit,
             seed=options.seed,
         )
         tried += found.trials
@@ -121,9 +125,11 @@ def all_or_nothing(task: Task) -> bool:
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
-    """What other planners find, with half of the samples."""
+    """What other planners find, with half of the samples or a tenth of the time."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
-    drawn = prada(prepared, replace(options, samples=options.samples // 2, time_limit=None), own)
+    limit = None if options.time_limit is None else DRAWING_SHARE * options.time_limit
+    half = replace(options, samples=1 + options.samples // 2, time_limit=limit)
+    drawn = prada(prepared, half, replace(own, margin=0.0))
     return [tuple(number[action] for action in drawn.actions), policy_search.hoped_for(prepared)]
 
 
