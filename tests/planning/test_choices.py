@@ -33,24 +33,24 @@ def true_value(task: Task, plan: Plan) -> float:
 
 @pytest.mark.parametrize(("asked", "tried"), [(400, 400), (1, 4), (401, 404)])
 def test_four_chains_try_a_quarter_each(asked: int, tried: int) -> None:
-    assert planned("prada+", small_tasks.weighted_task(1), samples=asked, solve=0).samples == tried
+    assert planned("prada+", small_tasks.weighted_task(1), samples=asked, solve=0, runs=0).samples == tried
 
 
 def test_annealing_finds_what_as_many_draws_do_not() -> None:
     task = replace(from_text.task(small_tasks.SECTION_4, EIGHT), discount=0.95)
     drawn = planned("prada", task, samples=400, seed=1)
-    annealed = planned("prada+", task, samples=400, seed=1, solve=0)
+    annealed = planned("prada+", task, samples=400, seed=1, solve=0, runs=0)
     assert annealed.value > drawn.value + 0.05
-    assert annealed.value > planned("prada+", task, samples=4, seed=1, solve=0).value + 0.05
+    assert annealed.value > planned("prada+", task, samples=4, seed=1, solve=0, runs=0).value + 0.05
 
 
 def test_the_best_of_the_chains_is_chosen() -> None:
     """Of four chains of one try two begin at the last plan, the others at the best of a single draw."""
     task = from_text.task(small_tasks.SECTION_4, EIGHT)
-    good = planned("prada+", task, samples=4000, seed=1, solve=0)
+    good = planned("prada+", task, samples=4000, seed=1, solve=0, runs=0)
     for seed in range(4):
-        poor = planned("prada+", task, samples=4, seed=seed, solve=0)
-        kept = planned("prada+", task, samples=4, seed=seed, solve=0, previous=good.actions)
+        poor = planned("prada+", task, samples=4, seed=seed, solve=0, runs=0)
+        kept = planned("prada+", task, samples=4, seed=seed, solve=0, runs=0, previous=good.actions)
         assert kept.value > good.value - 0.1
         assert kept.value > poor.value
 
@@ -59,7 +59,7 @@ def test_actions_that_are_gone_are_left_out_of_the_last_plan() -> None:
     task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     gone = (GroundAction("clean", ("z",), None), GroundAction("polish", (), None))
     last = (gone[0], *task.actions[:1], gone[1])
-    assert planned("prada+", task, samples=40, solve=0, previous=last).actions
+    assert planned("prada+", task, samples=40, solve=0, runs=0, previous=last).actions
     assert planned("prada+", task, samples=40, previous=last).actions
 
 

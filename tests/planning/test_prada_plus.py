@@ -27,7 +27,7 @@ WORDS = 300
 
 def search(task: Task, options: Options) -> Plan:
     """A plan of the search alone: as if too many states could be reached."""
-    return prada_plus(prepare(task), options, PradaPlusOptions(solve=0))
+    return prada_plus(prepare(task), options, PradaPlusOptions(solve=0, runs=0))
 
 
 def indices(task: Task, plan: Plan) -> list[int]:

@@ -44,6 +44,7 @@ PLANS: dict[str, tuple[str, dict[str, Any]]] = {
     "exact, fractions": ("exact", {"arithmetic": "rational"}),
     "prada+": ("prada+", {}),
     "prada+, not solved": ("prada+", {"solve": 0}),
+    "prada+, sequences": ("prada+", {"solve": 0, "runs": 0}),
     "prada": ("prada", {"margin": 0.0}),
     "aprada": ("aprada", {"margin": 0.0}),
     "sst": ("sst", {"depth": 9, "branching": 1}),
@@ -176,7 +177,7 @@ def test_sequences_are_the_best_and_soonest(seed: int) -> None:
     soonest = max(early for value, early in worth.values() if value >= most - 1e-9)
     beam = best_sequence(lower_process(task), task.initial, task.discount, steps=2, width=999)
     assert worth[beam] == pytest.approx((most, soonest), abs=1e-8)
-    for name in ("prada+, not solved", "prada"):
+    for name in ("prada+, sequences", "prada"):
         chosen = tuple(task.actions.index(a) for a in chosen_by(name, task)[1].actions)
         assert worth[chosen] == pytest.approx((most, soonest), abs=1e-8)
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
     from cleancli.planning.kernels import annealing as annealing
+    from cleancli.planning.kernels import base_policies as base_policies
     from cleancli.planning.kernels import belief_search as belief_search
     from cleancli.planning.kernels import decision_graph as decision_graph
     from cleancli.planning.kernels import goal_policy as goal_policy
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _LOOPS = frozenset(
     {
         "annealing",
+        "base_policies",
         "belief_search",
         "decision_graph",
         "goal_policy",

@@ -397,7 +397,9 @@ class Search:
                 self._tree = _grown(self._tree, self._outcomes, len(self._process.cost))
 
     def mean(self, runs: int, seed: int) -> tuple[float, float]:
-        """What the policy is worth over so many runs, and its earliness."""
+        """What the policy is worth, and its earliness: over so many runs, or exactly where that is known."""
+        if self.solved:
+            return float(self._tree.value[0]), float(self._tree.early[0])
         found: tuple[float, float] = policy_mean(
             self._process, self._tree, self._bases, runs, np.uint64(seed % 2**64)
         )
@@ -420,12 +422,16 @@ class Search:
         return (*course, *rest[:length].tolist())
 
 
-def base_means(prepared: Prepared, sequence: Sequence[int], runs: int, seed: int) -> list[float]:
-    """What the base policies of a sequence are worth over so many runs of a seed: tail, list and retried."""
+def base_mean(
+    prepared: Prepared, sequence: Sequence[int], base: int, runs: int, seed: int
+) -> tuple[float, float]:
+    """What a base policy of a sequence is worth over so many runs of a seed, and its earliness."""
     bases, state = bases_of(prepared, sequence), np.array(prepared.task.initial, dtype=np.int32)
-    left, start = len(bases.idle) - 1, np.uint64(seed % 2**64)
-    kinds = range(FIRST_ROLLOUT, LAST_ROLLOUT + 1)
-    return [mean_rollout(prepared.process, bases, state, kind, 0, left, runs, start)[0] for kind in kinds]
+    start = np.uint64(seed % 2**64)
+    found: tuple[float, float] = mean_rollout(
+        prepared.process, bases, state, base, 0, len(bases.idle) - 1, runs, start
+    )
+    return found
 
 
 def bases_of(prepared: Prepared, sequence: Sequence[int]) -> Bases:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 from cleancli.array_types import Floats, Ints
 from cleancli.compiler.task import GroundState
@@ -53,7 +53,7 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
         times.append(time.perf_counter())
         load(known)
         times.append(time.perf_counter())
-        value, choose = optimum(known, own.states)
+        value, choose = optimum(prepared, own.states)
     course = likeliest_course(known.task, choose)
     return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
 
@@ -77,13 +77,14 @@ class Solution:
 
 
 def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
-    """The optimal value of the present state, and the policy.
+    """The optimal value of the present state, and the policy for states of the forgetful task.
 
     Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
     """
     solution = kept(prepared, limit, kernels.state_graph.EDGE_LIMIT)
     if solution is None:
-        enumeration = kernels.state_graph.Enumeration(prepared.process, prepared.task.initial, limit)
+        known = prepared.forgetful
+        enumeration = kernels.state_graph.Enumeration(known.process, known.task.initial, limit)
         if not enumeration.reach(max(prepared.task.horizon, 0)):
             raise TooManyStatesError(enumeration.number, limit)
         solution = solved(prepared, enumeration)
@@ -91,27 +92,29 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
 
 
 def kept(prepared: Prepared, states: int, transitions: int) -> Solution | None:
-    """The last solution, if it is of no more states and transitions than these and has met the present state
-    with as many steps left."""
-    task, known = prepared.task, prepared.solutions.get(_KEPT)
+    """The last solution of a forgetful task, if it is of no more states and transitions than these and has met
+    the present state with as many steps left."""
+    known: Solution | None = prepared.solutions.get(_KEPT)
     if known is None or known.enumeration.number > states or known.enumeration.transitions > transitions:
         return None
-    met = known.place(task.initial, max(task.horizon, 0)) is not None
-    return cast(Solution, known) if met else None
+    task = prepared.forgetful.task
+    return None if known.place(task.initial, max(task.horizon, 0)) is None else known
 
 
 def solved(prepared: Prepared, enumeration: Any) -> Solution:
-    """The solution of all that was enumerated; it is kept for the states that come of the present one."""
-    task, horizon = prepared.task, max(prepared.task.horizon, 0)
+    """The solution of all that was enumerated of the forgetful task, kept for the states that come of the
+    present one."""
+    task, horizon = prepared.forgetful.task, max(prepared.task.horizon, 0)
     graph = enumeration.graph()
-    values, best = kernels.state_graph.backward(graph, prepared.process, task.discount, horizon)
+    values, best = kernels.state_graph.backward(graph, prepared.forgetful.process, task.discount, horizon)
     prepared.solutions[_KEPT] = found = Solution(enumeration, graph.within, values, best, horizon)
     return found
 
 
 def valued(prepared: Prepared, solution: Solution) -> tuple[float, Choose]:
-    """The optimal value of the present state, and the policy from there on."""
-    first, number = _met(solution, prepared.task.initial, max(prepared.task.horizon, 0))
+    """The optimal value of the present state, and the policy for states of the forgetful task."""
+    task = prepared.forgetful.task
+    first, number = _met(solution, task.initial, max(task.horizon, 0))
 
     def choose(step: int, state: GroundState) -> int | None:
         action = solution.best[_met(solution, state, solution.steps - first - step)]
@@ -127,9 +130,10 @@ def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:
 
 
 def within_reach(prepared: Prepared, transitions: int) -> Any | None:
-    """The enumeration (kernels.state_graph.Enumeration) of all states that can be reached within the horizon;
-    None where they have more than so many transitions, or will have by what the first steps say."""
-    process, task = prepared.process, prepared.task
+    """The enumeration (kernels.state_graph.Enumeration) of all states of the forgetful task that can be reached
+    within the horizon; None where they have more than so many transitions, or will have by what the first
+    steps say."""
+    process, task = prepared.forgetful.process, prepared.forgetful.task
     enumeration = kernels.state_graph.Enumeration(process, task.initial, transitions, edges=transitions)
     layers: list[int] = []
     for left in reversed(range(max(task.horizon, 0))):

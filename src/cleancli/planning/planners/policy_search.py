@@ -25,8 +25,9 @@ FRESH_RUNS = 1024
 ROUND = 20
 """Trials between two looks at the clock. Chosen: some milliseconds where states are large."""
 
-BEAM_WIDTH = 200
-"""States that are followed in each step where outcomes could be chosen. Chosen."""
+BEAM_WORK, NARROW, WIDE = 2_000_000, 50, 2_000
+"""Where outcomes could be chosen, so many states are followed in each step that steps, states and actions
+multiply to BEAM_WORK, within these bounds. Chosen."""
 
 Actions = tuple[int, ...]
 
@@ -65,11 +66,23 @@ def search(
     return Policy(tree.course(), *tree.mean(FRESH_RUNS, seed + 1), tree.played)
 
 
+def carried_out(prepared: Prepared, sequence: Actions, seed: int) -> tuple[float, float]:
+    """What a sequence is worth, whatever happens, and its earliness, over the runs that value the policy."""
+    return kernels.policy_tree.base_mean(prepared, sequence, kernels.base_policies.TAIL, FRESH_RUNS, seed + 1)
+
+
 def best_start(prepared: Prepared, starts: Sequence[Actions], seed: int) -> Actions:
     """The sequence that is worth most as a base policy, of equals the first."""
     if len(starts) == 1:
         return starts[0]
-    worth = [max(kernels.policy_tree.base_means(prepared, each, START_RUNS, seed)) for each in starts]
+    loops = kernels.base_policies
+    worth = [
+        max(
+            kernels.policy_tree.base_mean(prepared, each, base, START_RUNS, seed)
+            for base in range(loops.FIRST_ROLLOUT, loops.LAST_ROLLOUT + 1)
+        )
+        for each in starts
+    ]
     return starts[worth.index(max(worth))]
 
 
@@ -78,7 +91,8 @@ def hoped_for(prepared: Prepared) -> Actions:
     task = prepared.task
     process, origins = _hopeful(prepared)
     steps = max(task.horizon, 0)
-    sequence = beam.best_sequence(process, task.initial, task.discount, steps=steps, width=BEAM_WIDTH)
+    width = min(max(BEAM_WORK // max(steps * len(origins), 1), NARROW), WIDE)
+    sequence = beam.best_sequence(process, task.initial, task.discount, steps=steps, width=width)
     return tuple(origins[action] for action in sequence)
 
 

@@ -7,12 +7,12 @@ states can be reached, no sequence is sought: the best policy is calculated (doc
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from cleancli.compiler.task import Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, option
@@ -47,6 +47,18 @@ Actions = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
+class Found:
+    """A course, what it is worth with its earliness, whose value that is (`Plan`), and how many sequences and
+    trials were tried in all."""
+
+    course: Actions
+    value: float
+    earliness: float
+    measure: str
+    tried: int
+
+
+@dataclass(frozen=True, slots=True)
 class PradaPlusOptions(PradaOptions):
     """The best policy is calculated where all that can be reached has at most `solve` transitions. Else a tree
     is searched whose new states are valued by so many `runs` of each base policy; with 0 the plan is the best
@@ -61,43 +73,37 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     `samples` sequences, or with as many as `time_limit` allows; empty where stopping at once is preferred.
 
     The value of what was searched for is the mean of runs that chose nothing, so it is not too high for having
-    been chosen.
+    been chosen. Solving takes what it takes, once an episode; the time limit is the search's.
     """
     if prepared.task.reaching is not None:
         return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
-    task, times = prepared.task, [time.perf_counter()]
-    _ = prepared.tables, prepared.process
-    times.append(time.perf_counter())
-    _load(prepared, own)
-    times.append(time.perf_counter())
+    begun = time.perf_counter()
+    _ = prepared.process
+    lowered = time.perf_counter()
+    exact.load(prepared)
+    loaded = time.perf_counter()
     solved = _solved(prepared, own.solve) if own.solve else None
+    ended = time.perf_counter()
+    seconds = [lowered - begun, loaded - lowered, ended - loaded]
     if solved is not None:
         course, value = solved
-        times.append(time.perf_counter())
-        return course_plan("prada+", task, course, value, times=times)
-    begun, limit = time.perf_counter(), options.time_limit
-    share = SEQUENCE_SHARE if own.runs else 1.0
-    best, tried = _best_sequence(prepared, options, own, None if limit is None else begun + share * limit)
-    value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
-    measure = "sampled"
-    if own.runs:
-        starts = [best]
-        if not beats_nothing(task, value, earliness) or all_or_nothing(task):
-            starts += _other_starts(prepared, options, own)
-        found = policy_search.search(
-            prepared,
-            starts,
-            runs=own.runs,
-            trials=options.samples // TRIAL_SHARE,
-            deadline=None if limit is None else begun + limit,
-            seed=options.seed,
-        )
-        tried += found.trials
-        if preferred(found.value, found.earliness, value, earliness):
-            best, value, earliness, measure = found.course, found.value, found.earliness, "policy"
-    best = best if beats_nothing(task, value, earliness) else ()
-    times.append(time.perf_counter())
-    return course_plan("prada+", task, best, value, times=times, measure=measure, samples=tried)
+        return course_plan("prada+", prepared.task, course, value, times=(0.0, *itertools.accumulate(seconds)))
+    _ = prepared.tables
+    lowered = time.perf_counter()
+    _load(prepared, own)
+    loaded = time.perf_counter()
+    found = _searched(prepared, options, own)
+    more = [lowered - ended, loaded - lowered, time.perf_counter() - loaded]
+    times = (0.0, *itertools.accumulate(map(sum, zip(seconds, more, strict=True))))
+    return course_plan(
+        "prada+",
+        prepared.task,
+        found.course,
+        found.value,
+        times=times,
+        measure=found.measure,
+        samples=found.tried,
+    )
 
 
 def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | None:
@@ -105,27 +111,44 @@ def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | Non
 
     Many within two steps are enough to know, before time is spent on what could be forgotten.
     """
-    if not exact.few_transitions(prepared, transitions, 2):
-        return None
-    known = prepared.forgetful
-    solution = exact.kept(known, transitions, transitions)
+    solution = exact.kept(prepared, transitions, transitions)
     if solution is None:
-        enumeration = exact.within_reach(known, transitions)
+        if not exact.few_transitions(prepared, transitions, 2):
+            return None
+        enumeration = exact.within_reach(prepared, transitions)
         if enumeration is None:
             return None
-        solution = exact.solved(known, enumeration)
-    value, choose = exact.valued(known, solution)
-    return likeliest_course(known.task, choose), value
+        solution = exact.solved(prepared, enumeration)
+    value, choose = exact.valued(prepared.forgetful, solution)
+    return likeliest_course(prepared.forgetful.task, choose), value
 
 
-def all_or_nothing(task: Task) -> bool:
-    """Whether one condition alone is paid, so that most sequences are worth nothing, and none is better than
-    another of these."""
-    return len([each for each in task.rewards if each.decrease or each.state]) <= 1
+def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Found:
+    """The best policy of a search that starts from the best sequence, or that sequence where no policy is seen
+    to be better, or nothing where stopping is."""
+    task, begun, limit = prepared.task, time.perf_counter(), options.time_limit
+    share = SEQUENCE_SHARE if own.runs else 1.0
+    best, tried = _best_sequence(prepared, options, own, None if limit is None else begun + share * limit)
+    value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
+    found = Found(best, value, earliness, "sampled", tried)
+    if own.runs:
+        policy = policy_search.search(
+            prepared,
+            [best, *_other_starts(prepared, options, own)],
+            runs=own.runs,
+            trials=-(-options.samples // TRIAL_SHARE),
+            deadline=None if limit is None else begun + limit,
+            seed=options.seed,
+        )
+        found = replace(found, tried=tried + policy.trials)
+        if preferred(policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)):
+            found = Found(policy.course, policy.value, policy.earliness, "policy", found.tried)
+    return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
-    """What other planners find, with half of the samples or a tenth of the time."""
+    """What PRADA finds with half of the samples, or in a tenth of the time, and the best sequence if outcomes
+    could be chosen."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     limit = None if options.time_limit is None else DRAWING_SHARE * options.time_limit
     half = replace(options, samples=1 + options.samples // 2, time_limit=limit)
@@ -195,6 +218,5 @@ def _load(prepared: Prepared, own: PradaOptions) -> None:
     """Makes numba load or compile what will run."""
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1), own)
-    exact.load(prepared)
     if own.runs:
         policy_search.search(prepared, [()], runs=1, trials=1, deadline=None, seed=0)
