@@ -1,14 +1,21 @@
 """How near planners come to the optimum, in closed loop: `python benchmarks/regret.py --planner prada ...`.
 
-Random problems (instances.py) with at most 5,000 states that can be reached within their steps. At step t of
-H a planner sees the state, plans for H - t steps, and its first action is done. A planner's share is what it
-gains over doing nothing, as part of what the optimum gains; problems where that is less than `WORTH` say
-nothing and are skipped. Plans count where they are worth any more than doing nothing (`margin` is 0).
+Random problems (instances.py) with at most 5,000 states that can be reached within their steps; with --large
+those of large_instances.py, with 10,000 to 500,000. At step t of H a planner sees the state, plans for H - t
+steps, and its first action is done. A planner's share is what it gains over doing nothing, as part of what the
+optimum gains; problems where that is less than `WORTH` say nothing and are skipped. Plans count where they are
+worth any more than doing nothing (`margin` is 0). What has lost its meaning for good is forgotten for all
+planners, which changes no value.
 
 A planner with a fixed seed is a policy. Where it meets few pairs of state and step, its return is exact: the
 optimum less what each of its actions loses against the optimum, weighted by the probability that the pair
 comes. Else the same losses are summed over drawn episodes, on the same draws for all planners: with the
 optimal values as control variate, only the losses are noisy, and an optimal planner has no error at all.
+
+With --large shares are all from drawn episodes, and the first planner is compared with each of the others,
+episode by episode on the same draws: a problem in which its share is less by more than twice the standard
+error of the difference is counted as lost. A planner's first plan of a problem may take longer than those that
+come after it, so the most that any took is told, too.
 
 200 problems take about ten minutes of CPU for each of the quick planners, and hours for `uct` and others that
 are given a time limit. It says which problem is done, and with --keep each is a line of FILE: those that
@@ -30,8 +37,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from instances import FAMILIES, instance
+from instances import instance
 from kept import Kept
+from large_instances import large_instance
 from written import planner_of
 
 from cleancli.compiler.ground import ground
@@ -44,12 +52,15 @@ from cleancli.planning.planner import Planner, Plans
 from cleancli.planning.registry import PLANNERS
 
 STATES = 5_000
+LARGE_STATES = (10_000, 500_000)
 WORTH = 0.2
 """What the optimum must gain over doing nothing for a problem to count. Chosen."""
 ANYTIME = {"uct": 10_000_000, "prada+": 10_000_000}
 """Planners that go on until their time is over, and the samples that they are allowed."""
-ROWS = (*PLANNERS, "prada+:solve=0")
-"""What is played where no planner is asked for: the rows of docs/simulation.md."""
+ROWS = (*PLANNERS, "prada+:solve=0", "prada+:solve=0,runs=0")
+LARGE_ROWS = tuple(name for name in ROWS if name not in ("exact", "aprada"))
+"""What is played where no planner is asked for: the rows of docs/simulation.md. Large problems are solved to
+know the optimum anyway, and `aprada` differs little from `prada`."""
 FEWER = {"uct": 30}
 """Planners that play the first so many problems alone, unless they are asked for: they need hours
 otherwise."""
@@ -58,13 +69,15 @@ otherwise."""
 @dataclass(frozen=True, slots=True)
 class Asked:
     """`planners` by name, perhaps with options: `prada+:solve=0`. `pairs` of state and step at most for an
-    exact return, else so many `episodes`; `time_limit` in seconds for a plan of an anytime planner."""
+    exact return, else so many `episodes`; `time_limit` in seconds for a plan of an anytime planner; whether
+    problems are `large`."""
 
     planners: tuple[str, ...]
     pairs: int
     episodes: int
     time_limit: float
     samples: int
+    large: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +107,8 @@ class Game:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """A planner's share in a problem, its standard error (0 where exact), and seconds per plan."""
+    """A planner's share in a problem, its standard error (0 where exact), seconds per plan, and the share that
+    each drawn episode lost."""
 
     planner: str
     family: str
@@ -102,6 +116,7 @@ class Score:
     share: float
     error: float
     seconds: tuple[float, ...]
+    lost: tuple[float, ...] = ()
 
 
 def game_of(prepared: Prepared, steps: int, states: int = STATES) -> Game | None:
@@ -181,8 +196,8 @@ def exact_loss(game: Game, policy: Policy, pairs: int) -> float | None:
     return total
 
 
-def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> tuple[float, float]:
-    """The mean of what a policy loses over drawn episodes, and its standard error."""
+def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> list[float]:
+    """What a policy loses against the optimum in each of so many drawn episodes."""
     losses = []
     for luck in np.random.default_rng(seed).random((episodes, game.steps)):
         state, weight, total = 0, 1.0, 0.0
@@ -194,8 +209,13 @@ def drawn_loss(game: Game, policy: Policy, episodes: int, seed: int) -> tuple[fl
             reached = np.searchsorted(np.cumsum([p for _, p in moved.after]), luck[step], side="right")
             state = moved.after[min(int(reached), len(moved.after) - 1)][0]
             weight *= moved.discount
-        losses.append(total)
-    return float(np.mean(losses)), float(np.std(losses, ddof=1) / math.sqrt(episodes))
+        losses.append(float(total))
+    return losses
+
+
+def mean_of(values: Sequence[float]) -> tuple[float, float]:
+    """A mean and its standard error."""
+    return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
 def player_of(text: str, asked: Asked, seed: int) -> tuple[Planner[Any], Options]:
@@ -210,27 +230,33 @@ def player_of(text: str, asked: Asked, seed: int) -> tuple[Planner[Any], Options
 
 def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
     """Of each planner on the problem of a seed, or why there are none."""
-    found = instance(seed)
-    game = game_of(prepare(ground(found.domain, found.problem)), found.steps)
+    found = large_instance(seed) if asked.large else instance(seed)
+    fewest, most = LARGE_STATES if asked.large else (0, STATES)
+    game = game_of(prepare(ground(found.domain, found.problem)).forgetful, found.steps, most)
     if game is None:
-        return f"more than {STATES:,} states"
+        return f"more than {most:,} states"
+    if len(game.graph.states) < fewest:
+        return f"fewer than {fewest:,} states"
     worth = float(game.values[0, 0] - game.nothing(0, 0))
     if worth < WORTH:
         return f"the optimum gains less than {WORTH}"
-    result = []
-    for name in asked.planners:
-        policy = Policy(game, *player_of(name, asked, seed))
-        loss, error = exact_loss(game, policy, asked.pairs), 0.0
-        if loss is None:
-            loss, error = drawn_loss(game, policy, asked.episodes, seed)
-        share = 1 - loss / worth
-        result.append(Score(name, found.family, seed, share, error / worth, tuple(policy.seconds)))
-    return tuple(result)
+    return tuple(score(name, game, found.family, seed, worth, asked) for name in asked.planners)
+
+
+def score(name: str, game: Game, family: str, seed: int, worth: float, asked: Asked) -> Score:
+    """Of a planner on a problem; `worth` is what the optimum gains."""
+    policy = Policy(game, *player_of(name, asked, seed))
+    loss = None if asked.large else exact_loss(game, policy, asked.pairs)
+    if loss is not None:
+        return Score(name, family, seed, 1 - loss / worth, 0.0, tuple(policy.seconds))
+    lost = tuple(each / worth for each in drawn_loss(game, policy, asked.episodes, seed))
+    share, error = mean_of(lost)
+    return Score(name, family, seed, 1 - share, error, tuple(policy.seconds), lost)
 
 
 def print_table(found: Sequence[Score]) -> None:
     width = max(len(score.planner) for score in found)
-    print(f"{'planner':{width}} problems   mean  worst     5%  >=0.95  >=0.99  s/step  95%     error")
+    print(f"{'planner':{width}} problems   mean  worst     5%  >=0.95  >=0.99  s/step     95%    most   error")
     for name in dict.fromkeys(score.planner for score in found):
         mine = [score for score in found if score.planner == name]
         shares = np.array([score.share for score in mine])
@@ -240,18 +266,31 @@ def print_table(found: Sequence[Score]) -> None:
         print(
             f"{name:{width}} {len(mine):8} {shares.mean():6.3f} {shares.min():6.3f} {low:6.3f}"
             f" {np.mean(shares >= 0.95):7.2f} {np.mean(shares >= 0.99):7.2f}"
-            f" {np.median(seconds):7.4f} {np.quantile(seconds, 0.95):7.4f} {error:6.4f}"
+            f" {np.median(seconds):7.4f} {np.quantile(seconds, 0.95):7.4f} {max(seconds):7.3f} {error:6.4f}"
         )
     print("\nmean share by family, and the worst problems")
     for name in dict.fromkeys(score.planner for score in found):
         means = {
             family: [score.share for score in found if (score.planner, score.family) == (name, family)]
-            for family in FAMILIES
+            for family in sorted({score.family for score in found})
         }
         shown = (f"{family} {np.mean(shares):.3f}" for family, shares in means.items() if shares)
         mine = sorted((score for score in found if score.planner == name), key=lambda score: score.share)
         worst = ", ".join(f"{score.family} {score.seed}: {score.share:.3f}" for score in mine[:3])
         print(f"{name:{width}} {'  '.join(shown)}\n{'':{width}} worst: {worst}")
+
+
+def print_comparison(found: Sequence[Score]) -> None:
+    """In how many problems the first planner is seen to lose against each other one, and to win."""
+    first = {score.seed: score for score in found if score.planner == found[0].planner}
+    print(f"\nproblems in which {found[0].planner} is significantly worse and better than")
+    for name in dict.fromkeys(score.planner for score in found[1:] if score.planner != found[0].planner):
+        worse = better = 0
+        for score in (score for score in found if score.planner == name):
+            mean, error = mean_of(np.subtract(first[score.seed].lost, score.lost).tolist())
+            worse += mean > 2 * error + 1e-9
+            better += -mean > 2 * error + 1e-9
+        print(f"{name:24} {worse:4} {better:4}")
 
 
 def played(seeds: Sequence[int], asked: Asked, jobs: int, kept: Kept) -> Iterator[tuple[Score, ...] | str]:
@@ -307,7 +346,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=0, help="of the first problem")
-    parser.add_argument("--problems", type=int, default=200, help="that count, of so many seeds as they need")
+    parser.add_argument("--problems", type=int, help="that count (200, large ones 60), of the seeds they need")
     parser.add_argument(
         "--planner", action="append", help="perhaps with options, like prada+:solve=0; default: all"
     )
@@ -317,19 +356,25 @@ def main() -> None:
     parser.add_argument("--time-limit", type=float, default=0.1)
     parser.add_argument("--samples", type=int, default=10_000)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--quick", action="store_true", help="8 problems, few samples")
+    parser.add_argument("--large", action="store_true", help="problems of 10,000 to 500,000 states")
+    parser.add_argument("--quick", action="store_true", help="few problems, few samples")
     given = parser.parse_args()
-    planners = tuple(dict.fromkeys(given.planner or (name for name in ROWS if name not in FEWER)))
-    asked = Asked(planners, given.pairs, given.episodes, given.time_limit, given.samples)
-    wanted = given.problems
+    rows = LARGE_ROWS if given.large else [name for name in ROWS if name not in FEWER]
+    planners = tuple(dict.fromkeys(given.planner or rows))
+    asked = Asked(planners, given.pairs, given.episodes, given.time_limit, given.samples, given.large)
+    wanted = given.problems or (60 if given.large else 200)
     if given.quick:
-        wanted, asked = 8, replace(asked, samples=500, time_limit=0.01, pairs=30, episodes=8)
+        asked = replace(asked, samples=500, time_limit=0.01, pairs=30, episodes=3 if given.large else 8)
+        wanted = 2 if given.large else 8
     kept = Kept(given.keep)
     counted, skipped = wanted_scores(wanted, given.seed, asked, given.jobs, kept)
-    for name, most in {} if given.planner else FEWER.items():
+    for name, most in {} if given.planner or given.large else FEWER.items():
         one = replace(asked, planners=(name,))
         counted += wanted_scores(min(most, wanted), given.seed, one, given.jobs, kept)[0]
-    print_table([score for result in counted for score in result])
+    found = [score for result in counted for score in result]
+    print_table(found)
+    if given.large:
+        print_comparison(found)
     reasons = ", ".join(f"{number} where {reason}" for reason, number in skipped.items())
     print(f"\n{wanted} problems; skipped: {reasons or 'none'}")
 

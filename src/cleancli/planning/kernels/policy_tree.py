@@ -44,7 +44,7 @@ from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 from cleancli.planning.kernels.state_graph import change, digit, enter, find
 from cleancli.planning.kernels.transitions import choosable, rewarded
 
-NODES, CHOICES, EDGES = 0, 1, 2
+NODES, CHOICES, EDGES, PASSED = 0, 1, 2, 3
 """What is counted in `Tree.used`."""
 
 SUGGESTED, LISTED = 2.0, 1.0
@@ -83,7 +83,7 @@ class Tree(NamedTuple):
     successor: Ints  # (E,)
     chance: Floats  # (E,)
     seen: Ints  # (E,) trials that went this way
-    used: Longs  # (3,) nodes, choices and transitions so far
+    used: Longs  # (4,) nodes, choices and transitions so far, and choices on the path
     path: Longs  # (2, H + 1) nodes and choices of the trial
 
 
@@ -287,6 +287,7 @@ def _trial(p: Process, t: Tree, b: Bases, m: Manner) -> None:
         if not ended:
             t.seen[e] += 1
             node = int(t.successor[e])
+    t.used[PASSED] = depth
     for i in range(depth - 1, -1, -1):
         _back_up(p, t, b, int(t.path[0, i]), int(t.path[1, i]))
 
@@ -349,6 +350,14 @@ def policy_mean(p: Process, t: Tree, b: Bases, runs: int, seed: np.uint64) -> tu
     return value / runs, early / runs
 
 
+class Node(NamedTuple):
+    """A node as it is looked at from outside."""
+
+    value: float
+    visits: int
+    worth: dict[int, float]  # of the actions that were tried
+
+
 class Search:
     """A tree that grows from the initial state of a task by trials. What it finds depends on the sequence, the
     seed and the number of trials."""
@@ -405,6 +414,25 @@ class Search:
         )
         return found
 
+    def node(self, state: GroundState, step: int) -> Node:
+        """What is known of a state at a step; KeyError where it is not in the tree."""
+        t = self._tree
+        (found,) = np.nonzero((t.states[: t.used[NODES]] == [*state, step]).all(axis=1))
+        if not found.size:
+            raise KeyError(state, step)
+        choices = slice(t.choice_start[found[0]], t.choice_start[found[0] + 1])
+        tried = zip(t.action[choices].tolist(), t.worth[choices].tolist(), t.tried[choices], strict=True)
+        worth = {action: worth for action, worth, times in tried if times}
+        return Node(float(t.value[found[0]]), int(t.visits[found[0]]), worth)
+
+    def last_trial(self) -> list[tuple[GroundState, int, int]]:
+        """The states, steps and actions that the last trial went through."""
+        t, passed = self._tree, list[tuple[GroundState, int, int]]()
+        for node, choice in t.path.T[: t.used[PASSED]].tolist():
+            *state, step = t.states[node].tolist()
+            passed.append((tuple(state), step, int(t.action[choice])))
+        return passed
+
     def course(self) -> tuple[int, ...]:
         """What is done if each action has its likeliest result, of equals the first, up to where the policy
         stops."""
@@ -447,7 +475,7 @@ def bases_of(prepared: Prepared, sequence: Sequence[int]) -> Bases:
 
 def _grown(old: Tree, outcomes: int, actions: int) -> Tree:
     """The tree with twice as much of what has become short."""
-    nodes, choices, edges = old.used.tolist()
+    nodes, choices, edges, _ = old.used.tolist()
     sizes = [len(old.states), len(old.action), len(old.chance)]
     needed = [nodes + outcomes + 1, choices + outcomes * actions, edges + outcomes]
     sizes = [size * (1 + (need > size)) for size, need in zip(sizes, needed, strict=True)]
@@ -495,6 +523,6 @@ def _room(variables: int, nodes: int, choices: int, edges: int, horizon: int) ->
         successor=whole(edges),
         chance=np.zeros(edges),
         seen=whole(edges),
-        used=np.zeros(3, dtype=np.int64),
+        used=np.zeros(4, dtype=np.int64),
         path=np.zeros((2, horizon + 1), dtype=np.int64),
     )
