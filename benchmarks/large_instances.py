@@ -1,5 +1,5 @@
-"""Random problems of some 10,000 to 500,000 states: tables, coins, exploding blocks, elevators, a car with flat
-tires, a ferry."""
+"""Random problems of some 10,000 to 500,000 states: tables, coins, exploding blocks, elevators, a car with
+flat tires, a ferry."""
 
 from __future__ import annotations
 
@@ -26,14 +26,17 @@ def large_instance(seed: int) -> Instance:
 
 
 def _problem(
-    name: str, objects: Mapping[str, Sequence[str]], facts: Iterable[str], steps: int, goal: Iterable[str] = ()
+    name: str,
+    objects: Mapping[str, Sequence[str]],
+    facts: Iterable[str],
+    steps: int,
+    goal: Iterable[str] = (),
 ) -> tuple[Domain, Problem]:
-    """A domain of benchmarks/domains and a problem for it, of objects by type and of facts as they are written."""
-    domain = read(name)
-    listed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
-    wanted = f"goal {{ {', '.join(goal)} }}" if goal else ""
-    text = f"problem random {{ domain = {name} objects {{ {listed} }} init {{ {', '.join(facts)} }} {wanted} horizon = {steps} }}"
-    return domain, load_problem(Source("random.nid", text), domain)
+    """A domain of benchmarks/domains and a problem for it, of objects by type and of facts as they are
+    written.""" domain = read(name) listed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in
+    objects.items()) wanted = f"goal {{ {', '.join(goal)} }}" if goal else "" text = f"problem random {{
+    domain = {name} objects {{ {listed} }} init {{ {', '.join(facts)} }} {wanted} horizon = {steps} }}" return
+    domain, load_problem(Source("random.nid", text), domain)
 
 
 def _some(rng: Rng, share: float, facts: Iterable[str]) -> list[str]:
@@ -72,7 +75,9 @@ def elevators(rng: Rng) -> tuple[Domain, Problem]:
     floors, places = named("f", 5), named("p", 3)
     cars, lost = named("e", 3), named("c", int(rng.integers(6, 8)))
     facts = ["first(f0, p0)", "here(f0, p0)"]
-    facts += [f"beside({p}, {q})" for p, q in ("p0 p1".split(), "p1 p0".split(), "p1 p2".split(), "p2 p1".split())]
+    facts += [
+        f"beside({p}, {q})" for p, q in (["p0", "p1"], ["p1", "p0"], ["p1", "p2"], ["p2", "p1"])
+    ]
     facts += [f"shaft({car}, {rng.choice(places)})" for car in cars]
     facts += [f"level({car}, {rng.choice(floors)})" for car in cars]
     facts += _some(rng, 0.4, (f"gate({floor}, {place})" for floor in floors[1:] for place in places))

@@ -2,10 +2,10 @@
 
 Random problems (instances.py) with at most 5,000 states that can be reached within their steps; with --large
 those of large_instances.py, with 10,000 to 500,000. At step t of H a planner sees the state, plans for H - t
-steps, and its first action is done. A planner's share is what it gains over doing nothing, as part of what the
-optimum gains; problems where that is less than `WORTH` say nothing and are skipped. Plans count where they are
-worth any more than doing nothing (`margin` is 0). What has lost its meaning for good is forgotten for all
-planners, which changes no value.
+steps, and its first action is done. A planner's share is what it gains over doing nothing, as part of what
+the optimum gains; problems where that is less than `WORTH` say nothing and are skipped. Plans count where
+they are worth any more than doing nothing (`margin` is 0). What has lost its meaning for good is forgotten
+for all planners, which changes no value.
 
 A planner with a fixed seed is a policy. Where it meets few pairs of state and step, its return is exact: the
 optimum less what each of its actions loses against the optimum, weighted by the probability that the pair
@@ -82,8 +82,8 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Game:
-    """A problem with its optimum: `values` (H + 1, N) by step and state; `idle` (H + 1,) is what a reward of 1
-    in each step that is left after so many is worth."""
+    """A problem with its optimum: `values` (H + 1, N) by step and state; `idle` (H + 1,) is what a reward of
+    1 in each step that is left after so many is worth."""
 
     prepared: Prepared
     graph: Graph
@@ -107,8 +107,8 @@ class Game:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """A planner's share in a problem, its standard error (0 where exact), seconds per plan, and the share that
-    each drawn episode lost."""
+    """A planner's share in a problem, its standard error (0 where exact), seconds per plan, and the share
+    that each drawn episode lost."""
 
     planner: str
     family: str
@@ -256,7 +256,9 @@ def score(name: str, game: Game, family: str, seed: int, worth: float, asked: As
 
 def print_table(found: Sequence[Score]) -> None:
     width = max(len(score.planner) for score in found)
-    print(f"{'planner':{width}} problems   mean  worst     5%  >=0.95  >=0.99  s/step     95%    most   error")
+    print(
+        f"{'planner':{width}} problems   mean  worst     5%  >=0.95  >=0.99  s/step     95%    most   error"
+    )
     for name in dict.fromkeys(score.planner for score in found):
         mine = [score for score in found if score.planner == name]
         shares = np.array([score.share for score in mine])
@@ -346,7 +348,9 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=0, help="of the first problem")
-    parser.add_argument("--problems", type=int, help="that count (200, large ones 60), of the seeds they need")
+    parser.add_argument(
+        "--problems", type=int, help="that count (200, large ones 60), of the seeds they need"
+    )
     parser.add_argument(
         "--planner", action="append", help="perhaps with options, like prada+:solve=0; default: all"
     )

@@ -97,7 +97,8 @@ ROWS = [tuple(map(str.strip, row.split("|"))) for row in NUMBERS.strip().splitli
 OPTIONS = {
     "rule_threshold": "`rule_threshold` ({}; 0 is allowed)",
     "margin": "by more than `margin` ({})",
-    "solve": "at most `solve` ({:,}) states",
+    "solve": "at most `solve` ({:,}) transitions",
+    "runs": "each by `runs` ({}) runs",
     "counted": "`counted` objects ({}",
 }
 

@@ -1,5 +1,5 @@
-"""Search in policies (planning/kernels/policy_tree.py, base_policies.py): against Bellman's equation and plain
-runs over compiler/semantics.py, and what the planners that use it promise."""
+"""Search in policies (planning/kernels/policy_tree.py, base_policies.py): against Bellman's equation and
+plain runs over compiler/semantics.py, and what the planners that use it promise."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def drawn_sequence(task: Task, seed: int, length: int = 4) -> tuple[int, ...]:
 
 
 def tree(task: Task, sequence: Sequence[int] = (), **manner: Any) -> policy_tree.Search:
-    manner = {"runs": 2, "exploration": 0.3, "width": 1.0, "seed": 1} | manner
+    manner = {"runs": 2, "exploration": 0.3, "seed": 1} | manner
     return policy_tree.Search(prepare(task), sequence, **manner)
 
 
@@ -106,7 +106,9 @@ def test_the_tails_earliness_is_the_sequences(seed: int) -> None:
 def test_without_a_sequence_a_new_node_is_worth_the_best_of_stopping_and_one_step(seed: int) -> None:
     task = drawn_task(seed)
     covered = [a for a in range(len(task.actions)) if covering_rule(task, task.initial, a)]
-    assert tree(task).value == pytest.approx(max(exact_value(task, s) for s in [(), *((a,) for a in covered)]))
+    assert tree(task).value == pytest.approx(
+        max(exact_value(task, s) for s in [(), *((a,) for a in covered)])
+    )
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -123,8 +125,9 @@ def test_a_tree_that_is_searched_to_its_end_is_worth_the_optimum(seed: int, guid
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_each_trial_leaves_bellmans_equation_behind(seed: int) -> None:
-    """By a slow reference: of each choice on the trial's way, from the values that its successors then have."""
+def test_each_descent_leaves_bellmans_equation_behind(seed: int) -> None:
+    """By a slow reference: of each choice on the descent's way, from the values that its successors then
+    have."""
     task = drawn_task(seed)
     search = tree(task, drawn_sequence(task, seed))
     for _ in range(40):
@@ -132,7 +135,7 @@ def test_each_trial_leaves_bellmans_equation_behind(seed: int) -> None:
         search.run(1)
         if search.played == before:
             break
-        passed = search.last_trial()
+        passed = search.last_descent()
         assert passed
         for state, at, action in passed:
             left, worth = task.horizon - at, 0.0
@@ -248,12 +251,9 @@ def test_as_many_transitions_are_found_as_are_allowed() -> None:
     prepared = prepare(small_tasks.weighted_task(2))
     whole = state_graph.Enumeration(prepared.process, prepared.task.initial, 1_000)
     assert whole.reach(3)
-    same = state_graph.Enumeration(
-        prepared.process, prepared.task.initial, 1_000, edges=whole.transitions
-    )
+    same = state_graph.Enumeration(prepared.process, prepared.task.initial, 1_000, edges=whole.transitions)
     assert same.reach(3)
     fewer = state_graph.Enumeration(
         prepared.process, prepared.task.initial, 1_000, edges=whole.transitions - 1
     )
     assert not fewer.reach(3)
-

@@ -21,7 +21,7 @@ from cleancli.compiler.task import GroundState, NoDurationError, Task, by_time, 
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.planning.evaluation.belief_value import plan_value
-from cleancli.planning.kernels import transitions, uct_tree
+from cleancli.planning.kernels import transitions
 from cleancli.planning.refusal import planning_refused
 from support import reference_prada, small_tasks
 
@@ -147,17 +147,3 @@ def test_an_action_lasts_as_long_as_it_does_on_its_objects() -> None:
         by_time(lasting(untimed, {untimed.actions[0].key: 2.0}))
     everything = lasting(untimed, {action.key: 2.0 for action in untimed.actions})
     assert by_time(everything).discounts == (task.discount,) * len(task.actions)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_rollouts_choose_among_what_is_a_choice_each_as_likely(seed: int) -> None:
-    """docs/planning.md, `uct`; also where one action alone is a choice, whichever rule covers the state."""
-    task = small_tasks.weighted_task(seed)
-    process, draws = lower_process(task), 2000
-    for assignment in some_states(task, seed, 5):
-        state = array(assignment)
-        choices = [a for a in range(len(task.actions)) if transitions.choosable(process, state, a) >= 0]
-        drawn = [uct_tree._some_action(process, state, np.uint64(k * 977 + seed)) for k in range(draws)]
-        assert set(drawn) == set(choices or [-1])
-        if len(choices) > 1:
-            assert stats.chisquare([drawn.count(action) for action in choices]).pvalue > 1e-4

@@ -1,7 +1,7 @@
 """Compiled inner loops of planners, a module each, which is imported when it is first named.
 
 All need numba, which takes longer to load than most plans take: so what may end without a plan writes
-`from cleancli.planning import kernels`, and `kernels.uct_tree` where it runs the loop.
+`from cleancli.planning import kernels`, and `kernels.policy_tree` where it runs the loop.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from cleancli.planning.kernels import sparse_sampling as sparse_sampling
     from cleancli.planning.kernels import state_graph as state_graph
     from cleancli.planning.kernels import transitions as transitions
-    from cleancli.planning.kernels import uct_tree as uct_tree
 
 _LOOPS = frozenset(
     {
@@ -33,7 +32,6 @@ _LOOPS = frozenset(
         "sparse_sampling",
         "state_graph",
         "transitions",
-        "uct_tree",
     }
 )
 

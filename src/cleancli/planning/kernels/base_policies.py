@@ -150,9 +150,7 @@ def mean_rollout(
 
 
 @compiled
-def likeliest(
-    p: Process, b: Bases, state: Ints, base: int, place: int, standing: float, course: Ints
-) -> int:
+def likeliest(p: Process, b: Bases, state: Ints, base: int, place: int, standing: float, course: Ints) -> int:
     """Fills in what a base policy does if each action has its likeliest result, of equals the first, for as
     many steps as there is room; returns how many it does. Changes the state."""
     for step in range(len(course)):

@@ -1,7 +1,7 @@
 """Search in policies, compiled: a tree of states and steps that grows where the policy so far is uncertain.
 
 Trial-based heuristic tree search (Keller and Helmert 2013) with explicit outcomes: a node is a state with the
-number of the step that it is seen at, shared by all ways to it. A trial goes down from the initial state, by
+number of the step that it is seen at, shared by all ways to it. A descent goes from the initial state, by
 the choice with the greatest upper bound (UCB1) and to the outcome that was seen least for its probability. It
 tries one new choice, all of whose outcomes become nodes, and each of these is worth what the best of its base
 policies is (base_policies.py). On the way back Bellman's equation holds for every choice and node that was
@@ -47,9 +47,10 @@ from cleancli.planning.kernels.transitions import choosable, rewarded
 NODES, CHOICES, EDGES, PASSED = 0, 1, 2, 3
 """What is counted in `Tree.used`."""
 
-SUGGESTED, LISTED = 2.0, 1.0
+SUGGESTED, LISTED, CHANCE = 2.0, 1.0, 0.01
 """What an action gains in the order in which a node's choices are tried: for being what a base policy does
-there, and for standing in the sequence. Chosen; what the next step pays adds up to about 1."""
+there, for standing in the sequence, and by chance at most, which orders those that nothing else does. Chosen;
+what the next step pays adds up to about 1."""
 
 
 class Tree(NamedTuple):
@@ -63,7 +64,7 @@ class Tree(NamedTuple):
     ahead: Floats  # (N,) whose decrease is progress
     value: Floats  # (N,)
     early: Floats  # (N,) the value's earliness
-    visits: Ints  # (N,) trials that went through
+    visits: Ints  # (N,) descents that went through
     known: Bools  # (N,) whether the value is not an estimate
     base: Ints  # (N,) the best base policy
     place: Ints  # (N,) where the retried sequence is
@@ -72,7 +73,7 @@ class Tree(NamedTuple):
     action: Ints  # (M,) ascending within a node
     rule: Ints  # (M,) the rule that covers the state
     rank: Floats  # (M,) choices of higher rank are tried first
-    tried: Ints  # (M,) trials that took the choice
+    tried: Ints  # (M,) descents that took the choice
     worth: Floats  # (M,) what follows from the choice
     soon: Floats  # (M,) its earliness
     reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
@@ -82,17 +83,17 @@ class Tree(NamedTuple):
     edge_stop: Ints  # (M,)
     successor: Ints  # (E,)
     chance: Floats  # (E,)
-    seen: Ints  # (E,) trials that went this way
+    seen: Ints  # (E,) descents that went this way
     used: Longs  # (4,) nodes, choices and transitions so far, and choices on the path
-    path: Longs  # (2, H + 1) nodes and choices of the trial
+    path: Longs  # (2, H + 1) nodes and choices of the descent
 
 
 class Manner(NamedTuple):
     """How a search goes about it."""
 
-    runs: int  # that value a base policy in a new node
+    runs: int  # that value each base policy of the sequence in a new node
+    greedy: int  # that value the greedy policy there
     exploration: float  # the upper bounds' weight, as a share of what a node gains over stopping
-    width: float  # a node that was visited n times tries no more than 1 + width · sqrt(n) choices
     unit: float  # what a node gains is taken to be no less
     seed: np.uint64
 
@@ -105,7 +106,7 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
     at = int(state[last])
     left, standing, state = horizon - at, t.standing[node], state[:last]
     value, early = standing * b.idle[left], standing * standing_earliness(left)
-    best, first = STOP, int(t.used[CHOICES])
+    best, first, stream = STOP, int(t.used[CHOICES]), mixed(m.seed ^ t.hashes[node])
     stopping, count, suggestion = value, first, -1
     if left > 0:
         for action in range(len(p.cost)):
@@ -114,14 +115,19 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
                 continue
             gained, soon = one_step(p, b, state, action, rule, left, standing)
             t.action[count], t.rule[count], t.tried[count], t.closed[count] = action, rule, 0, False
-            t.rank[count] = (gained - stopping) / m.unit
+            t.rank[count] = (gained - stopping) / m.unit + CHANCE * uniform(
+                stream + np.uint64(count) * GOLDEN
+            )
             if better(gained, soon, value, early):
                 value, early, best, suggestion = gained, soon, GREEDY, action
             count += 1
     t.choice_start[node], t.choice_start[node + 1], t.used[CHOICES] = first, count, count
     t.best[node], t.visits[node], t.known[node] = -2, 0, count == first
+    if best == GREEDY and m.greedy:
+        paid, soon = mean_rollout(p, b, state, GREEDY, at, left, m.greedy, stream)
+        if better(paid, soon, value, early):
+            value, early = paid, soon
     if count > first and len(b.sequence):
-        stream = mixed(m.seed ^ t.hashes[node])
         for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
             place = t.place[node] if base == RETRIED else at
             if base == RETRIED:
@@ -254,7 +260,7 @@ def _select(t: Tree, b: Bases, m: Manner, node: int) -> int:
             upper = t.worth[c] + scale * math.sqrt(logarithm / t.tried[c])
             if upper > bound:
                 bound, bounded = upper, c
-    if untried >= 0 and (bounded < 0 or tried < 1.0 + m.width * math.sqrt(visits)):
+    if untried >= 0 and (bounded < 0 or tried < 1.0 + math.sqrt(visits)):
         return untried
     return bounded
 
@@ -271,7 +277,7 @@ def _branch(t: Tree, choice: int) -> int:
 
 
 @inner
-def _trial(p: Process, t: Tree, b: Bases, m: Manner) -> None:
+def _descend(p: Process, t: Tree, b: Bases, m: Manner) -> None:
     """Goes down from the first node, tries a new choice, and backs up what it is worth."""
     node, depth, ended = int(np.int64(0)), 0, False
     while not ended:
@@ -283,7 +289,7 @@ def _trial(p: Process, t: Tree, b: Bases, m: Manner) -> None:
             ended = True
             continue
         e = _branch(t, choice)
-        ended = e < 0  # other trials have found all of its values
+        ended = e < 0  # other descents have found all of its values
         if not ended:
             t.seen[e] += 1
             node = int(t.successor[e])
@@ -299,15 +305,15 @@ def plant(p: Process, t: Tree, b: Bases, m: Manner) -> None:
 
 
 @compiled
-def trials(p: Process, t: Tree, b: Bases, m: Manner, number: int, outcomes: int) -> int:
-    """Does so many trials; returns how many it did, before there was no room any more, or the value was known.
-    A rule has at most so many `outcomes`."""
+def descents(p: Process, t: Tree, b: Bases, m: Manner, number: int, outcomes: int) -> int:
+    """Does so many descents; returns how many it did, before there was no room any more, or the value was
+    known. A rule has at most so many `outcomes`."""
     for i in range(number):
         nodes, choices = t.used[NODES] + outcomes + 1, t.used[CHOICES] + outcomes * len(p.cost)
         full = nodes > len(t.states) or choices > len(t.action) or t.used[EDGES] + outcomes > len(t.chance)
         if full or t.known[0]:
             return i
-        _trial(p, t, b, m)
+        _descend(p, t, b, m)
     return number
 
 
@@ -359,25 +365,25 @@ class Node(NamedTuple):
 
 
 class Search:
-    """A tree that grows from the initial state of a task by trials. What it finds depends on the sequence, the
-    seed and the number of trials."""
+    """A tree that grows from the initial state of a task by descents. What it finds depends on the sequence,
+    the seed and the number of descents."""
 
     def __init__(
         self,
         prepared: Prepared,
         sequence: Sequence[int],
         *,
-        runs: int,
         exploration: float,
-        width: float,
         seed: int,
+        runs: int = 0,
+        greedy: int = 0,
     ) -> None:
         task, self._process = prepared.task, prepared.process
         horizon, variables = max(task.horizon, 0), len(task.variables)
         self._bases = bases_of(prepared, sequence)
         paying = (*self._process.decrease, *self._process.state)
         unit = max(map(abs, paying), default=0.0) or 1.0
-        self._manner = Manner(runs, exploration, width, unit, np.uint64(seed % 2**64))
+        self._manner = Manner(runs, greedy, exploration, unit, np.uint64(seed % 2**64))
         self._outcomes = int(np.diff(self._process.outcome_start).max(initial=1))
         choices = (self._outcomes + 1) * len(task.actions)
         self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
@@ -396,10 +402,10 @@ class Search:
         return float(self._tree.value[0])
 
     def run(self, number: int) -> None:
-        """Does so many trials more, or fewer where the value is known before."""
+        """Does so many descents more, or fewer where the value is known before."""
         until = self.played + number
         while self.played < until and not self.solved:
-            self.played += trials(
+            self.played += descents(
                 self._process, self._tree, self._bases, self._manner, until - self.played, self._outcomes
             )
             if self.played < until and not self.solved:
@@ -425,8 +431,8 @@ class Search:
         worth = {action: worth for action, worth, times in tried if times}
         return Node(float(t.value[found[0]]), int(t.visits[found[0]]), worth)
 
-    def last_trial(self) -> list[tuple[GroundState, int, int]]:
-        """The states, steps and actions that the last trial went through."""
+    def last_descent(self) -> list[tuple[GroundState, int, int]]:
+        """The states, steps and actions that the last descent went through."""
         t, passed = self._tree, list[tuple[GroundState, int, int]]()
         for node, choice in t.path.T[: t.used[PASSED]].tolist():
             *state, step = t.states[node].tolist()

@@ -63,7 +63,9 @@ class Solution:
     """The best policy from a state on, for so many `steps` at most and all states that can be reached."""
 
     enumeration: Any  # kernels.state_graph.Enumeration: numba is loaded by whoever plans
-    within: Ints  # (steps + 1,) how many states are found within so many steps, or fewer where no more are found
+    within: (
+        Ints  # (steps + 1,) how many states are found within so many steps, or fewer where no more are found
+    )
     values: Floats  # (steps + 1, N) what a state is worth, by step
     best: Ints  # (steps, N) -1 to stop
     steps: int
@@ -92,8 +94,8 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
 
 
 def kept(prepared: Prepared, states: int, transitions: int) -> Solution | None:
-    """The last solution of a forgetful task, if it is of no more states and transitions than these and has met
-    the present state with as many steps left."""
+    """The last solution of a forgetful task, if it is of no more states and transitions than these and has
+    met the present state with as many steps left."""
     known: Solution | None = prepared.solutions.get(_KEPT)
     if known is None or known.enumeration.number > states or known.enumeration.transitions > transitions:
         return None
@@ -130,9 +132,9 @@ def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:
 
 
 def within_reach(prepared: Prepared, transitions: int) -> Any | None:
-    """The enumeration (kernels.state_graph.Enumeration) of all states of the forgetful task that can be reached
-    within the horizon; None where they have more than so many transitions, or will have by what the first
-    steps say."""
+    """The enumeration (kernels.state_graph.Enumeration) of all states of the forgetful task that can be
+    reached within the horizon; None where they have more than so many transitions, or will have by what the
+    first steps say."""
     process, task = prepared.forgetful.process, prepared.forgetful.task
     enumeration = kernels.state_graph.Enumeration(process, task.initial, transitions, edges=transitions)
     layers: list[int] = []
@@ -165,9 +167,7 @@ def projected(layers: Sequence[int], steps: int) -> float:
 
 def few_transitions(prepared: Prepared, limit: int, steps: int) -> bool:
     """Whether no more than `limit` transitions are found within so many steps."""
-    enumeration = kernels.state_graph.Enumeration(
-        prepared.process, prepared.task.initial, limit, edges=limit
-    )
+    enumeration = kernels.state_graph.Enumeration(prepared.process, prepared.task.initial, limit, edges=limit)
     return enumeration.reach(min(steps, max(prepared.task.horizon, 0)))
 
 

@@ -13,8 +13,8 @@ from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.planners import beam
 from cleancli.planning.reductions.determinization import all_outcomes
 
-EXPLORATION, WIDTH = 0.3, 1.0
-"""How the tree is searched (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
+EXPLORATION = 1.0
+"""The weight of the upper bounds (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
 
 START_RUNS = 256
 """Runs that value a sequence as a base policy, to choose the one to start from. Chosen."""
@@ -23,7 +23,7 @@ FRESH_RUNS = 1024
 """Runs that value the policy that was found. Chosen."""
 
 ROUND = 20
-"""Trials between two looks at the clock. Chosen: some milliseconds where states are large."""
+"""Descents between two looks at the clock. Chosen: some milliseconds where states are large."""
 
 BEAM_WORK, NARROW, WIDE = 2_000_000, 50, 2_000
 """Where outcomes could be chosen, so many states are followed in each step that steps, states and actions
@@ -34,13 +34,13 @@ Actions = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, and how many trials
-    found it."""
+    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, and how many
+    descents found it."""
 
     course: Actions
     value: float
     earliness: float
-    trials: int
+    descents: int
 
 
 def search(
@@ -48,21 +48,21 @@ def search(
     starts: Sequence[Actions],
     *,
     runs: int,
-    trials: int,
+    descents: int,
     deadline: float | None,
     seed: int,
 ) -> Policy:
-    """The policy that so many trials lead to, or as many as there is time for, from the best of sequences."""
+    """The policy that so many descents lead to, or as many as there is time for, from the best of
+    sequences."""
     tree = kernels.policy_tree.Search(
         prepared,
         best_start(prepared, starts, seed),
         runs=runs,
         exploration=EXPLORATION,
-        width=WIDTH,
         seed=seed,
     )
-    while tree.played < trials and not tree.solved and (deadline is None or time.perf_counter() < deadline):
-        tree.run(min(ROUND, trials - tree.played))
+    while tree.played < descents and not tree.solved and (deadline is None or time.perf_counter() < deadline):
+        tree.run(min(ROUND, descents - tree.played))
     return Policy(tree.course(), *tree.mean(FRESH_RUNS, seed + 1), tree.played)
 
 

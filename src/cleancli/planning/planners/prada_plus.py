@@ -30,8 +30,11 @@ BELIEF_SHARE = 20
 FIRST_MOVES = 500
 """Changes that the first chains try where time is limited. Chosen: milliseconds for ten areas."""
 
-TRIAL_SHARE = 8
-"""The tree is searched by one trial for so many samples. Chosen: about as long as annealing takes."""
+FEW = 10_000
+"""Transitions within two steps that are always few enough to go on. Chosen: a millisecond."""
+
+DESCENT_SHARE = 8
+"""The tree is searched by one descent for so many samples. Chosen: about as long as annealing takes."""
 
 SEQUENCE_SHARE, DRAWING_SHARE = 0.4, 0.1
 """How much of a limited time goes to annealing, and to PRADA where annealing may not do. Chosen."""
@@ -49,7 +52,7 @@ Actions = tuple[int, ...]
 @dataclass(frozen=True, slots=True)
 class Found:
     """A course, what it is worth with its earliness, whose value that is (`Plan`), and how many sequences and
-    trials were tried in all."""
+    descents were tried in all."""
 
     course: Actions
     value: float
@@ -60,9 +63,9 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class PradaPlusOptions(PradaOptions):
-    """The best policy is calculated where all that can be reached has at most `solve` transitions. Else a tree
-    is searched whose new states are valued by so many `runs` of each base policy; with 0 the plan is the best
-    sequence. The rest is for the PRADA whose plan is improved."""
+    """The best policy is calculated where all that can be reached has at most `solve` transitions. Else a
+    tree is searched whose new states are valued by so many `runs` of each base policy; with 0 the plan is the
+    best sequence. The rest is for the PRADA whose plan is improved."""
 
     solve: int = option(1_000_000, 0, 100_000_000)
     runs: int = option(2, 0, 1_000)
@@ -72,9 +75,8 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     """The best policy where few states can be reached, and otherwise the best that a search finds with about
     `samples` sequences, or with as many as `time_limit` allows; empty where stopping at once is preferred.
 
-    The value of what was searched for is the mean of runs that chose nothing, so it is not too high for having
-    been chosen. Solving takes what it takes, once an episode; the time limit is the search's.
-    """
+    The value of what was searched for is the mean of runs that chose nothing, so it is not too high for
+    having been chosen. Solving takes what it takes, once an episode; the time limit is the search's."""
     if prepared.task.reaching is not None:
         return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
     begun = time.perf_counter()
@@ -87,7 +89,9 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     seconds = [lowered - begun, loaded - lowered, ended - loaded]
     if solved is not None:
         course, value = solved
-        return course_plan("prada+", prepared.task, course, value, times=(0.0, *itertools.accumulate(seconds)))
+        return course_plan(
+            "prada+", prepared.task, course, value, times=(0.0, *itertools.accumulate(seconds))
+        )
     _ = prepared.tables
     lowered = time.perf_counter()
     _load(prepared, own)
@@ -113,7 +117,7 @@ def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | Non
     """
     solution = exact.kept(prepared, transitions, transitions)
     if solution is None:
-        if not exact.few_transitions(prepared, transitions, 2):
+        if not exact.few_transitions(prepared, max(transitions // 10, FEW), 2):
             return None
         enumeration = exact.within_reach(prepared, transitions)
         if enumeration is None:
@@ -124,8 +128,8 @@ def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | Non
 
 
 def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Found:
-    """The best policy of a search that starts from the best sequence, or that sequence where no policy is seen
-    to be better, or nothing where stopping is."""
+    """The best policy of a search that starts from the best sequence, or that sequence where no policy is
+    seen to be better, or nothing where stopping is."""
     task, begun, limit = prepared.task, time.perf_counter(), options.time_limit
     share = SEQUENCE_SHARE if own.runs else 1.0
     best, tried = _best_sequence(prepared, options, own, None if limit is None else begun + share * limit)
@@ -136,12 +140,14 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
             prepared,
             [best, *_other_starts(prepared, options, own)],
             runs=own.runs,
-            trials=-(-options.samples // TRIAL_SHARE),
+            descents=-(-options.samples // DESCENT_SHARE),
             deadline=None if limit is None else begun + limit,
             seed=options.seed,
         )
-        found = replace(found, tried=tried + policy.trials)
-        if preferred(policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)):
+        found = replace(found, tried=tried + policy.descents)
+        if preferred(
+            policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)
+        ):
             found = Found(policy.course, policy.value, policy.earliness, "policy", found.tried)
     return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
 
@@ -219,4 +225,4 @@ def _load(prepared: Prepared, own: PradaOptions) -> None:
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1), own)
     if own.runs:
-        policy_search.search(prepared, [()], runs=1, trials=1, deadline=None, seed=0)
+        policy_search.search(prepared, [()], runs=1, descents=1, deadline=None, seed=0)
