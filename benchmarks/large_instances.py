@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 from instances import Instance, Rng, named, read, shaken
 
-from cleancli.language.load import Source, load_problem
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import load_problem
 from cleancli.language.model import Domain, Horizon, Problem
 from planning import DOMAIN as CLEANING
 from planning import layout
@@ -33,10 +34,13 @@ def _problem(
     goal: Iterable[str] = (),
 ) -> tuple[Domain, Problem]:
     """A domain of benchmarks/domains and a problem for it, of objects by type and of facts as they are
-    written.""" domain = read(name) listed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in
-    objects.items()) wanted = f"goal {{ {', '.join(goal)} }}" if goal else "" text = f"problem random {{
-    domain = {name} objects {{ {listed} }} init {{ {', '.join(facts)} }} {wanted} horizon = {steps} }}" return
-    domain, load_problem(Source("random.nid", text), domain)
+    written."""
+    domain = read(name)
+    listed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
+    wanted = f"goal {{ {', '.join(goal)} }}" if goal else ""
+    inside = f"objects {{ {listed} }} init {{ {', '.join(facts)} }} {wanted} horizon = {steps}"
+    text = f"problem random {{ domain = {name} {inside} }}"
+    return domain, load_problem(Source("random.nid", text), domain)
 
 
 def _some(rng: Rng, share: float, facts: Iterable[str]) -> list[str]:
@@ -75,9 +79,7 @@ def elevators(rng: Rng) -> tuple[Domain, Problem]:
     floors, places = named("f", 5), named("p", 3)
     cars, lost = named("e", 3), named("c", int(rng.integers(6, 8)))
     facts = ["first(f0, p0)", "here(f0, p0)"]
-    facts += [
-        f"beside({p}, {q})" for p, q in (["p0", "p1"], ["p1", "p0"], ["p1", "p2"], ["p2", "p1"])
-    ]
+    facts += [f"beside({p}, {q})" for p, q in (["p0", "p1"], ["p1", "p0"], ["p1", "p2"], ["p2", "p1"])]
     facts += [f"shaft({car}, {rng.choice(places)})" for car in cars]
     facts += [f"level({car}, {rng.choice(floors)})" for car in cars]
     facts += _some(rng, 0.4, (f"gate({floor}, {place})" for floor in floors[1:] for place in places))

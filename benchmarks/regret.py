@@ -14,8 +14,8 @@ optimal values as control variate, only the losses are noisy, and an optimal pla
 
 With --large shares are all from drawn episodes, and the first planner is compared with each of the others,
 episode by episode on the same draws: a problem in which its share is less by more than twice the standard
-error of the difference is counted as lost. A planner's first plan of a problem may take longer than those that
-come after it, so the most that any took is told, too.
+error of the difference is counted as lost. A planner's first plan of a problem may take longer than those
+that come after it, so the most that any took is told, too.
 
 200 problems take about ten minutes of CPU for each of the quick planners, and hours for `uct` and others that
 are given a time limit. It says which problem is done, and with --keep each is a line of FILE: those that

@@ -216,9 +216,13 @@ def test_in_closed_loop_a_search_comes_near_the_optimum(seed: int) -> None:
 def test_an_episode_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     task = replace(small_tasks.weighted_task(2), horizon=5)
     prepared, best = prepare(task), optimum(task)
-    solved = exact.solved
-    times: list[int] = []
-    monkeypatch.setattr(exact, "solved", lambda *given: times.append(1) or solved(*given))
+    solved, times = exact.solved, list[int]()
+
+    def counted(*given: Any) -> exact.Solution:
+        times.append(1)
+        return solved(*given)
+
+    monkeypatch.setattr(exact, "solved", counted)
     state, left = task.initial, 5
     for name in ("prada+", "exact") * 2:
         plan = PLANNERS[name](prepared.at(state, left), Options())

@@ -484,13 +484,13 @@ def _grown(old: Tree, outcomes: int, actions: int) -> Tree:
     nodes, choices, edges, _ = old.used.tolist()
     sizes = [len(old.states), len(old.action), len(old.chance)]
     needed = [nodes + outcomes + 1, choices + outcomes * actions, edges + outcomes]
-    sizes = [size * (1 + (need > size)) for size, need in zip(sizes, needed, strict=True)]
-    tree = _room(old.states.shape[1], *sizes, old.path.shape[1] - 1)
+    nodes, choices, edges = (s * (1 + (need > s)) for s, need in zip(sizes, needed, strict=True))
+    tree = _room(old.states.shape[1], nodes, choices, edges, old.path.shape[1] - 1)
     for name in Tree._fields:
         if name != "table":
             before: NDArray[Any] = getattr(old, name)
             getattr(tree, name)[: len(before)] = before
-    enter(tree.table, tree.hashes, nodes)
+    enter(tree.table, tree.hashes, int(old.used[NODES]))
     return tree
 
 

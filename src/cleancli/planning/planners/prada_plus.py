@@ -220,7 +220,7 @@ def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, i
             return
 
 
-def _load(prepared: Prepared, own: PradaOptions) -> None:
+def _load(prepared: Prepared, own: PradaPlusOptions) -> None:
     """Makes numba load or compile what will run."""
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1), own)
