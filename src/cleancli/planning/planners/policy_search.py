@@ -11,9 +11,9 @@ from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.planners import beam
-from cleancli.planning.reductions.determinization import all_outcomes
+from cleancli.planning.reductions.determinization import by_chance
 
-EXPLORATION = 1.0
+EXPLORATION = 10.0
 """The weight of the upper bounds (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
 
 START_RUNS = 256
@@ -98,8 +98,8 @@ def hoped_for(prepared: Prepared) -> Actions:
 
 def _hopeful(prepared: Prepared) -> tuple[Any, tuple[int, ...]]:
     """The process in which outcomes are chosen, and what its actions stand for; made once for all states."""
-    if "all-outcomes" not in prepared.solutions:
-        task, origins = all_outcomes(prepared.task)
-        prepared.solutions["all-outcomes"] = lower_process(task), origins
-    made: tuple[Any, tuple[int, ...]] = prepared.solutions["all-outcomes"]
+    if "by chance" not in prepared.solutions:
+        task, origins = by_chance(prepared.task)
+        prepared.solutions["by chance"] = lower_process(task), origins
+    made: tuple[Any, tuple[int, ...]] = prepared.solutions["by chance"]
     return made

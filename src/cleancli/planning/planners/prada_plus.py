@@ -36,7 +36,7 @@ FEW = 10_000
 DESCENT_SHARE = 8
 """The tree is searched by one descent for so many samples. Chosen: about as long as annealing takes."""
 
-SEQUENCE_SHARE, DRAWING_SHARE = 0.4, 0.1
+SEQUENCE_SHARE, DRAWING_SHARE = 0.2, 0.05
 """How much of a limited time goes to annealing, and to PRADA where annealing may not do. Chosen."""
 
 WORDS, FRESH_WORDS = 4, 64

@@ -37,6 +37,27 @@ def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
     return _determinized(task, origins, rules)
 
 
+def by_chance(task: Task) -> tuple[Task, tuple[int, ...]]:
+    """The task where each outcome of each rule is an action of its own, and the action that each is; what comes
+    of it is discounted by its probability, given that something changes.
+
+    So a sequence is worth what it pays as long as all goes as it hopes, where tries that change nothing cost
+    no more than time. Outcomes that change nothing are left out.
+    """
+    origins: list[int] = []
+    rules: list[tuple[GroundRule, int, GroundOutcome]] = []
+    discounts: list[float] = []
+    for rule in task.rules:
+        changing = [each for each in rule.outcomes if each.effects and each.probability]
+        together = sum(each.probability for each in changing)
+        for outcome in changing:
+            rules.append((rule, len(origins), outcome))
+            origins.append(rule.action)
+            discounts.append(task.discounts[rule.action] * float(outcome.probability / together))
+    made, origin = _determinized(task, origins, rules)
+    return replace(made, discounts=tuple(discounts)), origin
+
+
 def _likeliest(rule: GroundRule) -> GroundOutcome:
     return max(rule.outcomes, key=lambda outcome: (outcome.probability, bool(outcome.effects)))
 
