@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from cleancli.compiler.lowering.state_tables import lower_process
-from cleancli.compiler.semantics import exact_value, standing, successors
+from cleancli.compiler.semantics import covering_rule, exact_value, reward, standing, successors
 from cleancli.compiler.task import Task
 from cleancli.planning.kernels import state_graph
 from cleancli.planning.plan import Plan
 from cleancli.planning.planners.beam import best_sequence
-from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
+from cleancli.planning.reductions.determinization import all_outcomes, by_chance, likeliest_outcomes
 from support import from_text, small_tasks
 from support.planned import planned
 
@@ -127,3 +127,29 @@ def test_of_equally_likely_outcomes_the_first_that_changes_something_counts() ->
     assert [o.probability for o in rule.outcomes] == [Fraction(1, 2)] * 2
     certain, _ = likeliest_outcomes(task)
     assert certain.rules[0].outcomes[0].effects == rule.outcomes[1].effects
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_sequence_that_hopes_by_chance_is_worth_what_goes_as_it_hopes(seed: int) -> None:
+    """What comes after an outcome is discounted by its share of those that change something."""
+    task = replace(small_tasks.costly_task(seed), horizon=3)
+    certain, origins = by_chance(task)
+    steps = len(certain.actions)
+    assert (
+        len(origins)
+        == steps
+        == sum(bool(o.effects and o.probability) for r in task.rules for o in r.outcomes)
+    )
+
+    def best(state: tuple[int, ...], left: int) -> float:
+        found = [0.0]
+        for action in range(len(task.actions) if left else 0):
+            rule = covering_rule(task, state, action)
+            changing = [o for o in rule.outcomes if o.effects and o.probability] if rule else []
+            for outcome in changing:
+                after = tuple((dict(enumerate(state)) | dict(outcome.effects)).values())
+                share = float(outcome.probability / sum(o.probability for o in changing))
+                found.append(share * (reward(task, state, action, after) + 0.9 * best(after, left - 1)))
+        return max(found)
+
+    assert worth(certain, 3, 1000) == pytest.approx(best(task.initial, 3))

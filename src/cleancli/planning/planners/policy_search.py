@@ -26,7 +26,7 @@ ROUND = 20
 """Descents between two looks at the clock. Chosen: some milliseconds where states are large."""
 
 BEAM_WORK, NARROW, WIDE = 2_000_000, 50, 2_000
-"""Where outcomes could be chosen, so many states are followed in each step that steps, states and actions
+"""Where outcomes are actions, so many states are followed in each step that steps, states and actions
 multiply to BEAM_WORK, within these bounds. Chosen."""
 
 Actions = tuple[int, ...]
@@ -87,7 +87,7 @@ def best_start(prepared: Prepared, starts: Sequence[Actions], seed: int) -> Acti
 
 
 def hoped_for(prepared: Prepared) -> Actions:
-    """The best sequence if outcomes could be chosen."""
+    """The best sequence where each outcome counts by its chance (reductions/determinization.py)."""
     task = prepared.task
     process, origins = _hopeful(prepared)
     steps = max(task.horizon, 0)
@@ -97,7 +97,7 @@ def hoped_for(prepared: Prepared) -> Actions:
 
 
 def _hopeful(prepared: Prepared) -> tuple[Any, tuple[int, ...]]:
-    """The process in which outcomes are chosen, and what its actions stand for; made once for all states."""
+    """The process in which outcomes are actions, and what these stand for; made once for all states."""
     if "by chance" not in prepared.solutions:
         task, origins = by_chance(prepared.task)
         prepared.solutions["by chance"] = lower_process(task), origins

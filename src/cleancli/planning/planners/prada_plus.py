@@ -33,7 +33,7 @@ FIRST_MOVES = 500
 FEW = 10_000
 """Transitions within two steps that are always few enough to go on. Chosen: a millisecond."""
 
-DESCENT_SHARE = 8
+DESCENT_SHARE = 4
 """The tree is searched by one descent for so many samples. Chosen: about as long as annealing takes."""
 
 SEQUENCE_SHARE, DRAWING_SHARE = 0.2, 0.05
@@ -153,8 +153,7 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
-    """What PRADA finds with half of the samples, or in a tenth of the time, and the best sequence if outcomes
-    could be chosen."""
+    """What PRADA finds with half of the samples, or in a twentieth of the time, and the sequence that hopes."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     limit = None if options.time_limit is None else DRAWING_SHARE * options.time_limit
     half = replace(options, samples=1 + options.samples // 2, time_limit=limit)
