@@ -141,8 +141,11 @@ def test_each_descent_leaves_bellmans_equation_behind(seed: int) -> None:
             left, worth = task.horizon - at, 0.0
             for chance, after in successors(task, state, action):
                 paid = payment(task, action) * reward(task, state, action, after)
-                worth += chance * (paid + task.discounts[action] * search.node(after, at + 1).value)
+                later = search.node(after, at + 1)
+                assert later is not None
+                worth += chance * (paid + task.discounts[action] * later.value)
             node = search.node(state, at)
+            assert node is not None
             assert node.worth[action] == pytest.approx(worth)
             stopping = standing(task, state) * sum(task.discount**k for k in range(left))
             assert node.value == pytest.approx(max(stopping, *node.worth.values()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cleancli.api.asked import Asked
 from cleancli.api.checks import check_one_of
@@ -13,7 +13,7 @@ from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
-from cleancli.compiler.task import Objective
+from cleancli.compiler.task import Objective, literal_text
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -21,7 +21,7 @@ from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast, forecast
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.evaluation.value import evaluate as values_of
-from cleancli.planning.plan import Plan, Reached
+from cleancli.planning.plan import Branch, Plan, Reached
 from cleancli.planning.planners.prada import PradaOptions
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
@@ -39,6 +39,27 @@ _NOTHING = {
 
 _BESIDE = ("objects", "margin", "counted")
 """What only the text of a plan tells."""
+
+
+BRANCHES = 5
+"""Branches of a policy that a plan tells, the likeliest. Chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanBranch:
+    """What a policy does where its likeliest course comes to another than the likeliest result: after `step`
+    actions, with this `probability`, where the last of them has had these `effects`, if any."""
+
+    step: int
+    probability: float
+    effects: tuple[str, ...]
+    plan: tuple[str, ...]
+
+    def told(self, action: str) -> str:
+        """In words; the action is that of the step."""
+        result = f"comes to {', '.join(self.effects)}" if self.effects else "changes nothing"
+        rest = " ".join(self.plan) or "nothing more"
+        return f"if {self.step}. {action} {result} ({self.probability:.3f}): {rest}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +81,7 @@ class PlanResult:
     left_out: tuple[str, ...]
     seconds: Mapping[str, float]
     reached: Reached | None
+    branches: tuple[PlanBranch, ...]
     explained: Expected | None
     objects: int
     margin: float
@@ -91,7 +113,10 @@ class PlanResult:
             yield "the goal holds already; this is worth doing all the same:"
 
     def ending(self) -> Iterator[str]:
-        """What stands below the steps: what was not planned for, and the value."""
+        """What stands below the steps: branches, where steps are explained, what was not planned for, and the
+        value."""
+        if self.explained is not None and self.branches:
+            yield from (branch.told(self.plan[branch.step - 1]) for branch in self.branches)
         yield from not_planned_for(self.left_out, self.ignored, self.counted)
         if self.reached is not None:
             yield from reached_lines(self.reached, self.planner)
@@ -179,7 +204,7 @@ def plan(
     given, seconds = load_problem(problem, domain), dict[str, float]()
     job, _ = _request(given, asked, seconds, planner=planner)
     with located_in(*given.sources), planning_refused(given.sources):
-        found = job.planners[0](job.prepared, job.options)
+        found = job.planners[0](job.prepared, replace(job.options, branches=BRANCHES))
         seconds |= found.seconds
         actions = numbered(job.task, [(action.name, action.objects) for action in found.actions])
         return plan_result(job, found, _forecast(job, actions, explain, seconds), seconds)
@@ -232,11 +257,17 @@ def plan_result(
         left_out=job.left_out,
         seconds=dict(seconds),
         reached=found.reached,
+        branches=tuple(_branch(job, branch) for branch in found.branches),
         explained=None if expected is None else expected_of(job, expected),
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
     )
+
+
+def _branch(job: PlanningRequest, branch: Branch) -> PlanBranch:
+    effects = (literal_text(job.task.variables[variable], [value]) for variable, value in branch.effects)
+    return PlanBranch(branch.step, branch.probability, tuple(effects), tuple(map(str, branch.actions)))
 
 
 def evaluation_result(

@@ -25,17 +25,17 @@ class Options:
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
-    depend on them. `previous`: what is left of the last plan, to start from. `counted`: a problem in which
-    the reward counts more objects is made smaller before it is grounded (planning/reductions/subproblem.py).
-    Where beliefs are computed, rules less likely than `rule_threshold` are taken not to apply, and `compat`
-    computes literally as libPRADA does.
-    """
+    depend on them. `previous`: what is left of the last plan, to start from. `branches` that a policy's plan
+    is to tell at most. `counted`: a problem in which the reward counts more objects is made smaller before it
+    is grounded (planning/reductions/subproblem.py). Where beliefs are computed, rules less likely than
+    `rule_threshold` are taken not to apply, and `compat` computes literally as libPRADA does."""
 
     samples: int = 10_000
     seed: int = 0
     time_limit: float | None = None
     threads: int = 2
     previous: tuple[GroundAction, ...] = ()
+    branches: int = 0
     compat: bool = False
     counted: int = option(30, 1, 1_000_000)
     rule_threshold: float = option(0.03, 0, 1)
@@ -58,6 +58,18 @@ class Reached:
 
 
 @dataclass(frozen=True, slots=True)
+class Branch:
+    """What a policy does where its likeliest course comes to another than the likeliest result: after `step`
+    actions, with this `probability`, where the last of them has had these `effects` (variables of the task
+    and their values). The `actions` are the likeliest course from there."""
+
+    step: int
+    probability: float
+    effects: tuple[tuple[int, int], ...]
+    actions: tuple[GroundAction, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """A sequence of actions and its value: expected discounted reward up to the horizon, though the sequence
     may end before it. Without a horizon, which is None then, the value is the probability of the goal, the
@@ -66,7 +78,7 @@ class Plan:
     `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
     (the sequence's own), or "policy" (of acting on what is seen, of which the sequence is the likeliest
     course). `coverage` is eq. 3's share of the sequences that were sampled, None where none were; `seconds`
-    per phase of the planner.
+    per phase of the planner. `branches` of a policy, as many as the options ask for, in the order of steps.
     """
 
     planner: str
@@ -78,6 +90,7 @@ class Plan:
     coverage: float | None
     seconds: Mapping[str, float]
     reached: Reached | None = None
+    branches: tuple[Branch, ...] = ()
 
 
 class BadOption(ValueError):

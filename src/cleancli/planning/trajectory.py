@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
 from cleancli.compiler.task import GroundState, Task
-from cleancli.planning.plan import Plan
+from cleancli.planning.plan import Branch, Plan
 from cleancli.planning.preference import preferred
 
 Choose = Callable[[int, GroundState], int | None]
@@ -33,6 +33,32 @@ def likeliest_after(task: Task, assignment: GroundState, action: int) -> GroundS
     return max(successors(task, assignment, action), key=lambda pair: pair[0])[1]
 
 
+CourseFrom = Callable[[int, GroundState], Sequence[int] | None]
+"""The likeliest course of a policy after so many steps in a state; None where the policy does not say."""
+
+
+def branches(task: Task, course: Sequence[int], course_from: CourseFrom, most: int) -> tuple[Branch, ...]:
+    """What a policy does after results of its likeliest course that are not the likeliest: at most so many of
+    them, those that are most likely to come."""
+    found: list[tuple[float, int, GroundState, GroundState]] = []
+    state, likelihood = task.initial, 1.0
+    for step, action in enumerate(course if most else (), start=1):
+        expected, likely = likeliest_after(task, state, action), 0.0
+        for probability, after in successors(task, state, action):
+            if after == expected:
+                likely = probability
+            else:
+                found.append((likelihood * probability, step, state, after))
+        state, likelihood = expected, likelihood * likely
+    told: list[Branch] = []
+    for probability, step, before, after in sorted(found, key=lambda each: -each[0]):
+        way = course_from(step, after) if len(told) < most else None
+        if way is not None:
+            effects = tuple((v, x) for v, x in enumerate(after) if x != before[v])
+            told.append(Branch(step, probability, effects, tuple(task.actions[action] for action in way)))
+    return tuple(sorted(told, key=lambda branch: branch.step))
+
+
 def beats_nothing(task: Task, value: float, earliness: float | None = None) -> bool:
     """Whether a plan of this value is preferred to stopping at once; without its earliness, only by value."""
     stopping = standing(task, task.initial) * idle_earliness(task.horizon)
@@ -48,6 +74,7 @@ def course_plan(
     times: Sequence[float],
     measure: str = "policy",
     samples: int = 0,
+    branches: tuple[Branch, ...] = (),
 ) -> Plan:
     """The plan of a planner on exact states; an empty one has the value of stopping at once.
 
@@ -63,4 +90,5 @@ def course_plan(
         horizon=task.horizon,
         coverage=None,
         seconds=dict(zip(("lower", "compile", "search"), seconds, strict=True)),
+        branches=branches if course else (),
     )

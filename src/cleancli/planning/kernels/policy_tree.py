@@ -360,7 +360,6 @@ class Node(NamedTuple):
     """A node as it is looked at from outside."""
 
     value: float
-    visits: int
     worth: dict[int, float]  # of the actions that were tried
 
 
@@ -420,16 +419,20 @@ class Search:
         )
         return found
 
-    def node(self, state: GroundState, step: int) -> Node:
-        """What is known of a state at a step; KeyError where it is not in the tree."""
-        t = self._tree
-        (found,) = np.nonzero((t.states[: t.used[NODES]] == [*state, step]).all(axis=1))
-        if not found.size:
-            raise KeyError(state, step)
-        choices = slice(t.choice_start[found[0]], t.choice_start[found[0] + 1])
+    def node(self, state: GroundState, step: int) -> Node | None:
+        """What is known of a state at a step; None where it is not in the tree."""
+        t, number = self._tree, self._number(state, step)
+        if number is None:
+            return None
+        choices = slice(t.choice_start[number], t.choice_start[number + 1])
         tried = zip(t.action[choices].tolist(), t.worth[choices].tolist(), t.tried[choices], strict=True)
         worth = {action: worth for action, worth, times in tried if times}
-        return Node(float(t.value[found[0]]), int(t.visits[found[0]]), worth)
+        return Node(float(t.value[number]), worth)
+
+    def _number(self, state: GroundState, step: int) -> int | None:
+        rows = self._tree.states[: self._tree.used[NODES]]
+        (found,) = np.nonzero((rows == [*state, step]).all(axis=1))
+        return int(found[0]) if found.size else None
 
     def last_descent(self) -> list[tuple[GroundState, int, int]]:
         """The states, steps and actions that the last descent went through."""
@@ -439,18 +442,24 @@ class Search:
             passed.append((tuple(state), step, int(t.action[choice])))
         return passed
 
-    def course(self) -> tuple[int, ...]:
-        """What is done if each action has its likeliest result, of equals the first, up to where the policy
-        stops."""
-        t, node, course = self._tree, 0, list[int]()
+    def course_from(self, step: int, state: GroundState) -> tuple[int, ...] | None:
+        """The course from a state at a step on; None where it is not in the tree."""
+        node = self._number(state, step)
+        return None if node is None else self.course(node)
+
+    def course(self, node: int = 0) -> tuple[int, ...]:
+        """What is done from a node on if each action has its likeliest result, of equals the first, up to
+        where the policy stops."""
+        t, course, first = self._tree, list[int](), int(self._tree.states[node, -1])
         while t.best[node] >= 0:
             choice = t.best[node]
             course.append(int(t.action[choice]))
             edges = slice(t.edge_start[choice], t.edge_stop[choice])
             node = int(t.successor[edges][np.argmax(t.chance[edges])])
         base = STOP if t.best[node] == -1 else int(t.base[node])
-        place = int(t.place[node]) if base == RETRIED else len(course)
-        rest = np.zeros(len(self._bases.idle) - 1 - len(course), dtype=np.int32)
+        step = first + len(course)
+        place = int(t.place[node]) if base == RETRIED else step
+        rest = np.zeros(len(self._bases.idle) - 1 - step, dtype=np.int32)
         state = t.states[node, :-1].copy()
         length = likeliest(self._process, self._bases, state, base, place, t.standing[node], rest)
         return (*course, *rest[:length].tolist())

@@ -12,9 +12,9 @@ from cleancli.array_types import Floats, Ints
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
+from cleancli.planning.plan import Branch, Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import rational, reaching
-from cleancli.planning.trajectory import Choose, course_plan, likeliest_course
+from cleancli.planning.trajectory import branches, course_plan, likeliest_course
 
 _KEPT = "optimum"
 """What the last solution is called among those of a task."""
@@ -47,15 +47,18 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     if own.arithmetic == "rational":
         times += [time.perf_counter()] * 2
         fraction, choose = rational.optimum(known.task, own.states)
-        value = float(fraction)
-    else:
-        _ = known.process
+        course = likeliest_course(known.task, choose)
         times.append(time.perf_counter())
-        load(known)
-        times.append(time.perf_counter())
-        value, choose = optimum(prepared, own.states)
-    course = likeliest_course(known.task, choose)
-    return course_plan("exact", known.task, course, value, times=[*times, time.perf_counter()])
+        return course_plan("exact", known.task, course, float(fraction), times=times)
+    _ = known.process
+    times.append(time.perf_counter())
+    load(known)
+    times.append(time.perf_counter())
+    solution = optimum(prepared, own.states)
+    value, course = worth(prepared, solution)
+    told = told_branches(prepared, solution, course, options.branches)
+    times.append(time.perf_counter())
+    return course_plan("exact", known.task, course, value, times=times, branches=told)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +81,8 @@ class Solution:
         return (step, number) if known else None
 
 
-def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
-    """The optimal value of the present state, and the policy for states of the forgetful task.
+def optimum(prepared: Prepared, limit: int) -> Solution:
+    """The solution from the present state on, which may have been kept.
 
     Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
     """
@@ -90,7 +93,7 @@ def optimum(prepared: Prepared, limit: int) -> tuple[float, Choose]:
         if not enumeration.reach(max(prepared.task.horizon, 0)):
             raise TooManyStatesError(enumeration.number, limit)
         solution = solved(prepared, enumeration)
-    return valued(prepared, solution)
+    return solution
 
 
 def kept(prepared: Prepared, states: int, transitions: int) -> Solution | None:
@@ -113,8 +116,8 @@ def solved(prepared: Prepared, enumeration: Any) -> Solution:
     return found
 
 
-def valued(prepared: Prepared, solution: Solution) -> tuple[float, Choose]:
-    """The optimal value of the present state, and the policy for states of the forgetful task."""
+def worth(prepared: Prepared, solution: Solution) -> tuple[float, tuple[int, ...]]:
+    """The optimal value of the present state, and the likeliest course of the policy."""
     task = prepared.forgetful.task
     first, number = _met(solution, task.initial, max(task.horizon, 0))
 
@@ -122,7 +125,19 @@ def valued(prepared: Prepared, solution: Solution) -> tuple[float, Choose]:
         action = solution.best[_met(solution, state, solution.steps - first - step)]
         return int(action) if action >= 0 else None
 
-    return float(solution.values[first, number]), choose
+    return float(solution.values[first, number]), likeliest_course(task, choose)
+
+
+def told_branches(
+    prepared: Prepared, solution: Solution, course: Sequence[int], most: int
+) -> tuple[Branch, ...]:
+    """The branches of the policy, as many as are asked for."""
+    task = prepared.task
+
+    def course_from(step: int, state: GroundState) -> Sequence[int]:
+        return worth(prepared.at(state, task.horizon - step), solution)[1]
+
+    return branches(task, course, course_from, most)
 
 
 def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from cleancli.compiler.lowering.state_tables import lower_process
-from cleancli.planning import kernels
+from cleancli.planning import kernels, trajectory
 from cleancli.planning.compiled_task import Prepared
+from cleancli.planning.plan import Branch
 from cleancli.planning.planners import beam
 from cleancli.planning.reductions.determinization import by_chance
 
@@ -34,13 +35,14 @@ Actions = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, and how many
-    descents found it."""
+    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, how many
+    descents found it, and its branches."""
 
     course: Actions
     value: float
     earliness: float
     descents: int
+    branches: tuple[Branch, ...]
 
 
 def search(
@@ -51,6 +53,7 @@ def search(
     descents: int,
     deadline: float | None,
     seed: int,
+    branches: int = 0,
 ) -> Policy:
     """The policy that so many descents lead to, or as many as there is time for, from the best of
     sequences."""
@@ -63,7 +66,9 @@ def search(
     )
     while tree.played < descents and not tree.solved and (deadline is None or time.perf_counter() < deadline):
         tree.run(min(ROUND, descents - tree.played))
-    return Policy(tree.course(), *tree.mean(FRESH_RUNS, seed + 1), tree.played)
+    course = tree.course()
+    told = trajectory.branches(prepared.task, course, tree.course_from, branches)
+    return Policy(course, *tree.mean(FRESH_RUNS, seed + 1), tree.played, told)
 
 
 def carried_out(prepared: Prepared, sequence: Actions, seed: int) -> tuple[float, float]:

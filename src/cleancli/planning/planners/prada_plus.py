@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Options, Plan, option
+from cleancli.planning.plan import Branch, Options, Plan, option
 from cleancli.planning.planners import exact, policy_search, reaching
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
-from cleancli.planning.trajectory import beats_nothing, course_plan, likeliest_course
+from cleancli.planning.trajectory import beats_nothing, course_plan
 
 CHAINS = 4
 """Annealings, each over runs of its own: what one overrates, the others do not. Chosen."""
@@ -59,6 +59,7 @@ class Found:
     earliness: float
     measure: str
     tried: int
+    branches: tuple[Branch, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,33 +86,33 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     exact.load(prepared)
     loaded = time.perf_counter()
     solved = _solved(prepared, own.solve) if own.solve else None
-    ended = time.perf_counter()
-    seconds = [lowered - begun, loaded - lowered, ended - loaded]
     if solved is not None:
-        course, value = solved
-        return course_plan(
-            "prada+", prepared.task, course, value, times=(0.0, *itertools.accumulate(seconds))
-        )
+        value, course = exact.worth(prepared, solved)
+        told = exact.told_branches(prepared, solved, course, options.branches)
+        times = (begun, lowered, loaded, time.perf_counter())
+        return course_plan("prada+", prepared.task, course, value, times=times, branches=told)
+    ended = time.perf_counter()
     _ = prepared.tables
-    lowered = time.perf_counter()
+    tabled = time.perf_counter()
     _load(prepared, own)
-    loaded = time.perf_counter()
+    ready = time.perf_counter()
     found = _searched(prepared, options, own)
-    more = [lowered - ended, loaded - lowered, time.perf_counter() - loaded]
-    times = (0.0, *itertools.accumulate(map(sum, zip(seconds, more, strict=True))))
+    lowering, loading = lowered - begun + tabled - ended, loaded - lowered + ready - tabled
+    searching = ended - loaded + time.perf_counter() - ready
     return course_plan(
         "prada+",
         prepared.task,
         found.course,
         found.value,
-        times=times,
+        times=tuple(itertools.accumulate((0.0, lowering, loading, searching))),
         measure=found.measure,
         samples=found.tried,
+        branches=found.branches,
     )
 
 
-def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | None:
-    """The likeliest course and the value of the best policy; None where there are more transitions.
+def _solved(prepared: Prepared, transitions: int) -> exact.Solution | None:
+    """The best policy; None where there are more transitions.
 
     Many within two steps are enough to know, before time is spent on what could be forgotten.
     """
@@ -123,8 +124,7 @@ def _solved(prepared: Prepared, transitions: int) -> tuple[Actions, float] | Non
         if enumeration is None:
             return None
         solution = exact.solved(prepared, enumeration)
-    value, choose = exact.valued(prepared.forgetful, solution)
-    return likeliest_course(prepared.forgetful.task, choose), value
+    return solution
 
 
 def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Found:
@@ -143,17 +143,21 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
             descents=-(-options.samples // DESCENT_SHARE),
             deadline=None if limit is None else begun + limit,
             seed=options.seed,
+            branches=options.branches,
         )
         found = replace(found, tried=tried + policy.descents)
         if preferred(
             policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)
         ):
-            found = Found(policy.course, policy.value, policy.earliness, "policy", found.tried)
+            found = Found(
+                policy.course, policy.value, policy.earliness, "policy", found.tried, policy.branches
+            )
     return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
-    """What PRADA finds with half of the samples, or in a twentieth of the time, and the sequence that hopes."""
+    """What PRADA finds with half of the samples, or in a twentieth of the time, and the sequence that
+    hopes."""
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     limit = None if options.time_limit is None else DRAWING_SHARE * options.time_limit
     half = replace(options, samples=1 + options.samples // 2, time_limit=limit)

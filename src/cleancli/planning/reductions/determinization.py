@@ -38,8 +38,8 @@ def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
 
 
 def by_chance(task: Task) -> tuple[Task, tuple[int, ...]]:
-    """The task where each outcome of each rule is an action of its own, and the action that each is; what comes
-    of it is discounted by its probability, given that something changes.
+    """The task where each outcome of each rule is an action of its own, and the action that each is; what
+    comes of it is discounted by its probability, given that something changes.
 
     So a sequence is worth what it pays as long as all goes as it hopes, where tries that change nothing cost
     no more than time. Outcomes that change nothing are left out.
