@@ -156,7 +156,8 @@ def test_fractions_have_no_rounding() -> None:
 def test_the_optimum_counts_the_steps_that_are_left(horizon: int) -> None:
     """A horizon that counts areas may have come below nothing."""
     task = replace(small_tasks.weighted_task(2), horizon=horizon)
-    value, _ = known_states.optimum(prepare(task), 1000)
+    prepared = prepare(task)
+    value, _ = known_states.worth(prepared, known_states.optimum(prepared, 1000))
     assert value == pytest.approx(optimum(task)(task.initial, max(horizon, 0)))
 
 

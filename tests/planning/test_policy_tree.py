@@ -264,3 +264,35 @@ def test_as_many_transitions_are_found_as_are_allowed() -> None:
         prepared.process, prepared.task.initial, 1_000, edges=whole.transitions - 1
     )
     assert not fewer.reach(3)
+
+
+# ---- branches
+
+
+@pytest.mark.parametrize("name", ["exact", "prada+", "prada+, not solved", "uct"])
+def test_branches_are_the_likeliest_of_the_other_results(name: str) -> None:
+    """By walking along the plan; what is done there is what is best there."""
+    task = replace(small_tasks.weighted_task(2), horizon=4)
+    planner, own = name.partition(",")[0], {"solve": 0} if "not" in name else {}
+    plan = planned(planner, task, branches=3, samples=50_000, **own)
+    states, likelihood, others = [task.initial], 1.0, list[float]()
+    for action in plan.actions:
+        results = successors(task, states[-1], task.actions.index(action))
+        chance, likely = max(results, key=lambda pair: pair[0])
+        others += [likelihood * p for p, state in results if state != likely]
+        states.append(likely)
+        likelihood *= chance
+    told = sorted((branch.probability for branch in plan.branches), reverse=True)
+    assert told == pytest.approx(sorted(others, reverse=True)[:3])
+    for branch in plan.branches:
+        state = tuple((dict(enumerate(states[branch.step - 1])) | dict(branch.effects)).values())
+        assert state != states[branch.step]
+        first = optimum(task)(state, task.horizon - branch.step)[2]
+        assert branch.actions[:1] == (() if first is None else (task.actions[first],))
+    assert planned(planner, task, **own).branches == ()
+
+
+def test_a_sequence_has_no_branches() -> None:
+    task = replace(small_tasks.weighted_task(2), horizon=4)
+    assert planned("prada+", task, branches=3, solve=0, runs=0).branches == ()
+    assert planned("prada", task, branches=3).branches == ()
