@@ -1,11 +1,12 @@
 """Search in policies, compiled: a tree of states and steps that grows where the policy so far is uncertain.
 
 Trial-based heuristic tree search (Keller and Helmert 2013) with explicit outcomes: a node is a state with the
-number of the step that it is seen at, shared by all ways to it. A descent goes from the initial state, by
-the choice with the greatest upper bound (UCB1) and to the outcome that was seen least for its probability. It
+number of the step that it is seen at, shared by all ways to it. A descent goes from the initial state, by the
+choice with the greatest upper bound (UCB1) and to the outcome that was seen least for its probability. It
 tries one new choice, all of whose outcomes become nodes, and each of these is worth what the best of its base
 policies is (base_policies.py). On the way back Bellman's equation holds for every choice and node that was
-passed. Nodes whose value is known are labelled and not entered any more.
+passed. Nodes whose value is known are labelled and not entered any more. The choices of a node are listed
+when a descent first comes to it, because most nodes are never entered.
 
 The meaning of actions and rewards is that of compiler/semantics.py. Guaranteed by `lower_process`: at most
 one rule of an action covers a state.
@@ -69,7 +70,8 @@ class Tree(NamedTuple):
     base: Ints  # (N,) the best base policy
     place: Ints  # (N,) where the retried sequence is
     best: Ints  # (N,) the best choice that was tried; -1 to stop, -2 where none was tried
-    choice_start: Ints  # (N + 1,)
+    choice_start: Ints  # (N,) -1 while the choices are not listed
+    choice_stop: Ints  # (N,)
     action: Ints  # (M,) ascending within a node
     rule: Ints  # (M,) the rule that covers the state
     rank: Floats  # (M,) choices of higher rank are tried first
@@ -100,63 +102,76 @@ class Manner(NamedTuple):
 
 @inner
 def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
-    """Values a new node by its base policies and lists its choices."""
-    state, horizon = t.states[node], len(b.idle) - 1
-    last = t.states.shape[1] - 1
-    at = int(state[last])
-    left, standing, state = horizon - at, t.standing[node], state[:last]
-    value, early = standing * b.idle[left], standing * standing_earliness(left)
-    best, first, stream = STOP, int(t.used[CHOICES]), mixed(m.seed ^ t.hashes[node])
-    stopping, count, suggestion = value, first, -1
-    if left > 0:
-        for action in range(len(p.cost)):
-            rule = choosable(p, state, action)
-            if rule < 0:
-                continue
-            gained, soon = one_step(p, b, state, action, rule, left, standing)
-            t.action[count], t.rule[count], t.tried[count], t.closed[count] = action, rule, 0, False
-            t.rank[count] = (gained - stopping) / m.unit + CHANCE * uniform(
-                stream + np.uint64(count) * GOLDEN
-            )
-            if better(gained, soon, value, early):
-                value, early, best, suggestion = gained, soon, GREEDY, action
-            count += 1
-    t.choice_start[node], t.choice_start[node + 1], t.used[CHOICES] = first, count, count
-    t.best[node], t.visits[node], t.known[node] = -2, 0, count == first
-    if best == GREEDY and m.greedy:
-        paid, soon = mean_rollout(p, b, state, GREEDY, at, left, m.greedy, stream)
-        if better(paid, soon, value, early):
-            value, early = paid, soon
-    if count > first and len(b.sequence):
+    """Values a new node by the base policies of the sequence; where there is none, by what its choices are
+    worth alone, and by the greedy policy."""
+    last, horizon = t.states.shape[1] - 1, len(b.idle) - 1
+    state, at = t.states[node, :last], int(t.states[node, last])
+    left, standing = horizon - at, t.standing[node]
+    value, early, best = standing * b.idle[left], standing * standing_earliness(left), STOP
+    stream = mixed(m.seed ^ t.hashes[node])
+    if left > 0 and len(b.sequence):
+        t.place[node] = next_place(p, b, state, int(t.place[node]))
         for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
-            place = t.place[node] if base == RETRIED else at
-            if base == RETRIED:
-                place = next_place(p, b, state, int(place))
-                t.place[node] = place
-            action = chosen(p, b, state, base, int(place), left, standing)
-            if action < 0:
-                continue
-            _rank(t, first, count, action, SUGGESTED)
-            paid, soon = mean_rollout(p, b, state, base, int(place), left, m.runs, stream)
-            if better(paid, soon, value, early):
-                value, early, best, suggestion = paid, soon, base, action
-        for i in range(len(b.priority)):
-            _rank(t, first, count, int(b.priority[i]), LISTED)
-    if suggestion >= 0:
-        _rank(t, first, count, suggestion, 2 * SUGGESTED)
+            place = int(t.place[node]) if base == RETRIED else at
+            if chosen(p, b, state, base, place, left, standing) >= 0:
+                paid, soon = mean_rollout(p, b, state, base, place, left, m.runs, stream)
+                if better(paid, soon, value, early):
+                    value, early, best = paid, soon, base
     t.value[node], t.early[node], t.base[node] = value, early, best
+    t.choice_start[node], t.best[node], t.visits[node], t.known[node] = -1, -2, 0, left == 0
+    if left > 0 and not len(b.sequence):
+        _list(p, t, b, m, node)
+        if t.base[node] == GREEDY and m.greedy:
+            paid, soon = mean_rollout(p, b, state, GREEDY, at, left, m.greedy, stream)
+            if better(paid, soon, t.value[node], t.early[node]):
+                t.value[node], t.early[node] = paid, soon
+
+
+@inner
+def _list(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
+    """Lists the choices of a node, in which steps are left, and ranks them. What the best of them is worth
+    alone may be more than what the node was taken to be worth."""
+    last, horizon, first = t.states.shape[1] - 1, len(b.idle) - 1, int(t.used[CHOICES])
+    state, at = t.states[node, :last], int(t.states[node, last])
+    left, standing, count = horizon - at, t.standing[node], first
+    stopping, suggestion = standing * b.idle[left], -1
+    value, early, stream = t.value[node], t.early[node], mixed(m.seed ^ t.hashes[node])
+    for action in range(len(p.cost)):
+        rule = choosable(p, state, action)
+        if rule < 0:
+            continue
+        gained, soon = one_step(p, b, state, action, rule, left, standing)
+        t.action[count], t.rule[count], t.tried[count], t.closed[count] = action, rule, 0, False
+        t.rank[count] = (gained - stopping) / m.unit + CHANCE * uniform(stream + np.uint64(count) * GOLDEN)
+        if better(gained, soon, value, early):
+            value, early, suggestion = gained, soon, action
+        count += 1
+    t.choice_start[node], t.choice_stop[node], t.used[CHOICES] = first, count, count
+    t.known[node] = count == first
+    if suggestion >= 0:
+        t.value[node], t.early[node], t.base[node] = value, early, GREEDY
+    elif t.base[node] != STOP:
+        place = int(t.place[node]) if t.base[node] == RETRIED else at
+        suggestion = chosen(p, b, state, int(t.base[node]), place, left, standing)
+    _rank(t, first, count, suggestion, 2 * SUGGESTED)
+    for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
+        place = int(t.place[node]) if base == RETRIED else at
+        _rank(t, first, count, chosen(p, b, state, base, place, left, standing), SUGGESTED)
+    for i in range(len(b.priority)):
+        _rank(t, first, count, int(b.priority[i]), LISTED)
 
 
 @inner
 def _rank(t: Tree, first: int, last: int, action: int, more: float) -> None:
-    """Raises the rank of an action in a node, if it is a choice there."""
+    """Raises the rank of an action among the choices of a node, if it is one of them."""
+    stop = last
     while first < last:
         middle = (first + last) // 2
         if t.action[middle] < action:
             first = middle + 1
         else:
             last = middle
-    if first < t.used[CHOICES] and t.action[first] == action:
+    if first < stop and t.action[first] == action:
         t.rank[first] += more
 
 
@@ -231,7 +246,7 @@ def _settle(t: Tree, b: Bases, node: int, left: int) -> None:
     """The best of stopping and of a node's tried choices."""
     value, early = t.standing[node] * b.idle[left], t.standing[node] * standing_earliness(left)
     most, best, known = value, -1, True
-    for c in range(t.choice_start[node], t.choice_start[node + 1]):
+    for c in range(t.choice_start[node], t.choice_stop[node]):
         known = known and t.closed[c]
         if t.tried[c]:
             if better(t.worth[c], t.soon[c], most, early):
@@ -244,7 +259,7 @@ def _settle(t: Tree, b: Bases, node: int, left: int) -> None:
 def _select(t: Tree, b: Bases, m: Manner, node: int) -> int:
     """An untried choice of the highest rank, while a node may widen; else the open one of the greatest upper
     bound."""
-    first, last, at = int(t.choice_start[node]), int(t.choice_start[node + 1]), t.states.shape[1] - 1
+    first, last, at = int(t.choice_start[node]), int(t.choice_stop[node]), t.states.shape[1] - 1
     untried, tried, bound, bounded = -1, 0, -math.inf, -1
     left = len(b.idle) - 1 - int(t.states[node, at])
     gain = t.value[node] - t.standing[node] * b.idle[left]
@@ -281,6 +296,10 @@ def _descend(p: Process, t: Tree, b: Bases, m: Manner) -> None:
     """Goes down from the first node, tries a new choice, and backs up what it is worth."""
     node, depth, ended = int(np.int64(0)), 0, False
     while not ended:
+        if t.choice_start[node] < 0:
+            _list(p, t, b, m, node)
+            if t.known[node]:
+                break
         choice = _select(t, b, m, node)
         t.path[0, depth], t.path[1, depth] = node, choice
         depth += 1
@@ -309,7 +328,7 @@ def descents(p: Process, t: Tree, b: Bases, m: Manner, number: int, outcomes: in
     """Does so many descents; returns how many it did, before there was no room any more, or the value was
     known. A rule has at most so many `outcomes`."""
     for i in range(number):
-        nodes, choices = t.used[NODES] + outcomes + 1, t.used[CHOICES] + outcomes * len(p.cost)
+        nodes, choices = t.used[NODES] + outcomes + 1, t.used[CHOICES] + (outcomes + 1) * len(p.cost)
         full = nodes > len(t.states) or choices > len(t.action) or t.used[EDGES] + outcomes > len(t.chance)
         if full or t.known[0]:
             return i
@@ -384,7 +403,7 @@ class Search:
         unit = max(map(abs, paying), default=0.0) or 1.0
         self._manner = Manner(runs, greedy, exploration, unit, np.uint64(seed % 2**64))
         self._outcomes = int(np.diff(self._process.outcome_start).max(initial=1))
-        choices = (self._outcomes + 1) * len(task.actions)
+        choices = (self._outcomes + 2) * len(task.actions)
         self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
         self._tree.states[0, :-1] = task.initial
         self.played = 0
@@ -414,6 +433,10 @@ class Search:
         """What the policy is worth, and its earliness: over so many runs, or exactly where that is known."""
         if self.solved:
             return float(self._tree.value[0]), float(self._tree.early[0])
+        return self.sampled(runs, seed)
+
+    def sampled(self, runs: int, seed: int) -> tuple[float, float]:
+        """The same, by runs in any case."""
         found: tuple[float, float] = policy_mean(
             self._process, self._tree, self._bases, runs, np.uint64(seed % 2**64)
         )
@@ -424,7 +447,7 @@ class Search:
         t, number = self._tree, self._number(state, step)
         if number is None:
             return None
-        choices = slice(t.choice_start[number], t.choice_start[number + 1])
+        choices = slice(t.choice_start[number], t.choice_stop[number])
         tried = zip(t.action[choices].tolist(), t.worth[choices].tolist(), t.tried[choices], strict=True)
         worth = {action: worth for action, worth, times in tried if times}
         return Node(float(t.value[number]), worth)
@@ -492,7 +515,7 @@ def _grown(old: Tree, outcomes: int, actions: int) -> Tree:
     """The tree with twice as much of what has become short."""
     nodes, choices, edges, _ = old.used.tolist()
     sizes = [len(old.states), len(old.action), len(old.chance)]
-    needed = [nodes + outcomes + 1, choices + outcomes * actions, edges + outcomes]
+    needed = [nodes + outcomes + 1, choices + (outcomes + 1) * actions, edges + outcomes]
     nodes, choices, edges = (s * (1 + (need > s)) for s, need in zip(sizes, needed, strict=True))
     tree = _room(old.states.shape[1], nodes, choices, edges, old.path.shape[1] - 1)
     for name in Tree._fields:
@@ -523,7 +546,8 @@ def _room(variables: int, nodes: int, choices: int, edges: int, horizon: int) ->
         base=whole(nodes),
         place=whole(nodes),
         best=whole(nodes),
-        choice_start=whole(nodes + 1),
+        choice_start=whole(nodes),
+        choice_stop=whole(nodes),
         action=whole(choices),
         rule=whole(choices),
         rank=np.zeros(choices),

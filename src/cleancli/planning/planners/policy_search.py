@@ -108,3 +108,13 @@ def _hopeful(prepared: Prepared) -> tuple[Any, tuple[int, ...]]:
         prepared.solutions["by chance"] = lower_process(task), origins
     made: tuple[Any, tuple[int, ...]] = prepared.solutions["by chance"]
     return made
+
+
+def load(prepared: Prepared) -> None:
+    """Makes numba load or compile what will run."""
+    first = prepared.at(prepared.task.initial, 1)
+    tree = kernels.policy_tree.Search(first, [0] if first.task.actions else [], runs=1, exploration=0, seed=0)
+    tree.run(1)
+    tree.course()
+    tree.sampled(1, 0)
+    best_start(first, [(), ()], 0)

@@ -228,4 +228,4 @@ def _load(prepared: Prepared, own: PradaPlusOptions) -> None:
     kernels.annealing.chain(prepared, (), 0, WORDS, 0)
     prada(prepared, Options(samples=1), own)
     if own.runs:
-        policy_search.search(prepared, [()], runs=1, descents=1, deadline=None, seed=0)
+        policy_search.load(prepared)
