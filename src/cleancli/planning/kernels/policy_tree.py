@@ -101,6 +101,12 @@ class Manner(NamedTuple):
 
 
 @inner
+def _place(t: Tree, node: int, base: int) -> int:
+    """How far in its sequence a base policy is that goes on from a node."""
+    return int(t.place[node]) if base == RETRIED else int(t.states[node, t.states.shape[1] - 1])
+
+
+@inner
 def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
     """Values a new node by the base policies of the sequence; where there is none, by what its choices are
     worth alone, and by the greedy policy."""
@@ -112,7 +118,7 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
     if left > 0 and len(b.sequence):
         t.place[node] = next_place(p, b, state, int(t.place[node]))
         for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
-            place = int(t.place[node]) if base == RETRIED else at
+            place = _place(t, node, base)
             if chosen(p, b, state, base, place, left, standing) >= 0:
                 paid, soon = mean_rollout(p, b, state, base, place, left, m.runs, stream)
                 if better(paid, soon, value, early):
@@ -151,12 +157,12 @@ def _list(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
     if suggestion >= 0:
         t.value[node], t.early[node], t.base[node] = value, early, GREEDY
     elif t.base[node] != STOP:
-        place = int(t.place[node]) if t.base[node] == RETRIED else at
-        suggestion = chosen(p, b, state, int(t.base[node]), place, left, standing)
+        base = int(t.base[node])
+        suggestion = chosen(p, b, state, base, _place(t, node, base), left, standing)
     _rank(t, first, count, suggestion, 2 * SUGGESTED)
     for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
-        place = int(t.place[node]) if base == RETRIED else at
-        _rank(t, first, count, chosen(p, b, state, base, place, left, standing), SUGGESTED)
+        suggestion = chosen(p, b, state, base, _place(t, node, base), left, standing)
+        _rank(t, first, count, suggestion, SUGGESTED)
     for i in range(len(b.priority)):
         _rank(t, first, count, int(b.priority[i]), LISTED)
 
@@ -341,7 +347,7 @@ def _run(p: Process, t: Tree, b: Bases, state: Ints, stream: np.uint64) -> tuple
     """Discounted reward of the tree's policy in a run, and its earliness: in nodes where nothing was tried,
     that of their best base policy. Leaves the state anywhere."""
     value, early, factor, last = 0.0, 0.0, 1.0, t.states.shape[1] - 1
-    node, left, horizon = int(np.int64(0)), len(b.idle) - 1, len(b.idle) - 1
+    node, left = int(np.int64(0)), len(b.idle) - 1
     while t.best[node] >= 0:
         choice = int(t.best[node])
         stream += GOLDEN
@@ -359,8 +365,7 @@ def _run(p: Process, t: Tree, b: Bases, state: Ints, stream: np.uint64) -> tuple
     for v in range(last):
         state[v] = t.states[node, v]
     base = STOP if t.best[node] == -1 else int(t.base[node])
-    place = int(t.place[node]) if base == RETRIED else horizon - left
-    paid, soon = rollout(p, b, state, base, place, left, t.standing[node], mixed(stream))
+    paid, soon = rollout(p, b, state, base, _place(t, node, base), left, t.standing[node], stream)
     return value + factor * paid, early + soon
 
 
