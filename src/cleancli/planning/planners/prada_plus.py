@@ -138,7 +138,7 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
     if own.runs:
         policy = policy_search.search(
             prepared,
-            [best, *_other_starts(prepared, options, own)],
+            [best, *_other_starts(prepared, options, own, best)],
             runs=own.runs,
             descents=-(-options.samples // DESCENT_SHARE),
             deadline=None if limit is None else begun + limit,
@@ -155,14 +155,17 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
     return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
 
 
-def _other_starts(prepared: Prepared, options: Options, own: PradaOptions) -> list[Actions]:
-    """What PRADA finds with half of the samples, or in a twentieth of the time, and the sequence that
-    hopes."""
+def _other_starts(prepared: Prepared, options: Options, own: PradaOptions, best: Actions) -> list[Actions]:
+    """The sequence that hopes; and what PRADA finds with half of the samples, or in a twentieth of the time,
+    where annealing has found nothing, or no count on the way to a goal has told it better from worse."""
+    hoped = policy_search.hoped_for(prepared)
+    if best and prepared.task.counted is not None:
+        return [hoped]
     number = {action: index for index, action in enumerate(prepared.task.actions)}
     limit = None if options.time_limit is None else DRAWING_SHARE * options.time_limit
     half = replace(options, samples=1 + options.samples // 2, time_limit=limit)
     drawn = prada(prepared, half, replace(own, margin=0.0))
-    return [tuple(number[action] for action in drawn.actions), policy_search.hoped_for(prepared)]
+    return [hoped, tuple(number[action] for action in drawn.actions)]
 
 
 def _best_sequence(
