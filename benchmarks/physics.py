@@ -6,7 +6,7 @@ Prints the tables of docs/physics.md, a row as soon as its trials are done:
 - path: the WAM's fast and straight pushes (§3.2.1), and what of their difference is path and what speed;
 - ink: how much ink a pass takes.
 
-All of it takes about three hours of CPU. With --keep every trial is written to a file as soon as it is done,
+All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
 and trials that stand there already are not done again. Trials have the seeds N, N + 1 and so on. `--action
 NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
 everything, in about a minute.
