@@ -176,6 +176,44 @@ def _tarjan(
     return found, count
 
 
+def renumbered(graph: DecisionGraph, states: Ints) -> DecisionGraph:
+    """The same graph whose first states are these, in their order, and the others after them as they were: so
+    that whoever goes through them so reads memory in its order."""
+    number = len(graph.choice_start) - 1
+    rest = np.ones(number, dtype=np.bool_)
+    rest[states] = False
+    before = np.concatenate([states, np.flatnonzero(rest).astype(np.int32)])
+    now = np.empty(number, dtype=np.int32)
+    now[before] = np.arange(number, dtype=np.int32)
+    made = DecisionGraph(*map(np.empty_like, graph))
+    _copy(graph, before, now, made)
+    return made
+
+
+@compiled
+def _copy(g: DecisionGraph, before: Ints, now: Ints, made: DecisionGraph) -> None:
+    """Fills a graph whose states are numbered anew. `before` and `now` are each other's inverse."""
+    choice_start, edge_start, successor, probability = (
+        g.choice_start,
+        g.edge_start,
+        g.successor,
+        g.probability,
+    )
+    cost, to_choice, to_edge = g.cost, made.choice_start, made.edge_start
+    to, chance, price = made.successor, made.probability, made.cost
+    choices, edges = 0, 0
+    to_choice[0], to_edge[0] = 0, 0
+    for i in range(len(before)):
+        for c in range(choice_start[before[i]], choice_start[before[i] + 1]):
+            for e in range(edge_start[c], edge_start[c + 1]):
+                to[edges], chance[edges] = now[successor[e]], probability[e]
+                edges += 1
+            price[choices] = cost[c]
+            choices += 1
+            to_edge[choices] = edges
+        to_choice[i + 1] = choices
+
+
 @compiled
 def _sort(of: Ints, left: Ints, place: Ints, states: Ints) -> None:
     for i in range(len(left)):

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cleancli.array_types import Floats, Ints, Longs
-from cleancli.planning.kernels.decision_graph import Components, DecisionGraph
+from cleancli.planning.kernels.decision_graph import Components, DecisionGraph, renumbered
 from cleancli.planning.kernels.jit import compiled, inlined
 
 WORK = 200_000_000
@@ -48,15 +48,17 @@ def bounds(
     floats can tell; that adds up over components that lead to each other. What is `asked` may stop it, by an
     exception.
     """
-    number = len(graph.choice_start) - 1
+    ordered, number = renumbered(graph, order.states), len(graph.choice_start) - 1
     lower = np.zeros(number)
     lower[number - len(fixed) :] = fixed
     upper, at = lower.copy(), np.zeros(1, dtype=np.int64)
     sign = -1.0 if greatest else 1.0
     while at[0] < order.number:
-        _solve(graph, order.of, order.start, order.states, lower, upper, sign, share, least, WORK, at)
+        _solve(ordered, order.start, lower, upper, sign, share, least, WORK, at)
         asked()
-    return lower, upper
+    found = np.stack((lower, upper))
+    found[:, order.states] = found[:, : len(order.states)].copy()
+    return found[0], found[1]
 
 
 @inlined
@@ -97,14 +99,11 @@ def chosen(g: DecisionGraph, values: Floats, greatest: bool, choice: Ints) -> No
 
 
 @compiled
-def _sweep(
-    g: DecisionGraph, states: Ints, first: int, last: int, lower: Floats, sign: float, least: float
-) -> float:
+def _sweep(g: DecisionGraph, first: int, last: int, lower: Floats, sign: float, least: float) -> float:
     """Raises the lower bounds once, each by those before it; the greatest rise, as a share of the value."""
     a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
     most = 0.0
-    for i in range(first, last):
-        s = states[i]
+    for s in range(first, last):
         value = _best(a, b, successor, probability, cost, lower, sign, s, -1.0)[0]
         if value > lower[s]:
             most = max(most, (value - lower[s]) / max(value, least))
@@ -113,16 +112,13 @@ def _sweep(
 
 
 @compiled
-def _holds(
-    g: DecisionGraph, states: Ints, first: int, last: int, upper: Floats, sign: float, sweeps: int
-) -> bool:
+def _holds(g: DecisionGraph, first: int, last: int, upper: Floats, sign: float, sweeps: int) -> bool:
     """Whether a guess turns out to be an upper bound: in one sweep no state would have more. It is lowered on
     the way."""
     a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
     for _ in range(sweeps):
         grown = False
-        for i in range(first, last):
-            s = states[i]
+        for s in range(first, last):
             value = _best(a, b, successor, probability, cost, upper, sign, s, 1.0)[0]
             if value > upper[s]:
                 grown = True
@@ -134,27 +130,20 @@ def _holds(
 
 
 @compiled
-def _gap(
-    g: DecisionGraph, of: Ints, states: Ints, first: int, last: int, lower: Floats, upper: Floats
-) -> tuple[float, int]:
+def _gap(g: DecisionGraph, first: int, last: int, lower: Floats, upper: Floats) -> tuple[float, int]:
     """How far apart the bounds are at most where the component leads to, and its transitions."""
-    gap, edges = 0.0, 0
-    for i in range(first, last):
-        s = states[i]
-        for e in range(g.edge_start[g.choice_start[s]], g.edge_start[g.choice_start[s + 1]]):
-            after = g.successor[e]
-            edges += 1
-            if of[after] != of[s]:
-                gap = max(gap, upper[after] - lower[after])
-    return gap, edges
+    gap, begin, end = 0.0, g.edge_start[g.choice_start[first]], g.edge_start[g.choice_start[last]]
+    for e in range(begin, end):
+        after = g.successor[e]
+        if not first <= after < last:
+            gap = max(gap, upper[after] - lower[after])
+    return gap, end - begin
 
 
 @compiled
 def _solve(
     g: DecisionGraph,
-    of: Ints,
     start: Ints,
-    states: Ints,
     lower: Floats,
     upper: Floats,
     sign: float,
@@ -163,31 +152,31 @@ def _solve(
     work: int,
     at: Longs,
 ) -> None:
-    """Solves components from `at` on, which it moves on, until there are none or enough has been done."""
+    """Solves components from `at` on, which it moves on, until there are none or enough has been done; the
+    states of a component lie together, `start` says from where."""
     a, b, successor, probability, cost = g.choice_start, g.edge_start, g.successor, g.probability, g.cost
     while at[0] < len(start) - 1 and work > 0:
         first, last = start[at[0]], start[at[0] + 1]
         if last - first == 1:
-            s = states[first]
+            s = first
             lower[s] = _best(a, b, successor, probability, cost, lower, sign, s, -1.0)[0]
             upper[s] = _best(a, b, successor, probability, cost, upper, sign, s, 1.0)[0]
             at[0] += 1
             work -= a[s + 1] - a[s] + 1
             continue
-        gap, edges = _gap(g, of, states, first, last, lower, upper)
+        gap, edges = _gap(g, first, last, lower, upper)
         within, guess, solved = share / 8.0, share, False
         while not solved and work > 0:
             sweeps, rise = FIRST_SWEEPS, np.inf
             while rise > within and work > 0:
-                rise = _sweep(g, states, first, last, lower, sign, least)
+                rise = _sweep(g, first, last, lower, sign, least)
                 sweeps += 1
                 work -= edges
             if rise > within:
                 break
-            for i in range(first, last):
-                s = states[i]
+            for s in range(first, last):
                 upper[s] = lower[s] + gap + guess * max(lower[s], least)
-            solved = _holds(g, states, first, last, upper, sign, sweeps)
+            solved = _holds(g, first, last, upper, sign, sweeps)
             work -= edges * sweeps
             if rise <= STILL:
                 guess *= 4.0
