@@ -21,6 +21,23 @@ table = np.full(4, -1)
 enter(table, np.array([3, 7], np.uint64), 2)
 print(sorted(table.tolist()))
 """
+LOADED = f"""{SMALL}
+import sys
+print("numba.np.arraymath" in sys.modules)
+"""
+"""Whether numba has imported what it compiles by: this module and all of scipy's linear algebra."""
+CALLING = f"""{LOADED}
+from cleancli.planning.kernels.jit import has_compiled, njit
+print(has_compiled())
+
+@njit()
+def calling(table, hashes):
+    enter(table, hashes, 2)
+
+table[:] = -1
+calling(table, np.array([3, 7], np.uint64))
+print(sorted(table.tolist()), has_compiled())
+"""
 
 
 def _installed(folder: Path) -> Path:
@@ -32,11 +49,11 @@ def _installed(folder: Path) -> Path:
     return site
 
 
-def _run(site: Path, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+def _run(site: Path, cwd: Path, program: str = SMALL, **environment: str) -> subprocess.CompletedProcess[str]:
     names = ("NUMBA_CACHE_DIR", "HOME", "XDG_CACHE_HOME")
     kept = {name: value for name, value in os.environ.items() if name not in names}
     return subprocess.run(
-        [sys.executable, "-c", SMALL],
+        [sys.executable, "-c", program],
         env=kept | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"} | environment,
         capture_output=True,
         text=True,
@@ -69,6 +86,21 @@ def test_a_cache_is_kept_where_there_is_a_place(tmp_path: Path) -> None:
     assert _run(site, tmp_path, HOME=str(tmp_path)).returncode == 0
     kept = list((site / "cleancli" / "planning" / "kernels" / "__pycache__").glob("state_graph.enter*.nbc"))
     assert len(kept) == 1
+
+
+def test_loading_imports_nothing_that_only_compiling_needs(tmp_path: Path) -> None:
+    site = _installed(tmp_path)
+    for known in ("True", "False"):
+        ended = _run(site, tmp_path, LOADED, HOME=str(tmp_path))
+        assert ended.stdout.split("\n") == ["[-1, -1, 0, 1]", known, ""], ended.stderr
+
+
+def test_what_was_loaded_can_be_called_by_what_is_compiled(tmp_path: Path) -> None:
+    site = _installed(tmp_path)
+    assert _run(site, tmp_path, HOME=str(tmp_path)).returncode == 0
+    ended = _run(site, tmp_path, CALLING, HOME=str(tmp_path))
+    expected = ["[-1, -1, 0, 1]", "False", "False", "[-1, -1, 0, 1] True", ""]
+    assert ended.stdout.split("\n") == expected, ended.stderr
 
 
 def test_a_damaged_cache_is_as_good_as_none(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.runtime.nrt import rtsys
 
 from cleancli.compiler.semantics import idle_earliness
 from cleancli.planning.preference import preferred
@@ -53,11 +54,28 @@ def _is_homeless() -> bool:
 
 
 def _forgiving(dispatcher: Any) -> Any:
-    """Let a cache that cannot be read or written be as good as none."""
+    """Let a cache that cannot be read or written be as good as none, and load from it nothing but code."""
     cache = dispatcher._cache
-    dispatcher._cache.load_overload = _or_nothing(cache.load_overload)
-    dispatcher._cache.save_overload = _or_nothing(cache.save_overload)
+    cache.load_overload = _or_nothing(_loading(cache))
+    cache.save_overload = _or_nothing(cache.save_overload)
     return dispatcher
+
+
+def _loading(cache: Any) -> Callable[..., Any]:
+    """What loads compiled code from a cache.
+
+    numba's own `load_overload` first imports all that it may need to compile, scipy's linear algebra with it:
+    that takes as long as `import numba` again. What was compiled needs numba's run-time memory alone, and
+    where nothing is found the compiler imports the rest by itself.
+    """
+    if not hasattr(cache, "_load_overload"):  # there is no cache, or numba has changed
+        return cache.load_overload  # type: ignore[no-any-return]
+
+    def load(signature: Any, target: Any) -> Any:
+        rtsys.initialize(target)
+        return cache._load_overload(signature, target)
+
+    return load
 
 
 def _or_nothing(step: Callable[..., Any]) -> Callable[..., Any]:
