@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -233,15 +234,25 @@ def test_the_time_of_a_domain_is_shown_where_there_is_some() -> None:
     assert any("robot time 0.0 s" in line for line in drawn(Shown(), size))
 
 
+class _Stream(io.StringIO):
+    """What standard error may be."""
+
+    def __init__(self, terminal: bool) -> None:
+        super().__init__()
+        self._terminal = terminal
+
+    def isatty(self) -> bool:
+        return self._terminal
+
+
 @pytest.mark.parametrize(
     ("terminal", "quiet", "shown"), [(True, {}, True), (True, {"quiet": True}, False), (False, {}, False)]
 )
 def test_what_takes_its_time_is_told_in_a_terminal_unless_it_is_to_be_quiet(
     terminal: bool, quiet: dict[str, bool], shown: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = io.StringIO()
-    console = Console(file=out, force_terminal=terminal)
-    monkeypatch.setattr(progress, "Console", lambda stderr: console)
+    out = _Stream(terminal)
+    monkeypatch.setattr(sys, "stderr", out)
     with progress.working("thinking hard", **quiet):
         pass
     assert ("thinking hard" in out.getvalue()) == shown
@@ -269,7 +280,7 @@ def test_the_time_to_compile_is_told_where_it_is_long_and_is_not_called_loading(
 def test_a_terminal_says_that_the_table_is_looked_at_where_there_is_one(
     problem: str, looks: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = io.StringIO()
-    monkeypatch.setattr(progress, "Console", lambda stderr: Console(file=out, force_terminal=True))
+    out = _Stream(True)
+    monkeypatch.setattr(sys, "stderr", out)
     assert run(["compile", "cleaning", problem]) == 0
     assert ("looking at the table" in out.getvalue()) == looks

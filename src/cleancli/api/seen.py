@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from cleancli.api.inputs import LoadedProblem
 from cleancli.execution.observed import ObservedProblem, look
 from cleancli.language.load import located_in
-from cleancli.scene.model import Scene
+from cleancli.language.model import Problem
 
 
 def seen(
@@ -17,7 +17,7 @@ def seen(
 ) -> tuple[ObservedProblem, int | None]:
     """The problem, or what one look at the scene says; then with the scene's seed where none is asked for."""
     model = given.domain.model
-    if not isinstance(given.model, Scene):
+    if isinstance(given.model, Problem):
         return ObservedProblem(model, given.model, ()), seed
     seed = given.model.seed if seed is None else seed
     with timed(seconds, "look"), located_in(*given.sources):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
 
 SLOW = 2.0
 """Seconds after which a person wonders what is going on."""
@@ -19,8 +21,8 @@ _Item = TypeVar("_Item")
 @contextmanager
 def working(what: str, quiet: bool = False) -> Iterator[None]:
     """Show in a terminal that something takes its time; elsewhere, or if `quiet`, nothing."""
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
+    console = None if quiet else _terminal()
+    if console is None:
         yield
         return
     with console.status(what):
@@ -29,10 +31,12 @@ def working(what: str, quiet: bool = False) -> Iterator[None]:
 
 def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
     """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
-    console = Console(stderr=True)
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    task, started = bar.add_task(what, total=number), time.monotonic()
+    console = _terminal()
+    if console is None:
+        yield from items
+        return
+    bar, started = _bar(what, console), time.monotonic()
+    task = bar.add_task(what, total=number)
     try:
         for item in items:
             bar.advance(task)
@@ -46,8 +50,8 @@ def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
 @contextmanager
 def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
     """Something to call after each step of a long work; a terminal shows `what` with the number of steps."""
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
+    console = None if quiet else _terminal()
+    if console is None:
         yield lambda: None
         return
     done = 0
@@ -59,3 +63,20 @@ def counting(what: str, quiet: bool) -> Iterator[Callable[[], None]]:
             status.update(what.format(done))
 
         yield count
+
+
+def _terminal() -> Console | None:
+    """The terminal that standard error goes to. rich takes long to load, and is imported for one alone."""
+    if not sys.stderr.isatty():
+        return None
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    return console if console.is_terminal else None
+
+
+def _bar(what: str, console: Console) -> Progress:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    return Progress(*columns, console=console, transient=True)

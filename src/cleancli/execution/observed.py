@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from contextlib import closing
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from cleancli.execution.seeds import Stream, derived
 from cleancli.language.model import Domain, Problem
-from cleancli.scene.model import Scene
+
+if TYPE_CHECKING:
+    from cleancli.scene.model import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +27,7 @@ def look(domain: Domain, scene: Scene, seed: int) -> ObservedProblem:
 
     The world and its eyes are imported here: a written problem needs neither.
     """
+    from cleancli.execution.seeds import Stream, derived
     from cleancli.execution.setup import within_reach
     from cleancli.execution.table_cell import look_once
     from cleancli.world.table import PybulletTable

@@ -10,8 +10,8 @@ import click
 from cleancli.api.expected import Expected
 from cleancli.api.plain import plain
 from cleancli.api.plans import EvaluationResult, PlanResult, not_planned_for
+from cleancli.api.tables import TextTable
 from cleancli.cli.kernels import has_compiled
-from cleancli.cli.views.tables import plain_table, print_table, table_of
 from cleancli.compiler.task import horizon_text
 from cleancli.planning.compare import Comparison
 from cleancli.planning.evaluation.value import Sampled
@@ -46,7 +46,7 @@ def echo_evaluation(result: EvaluationResult, as_data: bool) -> None:
         return
     if result.explained is not None:
         _echo_steps(result.explained)
-    print_table(table_of(result.table()))
+    _echo_table(result.table())
     _echo_lines(result.ending())
 
 
@@ -57,25 +57,22 @@ def echo_comparison(job: PlanningRequest, rows: Sequence[Comparison], as_data: b
         common = {"problem": job.problem.name, "horizon": job.task.steps, **_not_planned_for(job)}
         _echo_data({**common, "planners": planners})
         return
-    table = plain_table(
-        "planner", "first action", "actions", "own value", "which is", "true value", "seconds", left=2
-    )
-    table.columns[1].overflow = "fold"
-    table.columns[4].justify = table.columns[5].justify = "left"
-    for row in rows:
-        if row.plan is None:
-            table.add_row(row.planner, f"refused: {row.refusal}", "-", "-", "-", "-", "-")
-            continue
-        plan = row.plan
-        first = str(plan.actions[0]) if plan.actions else "nothing worth doing"
-        spent = plan.seconds.get("search", 0.0)
-        numbers = (str(len(plan.actions)), f"{plan.value:.4f}", plan.measure, _true(row.true), f"{spent:.3f}")
-        table.add_row(row.planner, first, *numbers)
-    print_table(table)
+    heads = ("planner", "first action", "actions", "own value", "which is", "true value", "seconds")
+    _echo_table(TextTable(heads, tuple(map(_row, rows)), (0, 1, 4, 5)), folded=1)
     _echo_lines(not_planned_for(job.left_out, job.ignored, job.options.counted))
     click.echo(
         f"horizon {horizon_text(job.task.steps)}; true value: of doing the plan's actions, whatever happens"
     )
+
+
+def _row(row: Comparison) -> tuple[str, ...]:
+    plan = row.plan
+    if plan is None:
+        return (row.planner, f"refused: {row.refusal}", "-", "-", "-", "-", "-")
+    first = str(plan.actions[0]) if plan.actions else "nothing worth doing"
+    spent = plan.seconds.get("search", 0.0)
+    numbers = (str(len(plan.actions)), f"{plan.value:.4f}", plan.measure, _true(row.true), f"{spent:.3f}")
+    return (row.planner, first, *numbers)
 
 
 def _true(value: float | Sampled | None) -> str:
@@ -85,8 +82,19 @@ def _true(value: float | Sampled | None) -> str:
 
 
 def _echo_steps(expected: Expected) -> None:
-    print_table(table_of(expected.table()))
+    _echo_table(expected.table())
     click.echo(expected.source)
+
+
+def _echo_table(table: TextTable, folded: int | None = None) -> None:
+    """A table; the words of the column `folded` are never cut short. What draws tables is imported here,
+    because most plans need none."""
+    from cleancli.cli.views.tables import print_table, table_of
+
+    shown = table_of(table)
+    if folded is not None:
+        shown.columns[folded].overflow = "fold"
+    print_table(shown)
 
 
 def _echo_lines(lines: Iterable[str]) -> None:
