@@ -233,3 +233,17 @@ def test_check_prints_warnings_and_passes(tmp_path: Path) -> None:
     assert result.returncode == 0
     assert "warning[W201]" in result.stdout
     assert "0 mistakes and 2 warnings in 1 file" in result.stdout
+
+
+def test_a_command_leaves_the_collector_running_and_nothing_for_it_to_search() -> None:
+    code = (
+        "import atexit, gc; from cleancli.cli.main import main;"
+        " atexit.register(lambda: print(gc.isenabled(), gc.get_threshold() == before,"
+        " len(gc.get_objects())));"
+        " before = gc.get_threshold(); main(['compile', 'cleaning', 'three_areas'])"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    *_, told = result.stdout.splitlines()
+    running, unchanged, objects = told.split()
+    assert (running, unchanged) == ("True", "True")
+    assert int(objects) < 1000, "of more than 50,000"
