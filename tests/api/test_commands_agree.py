@@ -74,6 +74,7 @@ def test_evaluate(capsys: pytest.CaptureFixture[str]) -> None:
 def test_simulate(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["simulate", "cleaning", "three_areas", "--episodes", 4, "--seed", 2, "--samples", 50]
     words += ["--planner", "prada", "--planner", "prada+", "--commit", 2, "--max-actions", 3]
+    words += ["--option", "margin=0.2", "--option", "solve=0"]
     result = cleancli.simulate(
         "cleaning",
         "three_areas",
@@ -83,6 +84,7 @@ def test_simulate(capsys: pytest.CaptureFixture[str]) -> None:
         samples=50,
         commit=2,
         max_actions=3,
+        options={"margin": 0.2, "solve": 0},
     )
     same(result.to_dict(), told(capsys, *words))
     # The columns of the planning time differ from run to run.

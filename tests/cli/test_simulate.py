@@ -64,6 +64,29 @@ def test_time_may_discount(capsys: pytest.CaptureFixture[str]) -> None:
     assert 0 < abs(steps["discounted"]["mean"] - time["discounted"]["mean"]) < 0.5
 
 
+def test_options_by_name_reach_each_planner_that_has_them(capsys: pytest.CaptureFixture[str]) -> None:
+    both = ("--planner", "prada", "--planner", "uct", "--option", "margin=1.5", "--option", "exploration=2")
+    found = json.loads(said(capsys, *QUICK, "--episodes", "2", *both, "--json"))
+    reasons = [planner["reasons"] for planner in found["planners"]]
+    assert reasons[0] == {"the planner finds nothing worth doing": 2}
+    assert reasons[1] != reasons[0]
+    assert {"margin": 1.5, "exploration": 2}.items() <= found["options"].items()
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("rule_treshold=0.1", "did you mean `rule_threshold`?"),
+        ("margin=-1", "`margin` is at least 0"),
+        ("margin", "`margin` wants a number, not ``"),
+        ("depth=3", "`depth` is an option of sst, not of prada+"),
+        ("time-limit=3", "--time-limit"),
+    ],
+)
+def test_options_by_name_are_checked(capsys: pytest.CaptureFixture[str], option: str, message: str) -> None:
+    assert message in said(capsys, *QUICK, "--option", option, code=2)
+
+
 DOORS = """
 domain doors {
   types      { thing; door - thing; key - thing }

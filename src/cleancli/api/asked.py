@@ -16,15 +16,15 @@ from cleancli.planning.planner import Planner
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What planners are asked for; None stands for what the problem says, or else for the usual. `options`
-    are those of planners, by name. Raises BadOption for what makes no sense."""
+    """What planners are asked for; None stands for what the problem says, or else for the usual. `named` are
+    options by name, texts like `margin=0.1`. Raises BadOption for what makes no sense."""
 
     samples: int | None = None
     seed: int | None = None
     time_limit: float | None = None
     threads: int | None = None
     objective: str | None = None
-    options: Mapping[str, object] | None = None
+    named: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_least(1, samples=self.samples, threads=self.threads)
@@ -43,5 +43,9 @@ class Asked:
             time_limit=self.time_limit,
             threads=self.threads,
         )
-        named = [f"{name}={value}" for name, value in (self.options or {}).items()]
-        return with_named(planners, options, named)
+        return with_named(planners, options, self.named)
+
+
+def named(options: Mapping[str, object] | None) -> tuple[str, ...]:
+    """Options by name, as commands write them."""
+    return tuple(f"{name}={value}" for name, value in (options or {}).items())

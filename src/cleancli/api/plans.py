@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cleancli.api.asked import Asked
+from cleancli.api.asked import Asked, named
 from cleancli.api.checks import check_one_of
 from cleancli.api.expected import Expected, expected_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
@@ -200,7 +200,7 @@ def plan(
     no sense.
     """
     check_one_of("planner", planner, tuple(PLANNERS))
-    asked = Asked(samples, seed, time_limit, threads, objective, options)
+    asked = Asked(samples, seed, time_limit, threads, objective, named(options))
     given, seconds = load_problem(problem, domain), dict[str, float]()
     job, _ = _request(given, asked, seconds, planner=planner)
     with located_in(*given.sources), planning_refused(given.sources):
@@ -226,7 +226,7 @@ def evaluate(
 
     Raises as `plan` does.
     """
-    asked = Asked(samples, seed, None, threads, objective, options)
+    asked = Asked(samples, seed, None, threads, objective, named(options))
     given, seconds = load_problem(problem, domain), dict[str, float]()
     text = actions if isinstance(actions, str) else " ".join(actions)
     job, calls = _request(given, asked, seconds, actions=text)

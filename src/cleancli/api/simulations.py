@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cleancli.api.asked import Asked
+from cleancli.api.asked import Asked, named
 from cleancli.api.checks import check_least, check_one_of
 from cleancli.api.inputs import (
     GivenDomain,
@@ -111,17 +111,18 @@ def simulate(
     commit: int = 1,
     jobs: int = 1,
     objective: str | None = None,
+    options: Mapping[str, object] | None = None,
     record: str | Path | None = None,
 ) -> SimulationResult:
     """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
-    plan again; the world acts by the rules of `world`, or else of `domain`. What was done is written into
-    `record`, a new experience file, where one is named.
+    plan again; the world acts by the rules of `world`, or else of `domain`. `options` of planners by name,
+    as for `plan`. What was done is written into `record`, a new experience file, where one is named.
 
     Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
     no sense, and OSError where the record cannot be written. With several `jobs` a script must keep
     `if __name__ == "__main__":`, as for any processes.
     """
-    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
+    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective, named(options))
     check_least(1, episodes=episodes, commit=commit, jobs=jobs)
     check_least(0, max_actions=max_actions)
     names = (planner,) if isinstance(planner, str) else tuple(planner or ())

@@ -50,6 +50,13 @@ def objective(choices: Sequence[str], usual: str = "reward; without a horizon se
     return click.option("--objective", type=click.Choice(list(choices)), help=f"{help}  [default: {usual}]")
 
 
+def named() -> Option:
+    """Options of planners by name."""
+    return click.option(
+        "--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated."
+    )
+
+
 def learning() -> Option:
     """How counts become probabilities, and what counts."""
     given = (

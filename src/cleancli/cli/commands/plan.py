@@ -72,7 +72,7 @@ class _Wanted:
     type=click.Choice(["libprada"]),
     help="Ground and plan as libPRADA does, to compare; with prada or aprada.",
 )
-@click.option("--option", "named", multiple=True, metavar="NAME=VALUE", help="Of a planner; may be repeated.")
+@options.named()
 @options.as_json("Print everything as JSON.")
 @usage_errors()
 def command(

@@ -52,6 +52,7 @@ from cleancli.simulation.episode import EpisodeLimits
 )
 @options.jobs("Processes.")
 @options.objective(OBJECTIVES)
+@options.named()
 @click.option(
     "--record",
     type=options.FILE,
@@ -72,6 +73,7 @@ def command(
     commit: int,
     jobs: int,
     objective: str | None,
+    named: tuple[str, ...],
     record: Path | None,
     as_data: bool,
 ) -> None:
@@ -84,7 +86,7 @@ def command(
         raise click.UsageError(f"--record {record}: the file exists, and nothing is written over")
     given = open_given(domain, problem)
     acting = given.domain if world is None else open_loaded(world)
-    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective)
+    asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective, named)
     with working("looking at the table", quiet=not given.is_scene):
         setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit))
     texts = (*given.domain.sources, *acting.sources, given.source)
