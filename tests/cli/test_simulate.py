@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,18 @@ def test_options_by_name_are_checked(capsys: pytest.CaptureFixture[str], option:
     assert message in said(capsys, *QUICK, "--option", option, code=2)
 
 
+def test_thinking_takes_robot_time(capsys: pytest.CaptureFixture[str]) -> None:
+    words = (*QUICK, "--episodes", "2", "--objective", "time", "--think")
+    assert "robot time goes on while planners think" in said(capsys, *words)
+    found = json.loads(said(capsys, *words, "--json"))
+    assert found["limits"]["think"]
+    declared = re.findall(r"(\w+)\(.*\[duration = ([\d.]+) s\]", CLEANING)
+    durations = {name: float(seconds) for name, seconds in declared}
+    for row in found["planners"][0]["rows"]:
+        acted = sum(durations[action.split("(")[0]] for action in row["actions"])
+        assert row["seconds"] == pytest.approx(acted + sum(row["planning"]))
+
+
 DOORS = """
 domain doors {
   types      { thing; door - thing; key - thing }
@@ -153,16 +166,17 @@ def test_another_world_must_mean_the_same(
     assert all(part in found for part in message), found
 
 
+@pytest.mark.parametrize(
+    ("wanted", "reason"),
+    [(("--objective", "time"), "time is to discount"), (("--think",), "thinking takes robot time")],
+)
 def test_time_needs_durations_where_they_are_missing(
-    capsys: pytest.CaptureFixture[str], changed: Path
+    capsys: pytest.CaptureFixture[str], changed: Path, wanted: tuple[str, ...], reason: str
 ) -> None:
     changed.write_text(changed.read_text(encoding="utf-8").replace("[duration = 9 s]", ""), encoding="utf-8")
-    words = (*QUICK, "--episodes", "1", "--objective", "time", "--world", str(changed))
+    words = (*QUICK, "--episodes", "1", *wanted, "--world", str(changed))
     error = said(capsys, *words, code=1)
-    assert (
-        "harder.nid:20:5: error[E902]: time is to discount, but `moveToContainerFast` has no duration"
-        in error
-    )
+    assert f"harder.nid:20:5: error[E902]: {reason}, but `moveToContainerFast` has no duration" in error
     assert "cleaning.nid" not in error
 
 

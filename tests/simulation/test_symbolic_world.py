@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from scipy import stats
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lifted_state import StateView
-from cleancli.compiler.semantics import exact_value
+from cleancli.compiler.semantics import exact_value, standing
 from cleancli.compiler.task import NoDurationError, Task, by_time
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.planning.compiled_task import Prepared
@@ -21,8 +23,8 @@ from cleancli.simulation import agent as agents
 from cleancli.simulation import batch
 from cleancli.simulation import episode as episodes
 from cleancli.simulation.agent import Agent
-from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode
-from cleancli.simulation.symbolic_world import assignment_of, do, succeeded, world_of
+from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, episode, replayed
+from cleancli.simulation.symbolic_world import World, assignment_of, do, succeeded, world_of
 from support import doors, from_text
 
 DOORS, JAMMING, PAID = (from_text.domain(text) for text in (doors.DOORS, doors.JAMMING, doors.PAID))
@@ -33,7 +35,7 @@ UNLUCKY = 1
 """A seed whose first episode opens no door by the first action, while others do."""
 
 
-def run(text: str, *said: str, inside: str = doors.TWO_DOORS, number: int = 0, **limits: int) -> Episode:
+def run(text: str, *said: str, inside: str = doors.TWO_DOORS, number: int = 0, **limits: Any) -> Episode:
     """One episode of a planner that always says the same."""
     known = from_text.domain(text)
     given = doors.problem(known, inside)
@@ -128,6 +130,70 @@ def test_robot_time_needs_every_duration() -> None:
     assert run(text, "push(a)", max_actions=2).seconds is None
     with pytest.raises(NoDurationError, match="push"):
         world_of(from_text.domain(text), PROBLEM, timed=True)
+
+
+# ---- what thinking costs
+
+
+def thinking(
+    text: str, actions: int, monkeypatch: pytest.MonkeyPatch, *, timed: bool, **limits: Any
+) -> tuple[World, Episode]:
+    """An episode in which a planner thinks for 3 s for each of so many plans, and 7 s for the last one, which
+    is to do nothing."""
+    known, clock = from_text.domain(text), itertools.count()
+    given = doors.problem(known, f"{doors.TWO_DOORS} horizon = 9 goal {{ jammed(a) }}")
+    now = [0.0]
+
+    def planner(prepared: Prepared, options: Options) -> Plan:
+        if next(clock) == actions:
+            now[0] += 7.0
+            return doors.plan(prepared, ())
+        now[0] += 3.0
+        return doors.saying("push(a)", "oil(b)")(prepared, options)
+
+    monkeypatch.setattr("cleancli.simulation.agent.time.perf_counter", lambda: now[0])
+    world = world_of(known, given, timed)
+    who = Agent(planner, known, given, "time" if timed else None)
+    return world, episode(world, who, 1, Options(), EpisodeLimits(**limits))
+
+
+@pytest.mark.parametrize("commit", [1, 2])
+@pytest.mark.parametrize("think", [False, True])
+@pytest.mark.parametrize("text", [doors.DOORS, doors.PAID])
+def test_what_is_paid_after_thinking_is_worth_less_by_its_time(
+    text: str, think: bool, commit: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world, found = thinking(text, 2, monkeypatch, timed=True, commit=commit, max_actions=9, think=think)
+    assert found.reason is Reason.IDLE
+    assert len(found.actions) == 2 * commit
+    time, expected = 0.0, 0.0
+    for number, (_, step, _) in enumerate(replayed(world, found, 0)):
+        time += 3.0 * (think and number % commit == 0) + (step.seconds or 0.0)
+        expected += 0.95 ** (time / 7 - 1) * step.reward  # a step is 7 s: pushing 4, oiling 10
+    time += 7.0 * think
+    *_, (_, _, last) = replayed(world, found, 0)
+    rest = range(9 - len(found.actions))
+    expected += standing(world.task, last) * sum(0.95 ** (time / 7 + k) for k in rest)
+    assert found.discounted == pytest.approx(expected)
+    assert found.seconds == pytest.approx(time)
+    assert found.planning == pytest.approx((3.0, 3.0, 7.0))
+
+
+def test_where_steps_discount_thinking_takes_robot_time_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = [
+        thinking(doors.PAID, 3, monkeypatch, timed=False, max_actions=9, think=think)[1]
+        for think in (False, True)
+    ]
+    assert ended[0].discounted == ended[1].discounted
+    assert [each.seconds for each in ended] == pytest.approx([12.0, 12.0 + 3 * 3.0 + 7.0])
+
+
+def test_thinking_needs_robot_time() -> None:
+    known = from_text.domain(doors.DOORS.replace("[duration = 4 s, cost = 1]", "[cost = 1]"))
+    quiet = Planner("quiet", lambda prepared, *_: doors.plan(prepared, ()), None)
+    setup = batch.Batch(known, known, PROBLEM, (quiet,), Options(), EpisodeLimits(think=True))
+    with pytest.raises(NoDurationError, match="push"):
+        next(batch.rounds(setup, [0]))
 
 
 # ---- why episodes end

@@ -48,6 +48,7 @@ class SimulationResult:
     options: Mapping[str, object]
     max_actions: int
     commit: int
+    think: bool
     planners: tuple[Summary, ...]
     episodes: tuple[tuple[Episode, ...], ...]
 
@@ -59,7 +60,7 @@ class SimulationResult:
             "world": self.world,
             "objective": self.objective,
             "options": plain(self.options),
-            "limits": {"max_actions": self.max_actions, "commit": self.commit},
+            "limits": {"max_actions": self.max_actions, "commit": self.commit, "think": self.think},
             "planners": [
                 {**fields_of(summary), "rows": plain(rows)}
                 for summary, rows in zip(self.planners, self.episodes, strict=True)
@@ -92,6 +93,8 @@ class SimulationResult:
         """What the numbers are, and why episodes ended."""
         episodes = plural(self.planners[0].episodes, "episode")
         yield f"means of {episodes}; ± and to: 95 % intervals (Student's t, Wilson's)"
+        if self.think:
+            yield "robot time goes on while planners think"
         for summary in self.planners:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
@@ -112,11 +115,13 @@ def simulate(
     jobs: int = 1,
     objective: str | None = None,
     options: Mapping[str, object] | None = None,
+    think: bool = False,
     record: str | Path | None = None,
 ) -> SimulationResult:
     """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
     plan again; the world acts by the rules of `world`, or else of `domain`. `options` of planners by name,
-    as for `plan`. What was done is written into `record`, a new experience file, where one is named.
+    as for `plan`. With `think` the seconds that planners take count as robot time. What was done is written
+    into `record`, a new experience file, where one is named.
 
     Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
     no sense, and OSError where the record cannot be written. With several `jobs` a script must keep
@@ -130,7 +135,7 @@ def simulate(
         check_one_of("planner", name, tuple(PLANNERS))
     given = load_problem(problem, domain)
     acting = given.domain if world is None else load_domain(world)
-    setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit))
+    setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit, think=think))
     sources = (*given.domain.sources, *acting.sources, given.source)
     with located_in(*sources), planning_refused(sources):
         result = simulation_result(setup, spread(setup, episodes, jobs))
@@ -186,6 +191,7 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         options=options,
         max_actions=setup.limits.max_actions,
         commit=setup.limits.commit,
+        think=setup.limits.think,
         planners=tuple(summaries),
         episodes=found,
     )

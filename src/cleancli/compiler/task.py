@@ -249,11 +249,12 @@ def lasting(task: Task, seconds: Mapping[tuple[str, tuple[str, ...]], float]) ->
 
 
 class NoDurationError(ValueError):
-    """Time is to discount, and the domain says of some `actions` (names) no duration."""
+    """Time counts, as `wanted` says, and the domain says of some `actions` (names) no duration."""
 
-    def __init__(self, actions: Sequence[str]) -> None:
+    def __init__(self, actions: Sequence[str], wanted: str = "time is to discount") -> None:
         super().__init__(f"no duration: {', '.join(actions)}")
         self.actions = tuple(actions)
+        self.wanted = wanted
 
 
 def horizon_text(steps: int | None) -> str:

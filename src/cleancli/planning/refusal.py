@@ -23,18 +23,18 @@ def planning_refused(sources: Sequence[Source]) -> Iterator[None]:
     try:
         yield
     except NoDurationError as error:
-        raise Refused(_without_duration(error.actions, sources), sources) from None
+        raise Refused(_without_duration(error, sources), sources) from None
     except (PlanningRefused, SupportTooLargeError) as error:
         raise Refused([_refused(error, sources)], sources) from None
 
 
-def _without_duration(actions: Sequence[str], sources: Sequence[Source]) -> Iterator[Diagnostic]:
+def _without_duration(error: NoDurationError, sources: Sequence[Source]) -> Iterator[Diagnostic]:
     """A mistake for each of the actions, wherever it is declared without a duration."""
     for place in (name for source in dict.fromkeys(sources) for name in names_in(source) if name.declares):
         node, name = place.node, place.meaning.name
         marks = [mark.name.text for mark in node.attributes] if isinstance(node, ActionNode) else ["duration"]
-        if name in actions and "duration" not in marks:
-            message = f"time is to discount, but `{name}` has no duration"
+        if name in error.actions and "duration" not in marks:
+            message = f"{error.wanted}, but `{name}` has no duration"
             yield Diagnostic("E902", message, place.span, help="declare one: `[duration = 8 s]`")
 
 

@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from typing import Any
 
-from cleancli.compiler.task import Objective
+from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.planning.plan import Options
@@ -48,6 +48,8 @@ Round = tuple[Episode, ...]
 def rounds(setup: Batch, numbers: Sequence[int]) -> Iterator[Round]:
     """The numbered episodes of each planner. Raises `Refused`, `NoDurationError` and what planners raise."""
     world = world_of(setup.world, setup.problem, setup.timed)
+    if setup.limits.think and world.task.untimed:
+        raise NoDurationError(world.task.untimed, "thinking takes robot time")
     agents = [Agent(planner, setup.domain, setup.problem, setup.objective) for planner in setup.planners]
     for number in numbers:
         yield tuple(episode(world, agent, number, setup.options, setup.limits) for agent in agents)

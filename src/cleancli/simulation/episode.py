@@ -27,11 +27,13 @@ class Reason(enum.Enum):
 @dataclass(frozen=True, slots=True)
 class EpisodeLimits:
     """`commit`: actions of a plan that are done before the next one is made (§4.2.4). With `horizon` given,
-    the n-th action is planned with as many steps less; else with the horizon of the state then reached."""
+    the n-th action is planned with as many steps less; else with the horizon of the state then reached. With
+    `think` the world's time goes on while a plan is made."""
 
     max_actions: int = 60
     commit: int = 1
     horizon: int | None = None
+    think: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ class Episode:
     The returns count `max_actions` steps: after the end nothing is done, and the state is paid for what it
     is. `success` is None where there is neither a goal nor a count to decrease. `cost` is that of all actions
     as declared; `seconds` of robot time, None where a duration is not declared; `planning` in seconds, a
-    number per plan.
+    number per plan, which are part of the robot time where thinking counts.
     """
 
     number: int
@@ -69,6 +71,7 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
     """
     rng = np.random.default_rng(_seeds(options.seed, number, _Stream.WORLD))
     state, steps, planning = world.task.initial, list[DrawnStep](), list[float]()
+    waits = [0.0]
     rest: tuple[GroundAction, ...] = ()
     reason = _over(world, state, steps, limits)
     while reason is None:
@@ -77,16 +80,19 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
         horizon = None if limits.horizon is None else max(limits.horizon - len(steps), 0)
         plan, seconds = agent.plan(world.facts(state), asked, horizon)
         planning.append(seconds)
+        if limits.think:
+            waits[-1] += seconds
         if not plan.actions:
             reason = Reason.IDLE
         for action in plan.actions[: limits.commit]:
             step, state = do(world, state, action, rng)
             steps.append(step)
+            waits.append(0.0)
             reason = _over(world, state, steps, limits)
             if reason is not None:
                 break
         rest = plan.actions[limits.commit :]
-    discounted, plain = returns(world, steps, state, limits.max_actions)
+    discounted, plain = returns(world, steps, waits, state, limits.max_actions)
     durations = [step.seconds for step in steps if step.seconds is not None]
     return Episode(
         number,
@@ -96,7 +102,7 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
         plain,
         tuple(step.action for step in steps),
         sum(step.cost for step in steps),
-        sum(durations) if len(durations) == len(steps) else None,
+        sum(durations) + sum(waits) if len(durations) == len(steps) else None,
         tuple(planning),
     )
 
@@ -113,14 +119,19 @@ def replayed(
         yield before, step, state
 
 
-def returns(world: World, steps: Sequence[DrawnStep], last: GroundState, length: int) -> tuple[float, float]:
+def returns(
+    world: World, steps: Sequence[DrawnStep], waits: Sequence[float], last: GroundState, length: int
+) -> tuple[float, float]:
     """The discounted and the plain return of `length` steps, in which nothing is done after those given; as
-    `exact_value` of compiler/semantics.py counts."""
+    `exact_value` of compiler/semantics.py counts. `waits` are the seconds that pass before each step, and
+    before the end; nothing is paid for them."""
     discounted, plain, factor = 0.0, 0.0, 1.0
-    for step in steps:
+    for step, wait in zip(steps, waits, strict=False):
+        factor *= world.second_discount**wait
         discounted += factor * step.payment * step.reward
         plain += step.reward
         factor *= step.discount
+    factor *= world.second_discount ** waits[-1]
     paid, left = standing(world.task, last), max(length - len(steps), 0)
     idle = float(idle_worth(world.task.discount, left)[-1])
     return discounted + factor * idle * paid, plain + left * paid

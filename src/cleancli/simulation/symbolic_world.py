@@ -23,13 +23,15 @@ class World:
     """A problem under the rules that hold. After the grounded actions, `task` lists each declared action once
     more, without rules: it stands for the groundings that can change nothing, and says what they cost.
     `numbers` are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the
-    facts that never change."""
+    facts that never change. What comes a second later is worth `second_discount` times as much (1 where steps
+    discount)."""
 
     task: Task
     rest: State
     numbers: Mapping[tuple[str, tuple[str, ...]], int]
     idle: Mapping[str, int]
     has_goal: bool
+    second_discount: float
 
     def facts(self, assignment: GroundState) -> State:
         """All facts of a state."""
@@ -64,6 +66,7 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
         {(action.name, action.objects): index for index, action in enumerate(grounded.actions)},
         {action.name: index for index, action in enumerate(idle, start=len(grounded.actions))},
         bool(problem.goal),
+        task.discount ** (1 / task.step) if timed and task.step is not None else 1.0,
     )
 
 

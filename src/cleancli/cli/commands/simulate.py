@@ -53,6 +53,7 @@ from cleancli.simulation.episode import EpisodeLimits
 @options.jobs("Processes.")
 @options.objective(OBJECTIVES)
 @options.named()
+@click.option("--think", is_flag=True, help="The seconds that a planner takes count as robot time.")
 @click.option(
     "--record",
     type=options.FILE,
@@ -74,6 +75,7 @@ def command(
     jobs: int,
     objective: str | None,
     named: tuple[str, ...],
+    think: bool,
     record: Path | None,
     as_data: bool,
 ) -> None:
@@ -88,7 +90,7 @@ def command(
     acting = given.domain if world is None else open_loaded(world)
     asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective, named)
     with working("looking at the table", quiet=not given.is_scene):
-        setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit))
+        setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit, think=think))
     texts = (*given.domain.sources, *acting.sources, given.source)
     tell_unreached(texts, setup.domain, setup.problem)
     with located_in(*texts), planning_refused(texts):
