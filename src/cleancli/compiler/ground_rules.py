@@ -19,7 +19,7 @@ from cleancli.compiler.encoding import Numbering
 from cleancli.compiler.ground_formula import Known
 from cleancli.compiler.instances import Changes
 from cleancli.compiler.plain_rules import PlainInstances, Vocabulary
-from cleancli.compiler.ragged import starts
+from cleancli.compiler.ragged import distinct, starts
 from cleancli.compiler.task import GroundCondition, GroundLiteral, GroundOutcome
 from cleancli.language.model import Outcome, OutcomeKind, Rule
 
@@ -131,7 +131,7 @@ def _conditions(literals: Longs, words: PlainWords) -> list[GroundCondition]:
     ordered = np.take_along_axis(literals, order, axis=1)
     lengths = (variables != words.none).sum(axis=1)
     found: list[GroundCondition] = [()] * len(literals)
-    for length in np.unique(lengths[lengths > 0]).tolist():
+    for length in distinct(lengths[lengths > 0]).tolist():
         rows = np.flatnonzero(lengths == length)
         columns = (
             [words.literals[number] for number in column] for column in ordered[rows, :length].T.tolist()

@@ -19,7 +19,7 @@ from cleancli.array_types import Bools, Longs
 from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.conjunctions import conjunctions
 from cleancli.compiler.fluents import Binding, Fluent
-from cleancli.compiler.ragged import spans, starts
+from cleancli.compiler.ragged import distinct, spans, starts
 from cleancli.compiler.static_join import Universe, free_variables
 from cleancli.language.model import (
     Assign,
@@ -194,7 +194,7 @@ class PlainGrounding:
         if len(rows) == 1:
             return rows[0], assigned[0]
         size = max(len(self.vocabulary.assignments.entries), 1)
-        once = np.unique(np.concatenate(rows) * size + np.concatenate(assigned))
+        once = distinct(np.concatenate(rows) * size + np.concatenate(assigned))
         return once // size, once % size
 
     def _assignments(self, effect: object, binding: Binding) -> Iterator[int]:

@@ -34,6 +34,12 @@ def spans(first: Longs | Ints, count: Longs | Ints) -> tuple[Longs, Longs]:
     return span, np.arange(len(span)) + (first - before)[span]
 
 
+def distinct(numbers: Longs) -> Longs:
+    """The numbers that occur, ascending. numpy's `unique` imports masked arrays to tell the same."""
+    ordered = np.sort(numbers)
+    return ordered[np.flatnonzero(np.diff(ordered, prepend=ordered[:1] - 1))]
+
+
 def floats(values: Iterable[float | Fraction]) -> Floats:
     """Numbers as an array. Fractions take long to divide, so one that stands there often is divided once."""
     listed = list(values)

@@ -13,6 +13,7 @@ from cleancli.compiler.fluents import Fluent, shifted
 from cleancli.compiler.ground_formula import can_hold
 from cleancli.compiler.instances import Instance, Instances, StateEffect
 from cleancli.compiler.plain_rules import PlainInstances
+from cleancli.compiler.ragged import distinct
 from cleancli.compiler.static_join import Universe
 from cleancli.language.model import Assign, Shift, Value
 
@@ -70,7 +71,7 @@ class Reach:
                 continue
             applying |= new
             for rows, assigned in plain.assigned:
-                for number in np.unique(assigned[new[rows]]).tolist():
+                for number in distinct(assigned[new[rows]]).tolist():
                     key, value = self.vocabulary.assignments.entries[number]
                     grown |= self._add(key, frozenset({value}))
         return grown

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Ints, Longs
-from cleancli.compiler.ragged import floats, spans, starts
+from cleancli.compiler.ragged import distinct, floats, spans, starts
 from cleancli.compiler.task import GroundLiteral, GroundRule, RewardCondition, Task
 
 _Item = TypeVar("_Item")
@@ -94,7 +94,7 @@ class Touched:
 
     def __init__(self, columns: RuleColumns, task: Task) -> None:
         self._actions, variables = np.arange(len(task.actions) + 1), max(len(task.variables), 1)
-        keys = np.unique(columns.action[columns.effect_rule] * variables + columns.effect_variable)
+        keys = distinct(columns.action[columns.effect_rule] * variables + columns.effect_variable)
         self._action, self._variable = keys // variables, keys % variables
 
     def ranges(self, first: Longs | Ints) -> tuple[Longs, Longs]:
@@ -109,5 +109,5 @@ class Touched:
         variable, index = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2).T
         first = np.searchsorted(variable, self._variable)
         which, entry = spans(first, np.searchsorted(variable, self._variable, side="right") - first)
-        found = np.unique(self._action[which] * max(len(wanted), 1) + index[entry])
+        found = distinct(self._action[which] * max(len(wanted), 1) + index[entry])
         return np.searchsorted(found // max(len(wanted), 1), self._actions), found % max(len(wanted), 1)
