@@ -114,6 +114,20 @@ def test_goals_without_a_horizon_are_solved_and_written_for_another_solver(
     assert "\taction 0 [3.0]\n\t\t0 : 0.1\n\t\t1 : 0.9\n" in text
 
 
+def test_whole_commands_are_measured_beside_what_they_load(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _main("cold_plan", monkeypatch, "1", "--only", "pass", "exact")
+    rows = re.findall(r"^\| `(.+)` \| (\S+) \| \S+ \| (\S+) \|", capsys.readouterr().out, re.M)
+    assert [name for name, _, _ in rows] == [
+        "pass",
+        "import numba",
+        "plan cleaning three_areas --planner exact",
+    ]
+    assert float(rows[0][1]) < float(rows[1][1])
+    assert float(rows[1][2]) == 1
+
+
 def test_the_seconds_and_the_memory_of_learning_are_measured(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
