@@ -175,6 +175,26 @@ def test_heavy_libraries_stay_out(code: str, absent: set[str]) -> None:
     assert result.stdout.split() == []
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "check cleaning three_areas",
+        "compile cleaning three_areas",
+        "plan cleaning three_areas --planner exact --option arithmetic=rational",
+    ],
+)
+def test_commands_load_no_heavy_library_that_they_do_not_use(words: str) -> None:
+    """Here nothing is drawn in a terminal, no scene is looked at, and no compiled loop is run."""
+    absent = sorted({"rich", "msgspec", "numba", "numpy.ma", "scipy", "matplotlib", "cv2", "pybullet"})
+    script = (
+        "import sys; from cleancli.cli.main import run;"
+        f" code = run({words.split()!r});"
+        f" print(code, *(set({absent!r}) & sys.modules.keys()), file=sys.stderr)"
+    )
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert result.stderr.split() == ["0"]
+
+
 def test_what_tests_share_is_in_their_support() -> None:
     """What lies beside them has no name that others could import it by (docs/tests.md)."""
     tests = ROOT / "tests"
