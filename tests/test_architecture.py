@@ -180,6 +180,7 @@ def test_heavy_libraries_stay_out(code: str, absent: set[str]) -> None:
     [
         "check cleaning three_areas",
         "compile cleaning three_areas",
+        "plan cleaning three_areas",
         "plan cleaning three_areas --planner exact --option arithmetic=rational",
     ],
 )

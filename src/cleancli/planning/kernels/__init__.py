@@ -6,6 +6,7 @@ All need numba, which takes longer to load than most plans take: so what may end
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -34,6 +35,11 @@ _LOOPS = frozenset(
         "transitions",
     }
 )
+
+
+def are_loaded() -> bool:
+    """Whether this process has imported a loop, and so numba."""
+    return f"{__name__}.jit" in sys.modules
 
 
 def __getattr__(name: str) -> ModuleType:

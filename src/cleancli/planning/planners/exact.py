@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from cleancli.array_types import Floats, Ints
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch, Options, Plan, TooManyStatesError, option
-from cleancli.planning.planners import rational, reaching
+from cleancli.planning.planners import plain_graph, rational, reaching
 from cleancli.planning.trajectory import branches, course_plan, likeliest_course
 
 _KEPT = "optimum"
@@ -50,10 +52,13 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
         course = likeliest_course(known.task, choose)
         times.append(time.perf_counter())
         return course_plan("exact", known.task, course, float(fraction), times=times)
-    _ = known.process
-    times.append(time.perf_counter())
-    load(known)
-    times.append(time.perf_counter())
+    if at_hand(prepared, own.states) is not None:
+        times *= 3
+    else:
+        _ = known.process
+        times.append(time.perf_counter())
+        load(known)
+        times.append(time.perf_counter())
     solution = optimum(prepared, own.states)
     value, course = worth(prepared, solution)
     told = told_branches(prepared, solution, course, options.branches)
@@ -65,10 +70,8 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
 class Solution:
     """The best policy from a state on, for so many `steps` at most and all states that can be reached."""
 
-    enumeration: Any  # kernels.state_graph.Enumeration: numba is loaded by whoever plans
-    within: (
-        Ints  # (steps + 1,) how many states are found within so many steps, or fewer where no more are found
-    )
+    enumeration: Any  # kernels.state_graph.Enumeration (numba is loaded by whoever plans), or a PlainGraph
+    within: Ints  # (steps + 1,) how many states are found within so many steps; shorter where no more are
     values: Floats  # (steps + 1, N) what a state is worth, by step
     best: Ints  # (steps, N) -1 to stop
     steps: int
@@ -86,7 +89,7 @@ def optimum(prepared: Prepared, limit: int) -> Solution:
 
     Raises `TooManyStatesError` where more than `limit` states can be reached within the horizon.
     """
-    solution = kept(prepared, limit, kernels.state_graph.EDGE_LIMIT)
+    solution = at_hand(prepared, limit)
     if solution is None:
         known = prepared.forgetful
         enumeration = kernels.state_graph.Enumeration(known.process, known.task.initial, limit)
@@ -96,7 +99,22 @@ def optimum(prepared: Prepared, limit: int) -> Solution:
     return solution
 
 
-def kept(prepared: Prepared, states: int, transitions: int) -> Solution | None:
+def at_hand(prepared: Prepared, states: int, transitions: float = math.inf) -> Solution | None:
+    """What is known of the forgetful task without compiled code: the last solution (`kept`), or that of a
+    small task, where no such code has been loaded."""
+    solution = kept(prepared, states, transitions)
+    if solution is not None or kernels.are_loaded() or not plain_graph.may_be_small(prepared.task):
+        return solution
+    task = prepared.forgetful.task
+    graph = plain_graph.small_graph(task)
+    if graph is None or graph.number > states or graph.transitions > transitions:
+        return None
+    values, best = plain_graph.backward(graph, task)
+    within: Ints = np.array(graph.within, dtype=np.int32)
+    return _keep(prepared, Solution(graph, within, values, best, max(task.horizon, 0)))
+
+
+def kept(prepared: Prepared, states: int, transitions: float) -> Solution | None:
     """The last solution of a forgetful task, if it is of no more states and transitions than these and has
     met the present state with as many steps left."""
     known: Solution | None = prepared.solutions.get(_KEPT)
@@ -112,8 +130,12 @@ def solved(prepared: Prepared, enumeration: Any) -> Solution:
     task, horizon = prepared.forgetful.task, max(prepared.task.horizon, 0)
     graph = enumeration.graph()
     values, best = kernels.state_graph.backward(graph, prepared.forgetful.process, task.discount, horizon)
-    prepared.solutions[_KEPT] = found = Solution(enumeration, graph.within, values, best, horizon)
-    return found
+    return _keep(prepared, Solution(enumeration, graph.within, values, best, horizon))
+
+
+def _keep(prepared: Prepared, solution: Solution) -> Solution:
+    prepared.solutions[_KEPT] = solution
+    return solution
 
 
 def worth(prepared: Prepared, solution: Solution) -> tuple[float, tuple[int, ...]]:

@@ -80,11 +80,12 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     having been chosen. Solving takes what it takes, once an episode; the time limit is the search's."""
     if prepared.task.reaching is not None:
         return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
-    begun = time.perf_counter()
-    _ = prepared.process
-    lowered = time.perf_counter()
-    exact.load(prepared)
-    loaded = time.perf_counter()
+    begun = lowered = loaded = time.perf_counter()
+    if not own.solve or exact.at_hand(prepared, own.solve, own.solve) is None:
+        _ = prepared.process
+        lowered = time.perf_counter()
+        exact.load(prepared)
+        loaded = time.perf_counter()
     solved = _solved(prepared, own.solve) if own.solve else None
     if solved is not None:
         value, course = exact.worth(prepared, solved)
