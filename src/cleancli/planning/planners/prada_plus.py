@@ -228,8 +228,10 @@ def _schedule(options: Options, deadline: float | None) -> Iterator[tuple[int, i
 
 
 def _load(prepared: Prepared, own: PradaPlusOptions) -> None:
-    """Makes numba load or compile what will run."""
-    kernels.annealing.chain(prepared, (), 0, WORDS, 0)
-    prada(prepared, Options(samples=1), own)
+    """Makes numba load or compile what will run; one step ahead, for this is done before each plan."""
+    brief = prepared.at(prepared.task.initial, 1)
+    kernels.annealing.chain(brief, (), 0, WORDS, 0)
+    kernels.annealing.worth(brief, (), WORDS, 0)
+    prada(brief, Options(samples=1), own)
     if own.runs:
-        policy_search.load(prepared)
+        policy_search.load(brief)
