@@ -62,9 +62,9 @@ def commands(folder: Path, seed: int) -> list[Command]:
         convert = (*CLEANCLI, "convert", *files, "--out", str(converted))
         subprocess.run(convert, check=True, capture_output=True)
         texts = [str(converted / name) for name in ("domain.nid", "problem.nid")]
-        for planner in ("prada", "prada+"):
-            asked = ("--planner", planner, "--samples", "10000", "--threads", "1", "--seed", str(seed))
-            words = (*CLEANCLI, "plan", *texts, *asked, "--json")
+        for planner in ("prada", "prada+ --option runs=0", "prada+"):
+            asked = ("--samples", "10000", "--threads", "1", "--seed", str(seed), "--json")
+            words = (*CLEANCLI, "plan", *texts, "--planner", *planner.split(), *asked)
             found.append(Command(f"plan d{areas} --planner {planner}", words, theirs))
     return found
 
