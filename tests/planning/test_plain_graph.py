@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.semantics import successors
 from cleancli.compiler.task import Task
 from cleancli.planning import kernels
@@ -32,19 +31,20 @@ def test_numbers_are_those_of_compiled_code_to_the_last_bit(
     kind: Callable[[int], Task], seed: int, horizon: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(plain_graph, "WORK", 10**9)
-    task = replace(kind(seed), horizon=horizon)
-    found, process = plain_graph.small_graph(task), lower_process(task)
+    monkeypatch.setattr(kernels, "are_loaded", lambda: False)
+    prepared = prepare(replace(kind(seed), horizon=horizon))
+    task, process = prepared.forgetful.task, prepared.forgetful.process
     compiled = state_graph.reachable(process, task.initial, 10_000, horizon)
+    found = exact.at_hand(prepared, 10_000)
     assert found is not None
     assert compiled is not None
-    assert [list(state) for state in found.numbers] == compiled.states.tolist()
-    assert found.within == compiled.within.tolist()
-    assert found.transitions == len(compiled.edge_successor)
-    values, best = plain_graph.backward(found, task)
-    compiled_values, compiled_best = state_graph.backward(compiled, process, task.discount, horizon)
-    assert (values.shape, best.shape) == (compiled_values.shape, compiled_best.shape)
-    assert values.tolist() == compiled_values.tolist()
-    assert best.tolist() == compiled_best.tolist()
+    assert [list(state) for state in found.enumeration.numbers] == compiled.states.tolist()
+    assert found.within.tolist() == compiled.within.tolist()
+    assert found.enumeration.transitions == len(compiled.edge_successor)
+    values, best = state_graph.backward(compiled, process, task.discount, horizon)
+    assert (found.values.shape, found.best.shape) == (values.shape, best.shape)
+    assert found.values.tolist() == values.tolist()
+    assert found.best.tolist() == best.tolist()
 
 
 @pytest.mark.parametrize("horizon", [1, 3, 6])
@@ -97,7 +97,7 @@ def test_no_plan_depends_on_what_has_been_loaded(
     monkeypatch.setattr(plain_graph, "WORK", 10**9)
     looked_at: list[Task] = []
 
-    def small_graph(task: Task) -> plain_graph.PlainGraph | None:
+    def small_graph(task: Task) -> plain_graph.PlainGraph[float] | None:
         looked_at.append(task)
         return found(task)
 

@@ -109,9 +109,12 @@ def at_hand(prepared: Prepared, states: int, transitions: float = math.inf) -> S
     graph = plain_graph.small_graph(task)
     if graph is None or graph.number > states or graph.transitions > transitions:
         return None
-    values, best = plain_graph.backward(graph, task)
-    within: Ints = np.array(graph.within, dtype=np.int32)
-    return _keep(prepared, Solution(graph, within, values, best, max(task.horizon, 0)))
+    steps = max(task.horizon, 0)
+    values, best = np.zeros((steps + 1, graph.number)), np.full((steps, graph.number), -1, np.int32)
+    for step, (valued, actions) in enumerate(plain_graph.small_policy(graph, task)):
+        values[step, : len(valued)] = [value for value, _ in valued]
+        best[step, : len(actions)] = actions
+    return _keep(prepared, Solution(graph, np.array(graph.within, np.int32), values, best, steps))
 
 
 def kept(prepared: Prepared, states: int, transitions: float) -> Solution | None:

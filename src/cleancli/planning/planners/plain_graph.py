@@ -1,20 +1,20 @@
-"""The states of a small task and the best policy over them in plain Python, before compiled code is loaded.
+"""The states of a task and the best policy over them in plain Python: in fractions (rational.py), or in
+machine numbers where a task is small and no compiled code has been loaded.
 
 Loading numba and a loop takes a tenth of a second, which is longer than plain Python needs for some dozens of
-states. All is added up in the order of planning/kernels/state_graph.py, so the numbers are the same to the
-last bit, and no plan depends on what has been loaded.
+states. All is added up in the order of planning/kernels/state_graph.py, so machine numbers are the same to
+the last bit, and no plan depends on what has been loaded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Generic, TypeVar
 
-import numpy as np
-
-from cleancli.array_types import Floats, Ints
 from cleancli.compiler.semantics import idle_earliness, idle_worth, payment
-from cleancli.compiler.task import GroundCondition, GroundState, Task, advances, asked, holds
+from cleancli.compiler.task import GroundCondition, GroundRule, GroundState, Task, asked, holds
 from cleancli.planning.preference import preferred
 
 WORK = 20_000
@@ -24,36 +24,29 @@ milliseconds."""
 FEW_STATES = 20
 """Where so many states a step would be too much work, no state is looked at. Chosen."""
 
+N = TypeVar("N", float, Fraction)
+
 
 @dataclass(frozen=True, slots=True)
-class _Choice:
+class Choice(Generic[N]):
     """An action (an index), what its step is expected to pay without its `payment`, the step's expected
     progress, and the states (numbers) that may follow, each with its probability."""
 
     action: int
-    reward: float
-    progress: float
-    after: tuple[tuple[int, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class _Rule:
-    """A rule of an action, with the outcomes that can happen."""
-
-    action: int
-    condition: GroundCondition
-    outcomes: tuple[tuple[float, tuple[tuple[int, int], ...]], ...]
+    reward: N
+    progress: N
+    after: tuple[tuple[int, N], ...]
 
 
 @dataclass(slots=True)
-class PlainGraph:
+class PlainGraph(Generic[N]):
     """The states that can be reached from one, numbered as they are found. `paid` has for each what is paid
     for its decrease, what a step that ends in it is paid, and whose decrease is progress; `within` how many
     states are found within 0, 1, ... steps. States that were found in the last step have no choices."""
 
     numbers: dict[GroundState, int]
-    paid: list[tuple[float, float, float]]
-    choices: list[tuple[_Choice, ...]] = field(default_factory=list)
+    paid: list[tuple[N, N, N]]
+    choices: list[tuple[Choice[N], ...]] = field(default_factory=list)
     within: list[int] = field(default_factory=lambda: [1])
     transitions: int = 0
 
@@ -67,120 +60,147 @@ class PlainGraph:
         return self.numbers.get(state, -1)
 
 
+@dataclass(frozen=True, slots=True)
+class Worth(Generic[N]):
+    """What the actions' payments are multiplied by, what comes after each is worth, and what a reward of 1 in
+    each of 0, 1, ... steps is worth at their start; `preferred` tells which of two (values and earliness, see
+    planning/preference.py) is better."""
+
+    payments: Sequence[N]
+    discounts: Sequence[N]
+    idle: Sequence[N]
+    preferred: Callable[[N, N, N, N], bool]
+
+
+Step = tuple[Sequence[tuple[N, N]], Sequence[int]]
+"""For each state that can be reached by a step: its value and earliness from then on, and what to do (-1 to
+stop)."""
+
+
 def may_be_small(task: Task) -> bool:
     """Whether it is worth while to look at the states of a task."""
     return len(task.rules) * task.horizon * FEW_STATES <= WORK
 
 
-def small_graph(task: Task) -> PlainGraph | None:
+def small_graph(task: Task) -> PlainGraph[float] | None:
     """All that can be reached within the task's horizon; None where that would be too much work."""
-    graph, rules = PlainGraph({task.initial: 0}, [_paid(task, task.initial)]), _rules(task)
-    for _ in range(task.horizon):
-        frontier = list(graph.numbers)[len(graph.choices) :]
-        for state in frontier:
-            graph.choices.append(_choices(task, rules, graph, state))
-            if len(graph.choices) * len(rules) + task.horizon * graph.transitions > WORK:
-                return None
-        if frontier:
-            graph.within.append(graph.number)
+    for graph in growing(task, float):
+        if len(graph.choices) * len(task.rules) + task.horizon * graph.transitions > WORK:
+            return None
     return graph
 
 
-def backward(graph: PlainGraph, task: Task) -> tuple[Floats, Ints]:
-    """Optimal values (horizon + 1, N) and actions (horizon, N), as the compiled `backward` has them."""
-    horizon = max(task.horizon, 0)
-    values, best = np.zeros((horizon + 1, graph.number)), np.full((horizon, graph.number), -1, np.int32)
+def small_policy(graph: PlainGraph[float], task: Task) -> list[Step[float]]:
+    """What is best in each step, by machine numbers."""
     payments = [payment(task, action) for action in range(len(task.actions))]
-    idle, later = idle_worth(task.discount, horizon).tolist(), list[tuple[float, float]]()
+    idle = idle_worth(task.discount, task.horizon).tolist()
+    return backward(graph, task.horizon, Worth(payments, task.discounts, idle, preferred))
+
+
+def growing(task: Task, number: Callable[[Fraction], N]) -> Iterator[PlainGraph[N]]:
+    """The graph of all that can be reached within the horizon, which grows: as it is at first, and then after
+    each state that is given its choices. `number` makes of a fraction what is calculated with."""
+    paying = _paying(task, number)
+    rules = [_rule(task, rule, number) for rule in task.rules]
+    graph = PlainGraph({task.initial: 0}, [paying(task.initial)])
+    yield graph
+    for _ in range(task.horizon):
+        frontier = list(graph.numbers)[len(graph.choices) :]
+        for state in frontier:
+            found = [_choice(graph, state, rule, paying) for rule in rules if holds(rule.condition, state)]
+            stays = [graph.numbers[state]]
+            graph.choices.append(
+                tuple(each for each in found if task.waiting or [to for to, _ in each.after] != stays)
+            )
+            graph.transitions += sum(len(choice.after) for choice in graph.choices[-1])
+            yield graph
+        if frontier:
+            graph.within.append(graph.number)
+
+
+def backward(graph: PlainGraph[N], horizon: int, worth: Worth[N]) -> list[Step[N]]:
+    """What is best in each step, from the first one on (planning/preference.py)."""
+    steps: list[Step[N]] = []
+    later: Sequence[tuple[N, N]] = ()
     for left in range(1, horizon + 1):
         known = graph.within[min(horizon - left, len(graph.within) - 1)]
-        now = []
-        for state in range(known):
-            standing = graph.paid[state][1]
-            stopping = standing * idle[left], standing * idle_earliness(left)
-            choices = graph.choices[state] if state < len(graph.choices) else ()
-            action, value, earliness = _best(task, payments, choices, left, later, stopping)
-            now.append((value, earliness))
-            values[horizon - left, state], best[horizon - left, state] = value, action
-        later = now
-    return values, best
+        best = [_best(graph, state, left, later, worth) for state in range(known)]
+        later = [each for each, _ in best]
+        steps.append((later, [action for _, action in best]))
+    return steps[::-1]
 
 
 def _best(
-    task: Task,
-    payments: Sequence[float],
-    choices: Sequence[_Choice],
-    left: int,
-    later: Sequence[tuple[float, float]],
-    stopping: tuple[float, float],
-) -> tuple[int, float, float]:
-    """The action that is best with so many steps left (-1 to stop), its value and its earliness
-    (planning/preference.py)."""
-    (value, earliness), action = stopping, -1
+    graph: PlainGraph[N], state: int, left: int, later: Sequence[tuple[N, N]], worth: Worth[N]
+) -> tuple[tuple[N, N], int]:
+    """The value of a state with so many steps left and its earliness, and the action that is best there (-1
+    to stop)."""
+    standing, action = graph.paid[state][1], -1
+    value, earliness = standing * worth.idle[left], standing * idle_earliness(left)
     most = value
-    for choice in choices:
-        expected, early = 0.0, left * choice.progress
+    for choice in graph.choices[state] if state < len(graph.choices) else ():
+        expected, early = worth.idle[0], left * choice.progress
         for after, probability in choice.after if left > 1 else ():
             expected += probability * later[after][0]
             early += probability * later[after][1]
-        total = payments[choice.action] * choice.reward + task.discounts[choice.action] * expected
-        if preferred(total, early, most, earliness):
+        total = worth.payments[choice.action] * choice.reward + worth.discounts[choice.action] * expected
+        if worth.preferred(total, early, most, earliness):
             action, value, earliness = choice.action, total, early
         most = max(most, total)
-    return action, value, earliness
+    return (value, earliness), action
 
 
-def _choices(
-    task: Task, rules: Sequence[_Rule], graph: PlainGraph, state: GroundState
-) -> tuple[_Choice, ...]:
-    """The choices in a state; adds the states that may follow."""
-    found = []
-    number = graph.numbers[state]
-    decreasing, _, ahead = graph.paid[number]
-    for rule in rules:
-        if not holds(rule.condition, state):
-            continue
-        reward, progress, after = -float(task.actions[rule.action].cost), 0.0, dict[int, float]()
-        for probability, effects in rule.outcomes:
-            successor = _entered(task, graph, state, effects)
-            left, standing, still = graph.paid[successor]
-            reward += probability * (decreasing - left + standing)
-            progress += probability * (ahead - still + standing)
-            after[successor] = after.get(successor, 0.0) + probability
-        if task.waiting or list(after) != [number]:
-            found.append(_Choice(rule.action, reward, progress, tuple(after.items())))
-            graph.transitions += len(after)
-    return tuple(found)
+@dataclass(frozen=True, slots=True)
+class _Rule(Generic[N]):
+    """A rule of an action with its cost, and with the outcomes that can happen."""
+
+    action: int
+    cost: N
+    condition: GroundCondition
+    outcomes: tuple[tuple[N, tuple[tuple[int, int], ...]], ...]
 
 
-def _entered(task: Task, graph: PlainGraph, state: GroundState, effects: Sequence[tuple[int, int]]) -> int:
-    """The number of the state after an outcome."""
-    values = list(state)
-    for variable, value in effects:
-        values[variable] = value
-    after = tuple(values)
-    number = graph.numbers.setdefault(after, graph.number)
-    if number == len(graph.paid):
-        graph.paid.append(_paid(task, after))
-    return number
+def _rule(task: Task, rule: GroundRule, number: Callable[[Fraction], N]) -> _Rule[N]:
+    outcomes = tuple((number(o.probability), o.effects) for o in rule.outcomes if o.probability)
+    return _Rule(rule.action, number(task.actions[rule.action].cost), rule.condition, outcomes)
 
 
-def _rules(task: Task) -> list[_Rule]:
-    return [
-        _Rule(
-            rule.action,
-            rule.condition,
-            tuple((float(o.probability), o.effects) for o in rule.outcomes if o.probability),
-        )
-        for rule in task.rules
+def _choice(
+    graph: PlainGraph[N], state: GroundState, rule: _Rule[N], paying: Callable[[GroundState], tuple[N, N, N]]
+) -> Choice[N]:
+    """What comes of a rule in a state; adds the states that may follow."""
+    decreasing, _, ahead = graph.paid[graph.numbers[state]]
+    reward, progress, after = -rule.cost, rule.cost - rule.cost, dict[int, N]()
+    for probability, effects in rule.outcomes:
+        values = list(state)
+        for variable, value in effects:
+            values[variable] = value
+        changed = tuple(values)
+        successor = graph.numbers.setdefault(changed, graph.number)
+        if successor == len(graph.paid):
+            graph.paid.append(paying(changed))
+        left, standing, still = graph.paid[successor]
+        reward += probability * (decreasing - left + standing)
+        progress += probability * (ahead - still + standing)
+        after[successor] = after[successor] + probability if successor in after else probability
+    return Choice(rule.action, reward, progress, tuple(after.items()))
+
+
+def _paying(task: Task, number: Callable[[Fraction], N]) -> Callable[[GroundState], tuple[N, N, N]]:
+    """What tells of a state what `PlainGraph.paid` has."""
+    goal, constant, nothing = set(task.goal), number(task.constant_reward), number(Fraction(0))
+    wanted = [
+        (each.condition, number(each.decrease), number(each.state), each.condition in goal)
+        for each in asked(task)
     ]
 
+    def paying(state: GroundState) -> tuple[N, N, N]:
+        decreasing, standing, ahead = nothing, constant, nothing
+        for condition, decrease, paid, is_goal in wanted:
+            if holds(condition, state):
+                decreasing += decrease
+                standing += paid
+                ahead += decrease - is_goal
+        return decreasing, standing, ahead
 
-def _paid(task: Task, state: GroundState) -> tuple[float, float, float]:
-    decreasing, standing, ahead = 0.0, float(task.constant_reward), 0.0
-    for each, advance in zip(asked(task), advances(task), strict=True):
-        if holds(each.condition, state):
-            decreasing += float(each.decrease)
-            standing += float(each.state)
-            ahead += advance
-    return decreasing, standing, ahead
+    return paying
