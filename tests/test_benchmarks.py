@@ -271,6 +271,17 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert "8 problems; skipped: " in result.stdout
 
 
+def test_planners_are_compared_on_large_problems(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ("--large", "--quick", "--seed", "1", "--planner", "prada+", "--planner", "prada")
+    _main("regret", monkeypatch, *arguments)
+    printed = capsys.readouterr().out
+    assert re.search(r"^prada\+ +2 +1\.000 +1\.000 ", printed, re.MULTILINE), "solved, both of them"
+    assert re.search(r"^prada +0 +[12]$", printed, re.MULTILINE), "the first is worse and better than it"
+    assert "2 problems; skipped: " in printed
+
+
 def test_problems_played_before_are_not_played_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

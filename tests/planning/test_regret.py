@@ -139,3 +139,10 @@ def test_instances_are_of_all_families_and_vary(regret: ModuleType) -> None:
         assert all(sum(o.probability for o in rule.outcomes) == 1 for rule in each.domain.rules)
         assert all(o.probability >= 0 for rule in each.domain.rules for o in rule.outcomes)
     assert np.mean([each.steps for each in found]) > 4
+
+
+def test_large_instances_are_of_six_families_and_vary(regret: ModuleType) -> None:
+    found = [regret.large_instance(seed) for seed in range(12)]
+    assert len({each.family for each in found}) == 6
+    assert all(one.problem != other.problem for one, other in zip(found[:6], found[6:], strict=True))
+    assert found[3] == regret.large_instance(3)
