@@ -245,10 +245,10 @@ def test_a_solution_is_of_no_more_states_than_are_allowed() -> None:
 
 
 def test_enumerating_is_given_up_where_growth_says_so() -> None:
-    assert exact.projected([4, 16], 9) == 0
-    assert exact.projected([10, 20, 40], 3) == pytest.approx(70 + 80 + 160 + 320)  # it goes on as it did
-    assert exact.projected([10, 40, 80], 2) == pytest.approx(130 + 80 + 40)  # and bends as it did
-    assert exact.projected([10, 0, 0], 5) == 0
+    assert exact.projected([1, 2, 4, 8], 9) == 0
+    assert exact.projected([1, 2, 4, 8, 16], 2) == pytest.approx(31 + 32 + 64)  # it goes on as it did
+    assert exact.projected([1, 4, 16, 32, 64], 2) == pytest.approx(117 + 64 * 2**0.5 * (1 + 1))
+    assert exact.projected([10, 10, 10, 0, 0], 5) == 0
     line = from_text.task(small_tasks.SECTION_4, "objects { a b - area } init { dirt(a), dirt(b) }")
     assert exact.within_reach(prepare(line), 1_000) is not None
     assert exact.within_reach(prepare(line), 2) is None

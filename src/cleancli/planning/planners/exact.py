@@ -21,9 +21,9 @@ from cleancli.planning.trajectory import branches, course_plan, likeliest_course
 _KEPT = "optimum"
 """What the last solution is called among those of a task."""
 
-PATIENCE = 3.0
-"""An enumeration is given up where it will find so many times more than it may, because what it will find is
-a guess. Chosen."""
+GLANCE, PATIENCE = 0.1, 3.0
+"""An enumeration that has found the first share of what it may is given up where it will find so many times
+more than that, because what it will find is a guess. Chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,19 +185,20 @@ def within_reach(prepared: Prepared, transitions: int) -> Any | None:
         if not enumeration.expand():
             return None
         layers.append(enumeration.transitions - before)
-        if projected(layers, left) > PATIENCE * transitions:
+        enough = enumeration.transitions > GLANCE * transitions
+        if enough and projected(layers, left) > PATIENCE * transitions:
             return None
     return enumeration
 
 
 def projected(layers: Sequence[int], steps: int) -> float:
     """How many transitions there will be after so many more steps, by those that each step so far has found:
-    their growth is taken to fall from step to step as it did last, or not at all. 0 after fewer than
-    three steps that found any."""
-    if len(layers) < 3 or min(layers[-3:]) == 0:
+    by how much their growth has fallen in the last four steps it is taken to fall on. 0 after fewer than five
+    steps that found any."""
+    if len(layers) < 5 or min(layers[-5:]) == 0:
         return 0.0
-    before, growth = (math.log(layers[-i] / layers[-i - 1]) for i in (2, 1))
-    total, layer, bend = float(sum(layers)), float(layers[-1]), min(growth - before, 0.0)
+    growth, before = (math.log(layers[-i] / layers[-i - 2]) / 2 for i in (1, 3))
+    total, layer, bend = float(sum(layers)), float(layers[-1]), min((growth - before) / 2, 0.0)
     for _ in range(steps):
         growth += bend
         layer *= math.exp(min(growth, 2.0))
