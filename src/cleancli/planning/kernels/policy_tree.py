@@ -406,7 +406,7 @@ class Search:
         self._bases = bases_of(prepared, sequence)
         paying = (*self._process.decrease, *self._process.state)
         unit = max(map(abs, paying), default=0.0) or 1.0
-        self._manner = Manner(runs, greedy, exploration, unit, np.uint64(seed % 2**64))
+        self._manner = Manner(runs, greedy, float(exploration), unit, np.uint64(seed % 2**64))
         self._outcomes = int(np.diff(self._process.outcome_start).max(initial=1))
         choices = (self._outcomes + 2) * len(task.actions)
         self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
