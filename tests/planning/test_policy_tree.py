@@ -216,25 +216,46 @@ def test_in_closed_loop_a_search_comes_near_the_optimum(seed: int) -> None:
     assert found >= best - 0.03 * (best - nothing) - 1e-9
 
 
-def test_an_episode_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    task = replace(small_tasks.weighted_task(2), horizon=5)
-    prepared, best = prepare(task), optimum(task)
-    solved, times = exact.solved, list[int]()
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The horizons for which something is solved while the test runs."""
+    times, solve = list[int](), exact.solved
 
     def counted(*given: Any) -> exact.Solution:
-        times.append(1)
-        return solved(*given)
+        found = solve(*given)
+        times.append(found.steps)
+        return found
 
     monkeypatch.setattr(exact, "solved", counted)
+    return times
+
+
+def test_an_episode_is_solved_once(solved: list[int]) -> None:
+    task = replace(small_tasks.weighted_task(2), horizon=5)
+    prepared, best = prepare(task), optimum(task)
     state, left = task.initial, 5
     for name in ("prada+", "exact") * 2:
         plan = PLANNERS[name](prepared.at(state, left), Options())
         assert plan.value == pytest.approx(best(state, left)[0])
         action = task.actions.index(plan.actions[0])
         state, left = successors(task, state, action)[-1][1], left - 1
-    assert len(times) == 1
-    PLANNERS["prada+"](prepared.at(state, 6), Options())  # more steps than were solved for
-    assert len(times) == 2
+    assert solved == [5]
+    PLANNERS["prada+"](prepared.at(state, 20), Options())  # more steps than were solved for
+    assert solved == [5, 20]
+
+
+@pytest.mark.parametrize("horizon", [2, 20])
+def test_a_horizon_that_stays_is_solved_once_where_all_states_are_known(
+    horizon: int, solved: list[int]
+) -> None:
+    task = replace(small_tasks.weighted_task(2), horizon=horizon)
+    prepared, best = prepare(task), optimum(task)
+    state = task.initial
+    for _ in range(3):
+        plan = PLANNERS["prada+"](prepared.at(state, horizon), Options())
+        assert plan.value == pytest.approx(best(state, horizon)[0])
+        state = next(s for a in range(6) for _, s in successors(task, state, a) if s != state)
+    assert solved == ([20] if horizon == 20 else [2, 2, 2])
 
 
 def test_a_solution_is_of_no_more_states_than_are_allowed() -> None:

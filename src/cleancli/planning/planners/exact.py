@@ -129,9 +129,12 @@ def kept(prepared: Prepared, states: int, transitions: float) -> Solution | None
 
 def solved(prepared: Prepared, enumeration: Any) -> Solution:
     """The solution of all that was enumerated of the forgetful task, kept for the states that come of the
-    present one."""
+    present one. Where no more states can be reached in however many steps, it is for all of them at each
+    step, as the next plan asks for it whose horizon is the same again."""
     task, horizon = prepared.forgetful.task, max(prepared.task.horizon, 0)
     graph = enumeration.graph()
+    if not enumeration.frontier:
+        graph = graph._replace(within=graph.within[-1:])
     values, best = kernels.state_graph.backward(graph, prepared.forgetful.process, task.discount, horizon)
     return _keep(prepared, Solution(enumeration, graph.within, values, best, horizon))
 
