@@ -19,7 +19,7 @@ that come after it, so the most that any took is told, too.
 
 200 problems take about ten minutes of CPU for each of the quick planners, and hours for `uct` and others that
 are given a time limit. It says which problem is done, and with --keep each is a line of FILE: those that
-stand there are not played again.
+stand there are not played again. The 60 large problems take half an hour with all planners.
 """
 
 from __future__ import annotations
