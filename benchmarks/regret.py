@@ -4,15 +4,15 @@ Random problems (instances.py) with at most 5,000 states that can be reached wit
 those of large_instances.py, with 10,000 to 500,000. At step t of H a planner sees the state, plans for H - t
 steps, and its first action is done. A planner's share is what it gains over doing nothing, as part of what
 the optimum gains; problems where that is less than `WORTH` say nothing and are skipped. Plans count where
-they are worth any more than doing nothing (`margin` is 0). What has lost its meaning for good is forgotten
-for all planners, which changes no value.
+they are worth any more than doing nothing (`margin` is 0).
 
 A planner with a fixed seed is a policy. Where it meets few pairs of state and step, its return is exact: the
 optimum less what each of its actions loses against the optimum, weighted by the probability that the pair
 comes. Else the same losses are summed over drawn episodes, on the same draws for all planners: with the
 optimal values as control variate, only the losses are noisy, and an optimal planner has no error at all.
 
-With --large shares are all from drawn episodes, and the first planner is compared with each of the others,
+With --large what has lost its meaning for good is forgotten for all planners, which changes no value and leaves
+fewer states. Shares are all from drawn episodes, and the first planner is compared with each of the others,
 episode by episode on the same draws: a problem in which its share is less by more than twice the standard
 error of the difference is counted as lost. A planner's first plan of a problem may take longer than those
 that come after it, so the most that any took is told, too.
@@ -232,7 +232,8 @@ def scores(seed: int, asked: Asked) -> tuple[Score, ...] | str:
     """Of each planner on the problem of a seed, or why there are none."""
     found = large_instance(seed) if asked.large else instance(seed)
     fewest, most = LARGE_STATES if asked.large else (0, STATES)
-    game = game_of(prepare(ground(found.domain, found.problem)).forgetful, found.steps, most)
+    prepared = prepare(ground(found.domain, found.problem))
+    game = game_of(prepared.forgetful if asked.large else prepared, found.steps, most)
     if game is None:
         return f"more than {most:,} states"
     if len(game.graph.states) < fewest:

@@ -28,6 +28,7 @@ from cleancli.planning.kernels.transitions import (
     rewarded,
     touched,
 )
+from cleancli.planning.preference import AS_GOOD
 
 STOP, GREEDY, TAIL, LIST, RETRIED = -1, 0, 1, 2, 3
 """What can be done from a state on."""
@@ -72,7 +73,7 @@ def one_step(
 @inner
 def _greedy(p: Process, b: Bases, state: Ints, left: int, standing: float) -> int:
     """The action that is worth most if nothing comes after it; -1 where stopping is worth as much."""
-    best, most = -1, standing * b.idle[left] + 1e-9
+    best, most = -1, standing * b.idle[left] + AS_GOOD
     for action in range(len(p.cost)):
         rule = choosable(p, state, action)
         if rule >= 0:
