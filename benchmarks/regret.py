@@ -11,11 +11,11 @@ optimum less what each of its actions loses against the optimum, weighted by the
 comes. Else the same losses are summed over drawn episodes, on the same draws for all planners: with the
 optimal values as control variate, only the losses are noisy, and an optimal planner has no error at all.
 
-With --large what has lost its meaning for good is forgotten for all planners, which changes no value and leaves
-fewer states. Shares are all from drawn episodes, and the first planner is compared with each of the others,
-episode by episode on the same draws: a problem in which its share is less by more than twice the standard
-error of the difference is counted as lost. A planner's first plan of a problem may take longer than those
-that come after it, so the most that any took is told, too.
+With --large what has lost its meaning for good is forgotten for all planners, which changes no value and
+leaves fewer states. Shares are all from drawn episodes, and the first planner is compared with each of the
+others, episode by episode on the same draws: a problem in which its share is less by more than twice the
+standard error of the difference is counted as lost. A planner's first plan of a problem may take longer than
+those that come after it, so the most that any took is told, too.
 
 200 problems take about ten minutes of CPU for each of the quick planners, and hours for `uct` and others that
 are given a time limit. It says which problem is done, and with --keep each is a line of FILE: those that
