@@ -24,19 +24,22 @@ TIP_HEIGHT = 0.12  # of the held end, while it is tipped
 CARRY_HEIGHT = 0.06  # and when it is lifted
 TIP_BEYOND = 0.03  # the tipped lip is so far past the table's edge
 TIP = -1.0  # rad: lentils slide down
+ASLANT = np.radians(10.0)  # an area whose farthest points lie so far from left and right of each other
 TURNS = (30.0, 60.0, 90.0)  # degrees from left towards the robot at which the dustpan waits, if not there
 
 Pose = tuple[float, float, float]
 
 
 def pick_ups(areas: Sequence[Ellipse], scene: Scene) -> Iterator[ToolPath]:
-    """Ways to pick areas up in one go, the best first: from right to left (§3.2.2), then with the dustpan
-    nearer to the robot, as long as its lip stands on the surface and no area lies beyond the last one, where
-    the dustpan is.
+    """Ways to pick areas up in one go, the best first: from right to left (§3.2.2), then one that lies aslant
+    straight to the left over its middle, then with the dustpan nearer to the robot, as long as its lip stands
+    on the surface and no area lies beyond the last one, where the dustpan is.
 
     Left and right are those of the robot, which looks at the surface from behind the container.
     """
     yield pick_up(areas, scene)
+    if len(areas) == 1 and _across(areas[0], to_pan(scene))[1] @ to_pan(scene) < np.cos(ASLANT):
+        yield pick_up(areas, scene, 0.0)
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
     middles = np.array([area.centre for area in areas])
     for turn in np.radians(TURNS):
@@ -55,11 +58,12 @@ def to_pan(scene: Scene, turn: float = 0.0) -> Floats:
     return aim
 
 
-def pick_up(areas: Sequence[Ellipse], scene: Scene, turn: float = 0.0) -> ToolPath:
-    """The rag's path from right to left, or turned from there towards the robot, in radians: over one area,
-    or over several and from the last one's middle; and with it where the dustpan stands and is emptied."""
-    aim = to_pan(scene, turn)
-    poses, way = _alone(areas[0], scene, aim) if len(areas) == 1 else _over(areas, scene, aim)
+def pick_up(areas: Sequence[Ellipse], scene: Scene, turn: float | None = None) -> ToolPath:
+    """The rag's path over one area, or over several and from the last one's middle; and with it where the
+    dustpan stands and is emptied. One area is swept from its farthest point on the right to that on the left,
+    or, where a `turn` is given, straight to the left, turned by so many radians towards the robot."""
+    aim = to_pan(scene, turn or 0.0)
+    poses, way = _over(areas, scene, aim) if len(areas) > 1 else _alone(areas[0], scene, aim, turn is None)
     yaw = float(np.arctan2(way[1], way[0]))
     down, *others = poses
     lip = np.array(poses[-1][:2])
@@ -77,15 +81,24 @@ def pick_up(areas: Sequence[Ellipse], scene: Scene, turn: float = 0.0) -> ToolPa
     )
 
 
-def _alone(area: Ellipse, scene: Scene, aim: Floats) -> tuple[tuple[Pose, ...], Floats]:
-    """Where the rag comes down behind the area, and where it meets the lip; and the way (2,) from there."""
-    points = boundary(area)
-    begin, end = points[np.argmin(points @ aim)], points[np.argmax(points @ aim)]
-    way = (end - begin) / np.linalg.norm(end - begin)
+def _alone(area: Ellipse, scene: Scene, aim: Floats, across: bool) -> tuple[tuple[Pose, ...], Floats]:
+    """Where the rag comes down behind the area, and where it meets the lip; and the way (2,) from there:
+    `across` the area, or along `aim` over its middle."""
+    middle, half_length = np.array(area.centre), reach(area, (float(aim[0]), float(aim[1])))
+    begin, way = _across(area, aim) if across else (middle - half_length * aim, aim)
+    end = begin + 2 * ((middle - begin) @ way) * way
     half = np.array((scene.surface.width, scene.surface.depth)) / 2 - EDGE_MARGIN
     first, lip = np.clip(begin - CLEARANCE * way, -half, half), end + CLEARANCE / 2 * way
     yaw = float(np.arctan2(way[1], way[0]))
     return (_pose(first, yaw), _pose(lip, yaw)), way
+
+
+def _across(area: Ellipse, aim: Floats) -> tuple[Floats, Floats]:
+    """The area's farthest point (2,) against `aim`, and the way (2,) from there to the farthest along it."""
+    points = boundary(area)
+    begin, end = points[np.argmin(points @ aim)], points[np.argmax(points @ aim)]
+    way: Floats = (end - begin) / np.linalg.norm(end - begin)
+    return begin, way
 
 
 def _over(areas: Sequence[Ellipse], scene: Scene, aim: Floats) -> tuple[tuple[Pose, ...], Floats]:
