@@ -173,8 +173,7 @@ def test_an_episode_that_cannot_be_is_refused(
 
 
 def test_what_is_no_text_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Bytes of a checkpoint's JSON that are no UTF-8; which of its two messages msgspec has for it depends on
-    where the text lies in memory."""
+    """Bytes of a checkpoint's JSON that are no UTF-8. Two messages were seen to come of the same bytes."""
     for path in (folder / "state").iterdir():
         arrays = unpacked(path.read_bytes())
         broken = arrays["rest"].tobytes().replace(b'"reason":""', b'"reason":"\xba"')
