@@ -173,12 +173,12 @@ def test_an_episode_that_cannot_be_is_refused(
 
 
 def test_what_is_no_text_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Bytes of a checkpoint's JSON that are no UTF-8. Two messages were seen to come of the same bytes."""
+    """Bytes of a checkpoint's JSON that are no UTF-8."""
     for path in (folder / "state").iterdir():
         arrays = unpacked(path.read_bytes())
         broken = arrays["rest"].tobytes().replace(b'"reason":""', b'"reason":"\xba"')
         path.write_bytes(packed({**arrays, "rest": np.frombuffer(broken, np.uint8)}))
-    refused(resumed(folder), folder, capsys, "E706", "is no checkpoint to go on from")
+    refused(resumed(folder), folder, capsys, "E706", "can't decode byte 0xba")
 
 
 WORLDS: dict[str, Callable[[dict[str, Any]], object]] = {

@@ -86,7 +86,8 @@ def read(folder: Path, path: Path) -> Saved:
     try:
         arrays = unpacked(read_inside(folder, str(path.relative_to(folder)), LARGEST))
         world = {n.removeprefix("world_"): array for n, array in arrays.items() if n != "rest"}
-        rest = msgspec.json.decode(arrays["rest"].tobytes(), type=_Rest, dec_hook=_read)
+        text = arrays["rest"].tobytes().decode()  # here, since msgspec has several words for what is no text
+        rest = msgspec.json.decode(text, type=_Rest, dec_hook=_read)
     except (msgspec.MsgspecError, BadArrays, RecursionError, UnicodeDecodeError) as error:
         raise refused(path, str(error)) from None
     except KeyError:
