@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import accumulate
 
-from cleancli.compiler.semantics import covering_rule
 from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.plan import TooManyStatesError
 from cleancli.planning.planners.plain_graph import Worth, backward, growing
@@ -36,15 +35,3 @@ def _worth(task: Task) -> Worth[Fraction]:
     payments = [d / discount if discount else Fraction(1) for d in discounts]
     idle = accumulate((discount**step for step in range(task.horizon)), initial=Fraction(0))
     return Worth(payments, discounts, list(idle), lambda v, e, w, f: (v, e) > (w, f))
-
-
-def successors(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
-    """The states that may follow, with their probabilities; none where no rule covers the state."""
-    rule = covering_rule(task, state, action)
-    found: dict[GroundState, Fraction] = {}
-    for outcome in () if rule is None else rule.outcomes:
-        if outcome.probability:
-            effects = dict(outcome.effects)
-            successor = tuple(effects.get(variable, value) for variable, value in enumerate(state))
-            found[successor] = found.get(successor, Fraction(0)) + outcome.probability
-    return found

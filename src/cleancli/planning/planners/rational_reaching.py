@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Ints
-from cleancli.compiler.task import Reaching, Task
+from cleancli.compiler.semantics import covering_rule
+from cleancli.compiler.task import GroundState, Reaching, Task
 from cleancli.planning import kernels
-from cleancli.planning.planners import rational
 
 Chances = Mapping[int, Fraction]
 """Where a choice leads to, and how likely."""
@@ -76,8 +76,20 @@ def _transitions(task: Task, enumeration: Any, graph: Any) -> Iterator[Iterator[
     """Of each choice where it leads to, and how likely."""
     for number, state in enumerate(graph.states.tolist()):
         for choice in range(*graph.choice_start[number : number + 2].tolist()):
-            found = rational.successors(task, tuple(state), int(graph.choice_action[choice]))
+            found = _successors(task, tuple(state), int(graph.choice_action[choice]))
             yield ((enumeration.index(successor), chance) for successor, chance in found.items())
+
+
+def _successors(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
+    """The states that may follow, with their probabilities; none where no rule covers the state."""
+    rule = covering_rule(task, state, action)
+    found: dict[GroundState, Fraction] = {}
+    for outcome in () if rule is None else rule.outcomes:
+        if outcome.probability:
+            effects = dict(outcome.effects)
+            successor = tuple(effects.get(variable, value) for variable, value in enumerate(state))
+            found[successor] = found.get(successor, Fraction(0)) + outcome.probability
+    return found
 
 
 def _choices(
