@@ -7,7 +7,7 @@ is worth solves a system of linear equations, by taking one state after the othe
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -37,7 +37,7 @@ def solve(task: Task, reaching: Reaching, enumeration: Any, graph: Any, goal: Bo
     """As kernels.goal_policy.solve: the policy, and bounds that are equal, exact but for their rounding to
     floats. `enumeration` and `graph` are those of kernels.state_graph."""
     loops = kernels.goal_policy
-    after = [dict(each) for each in _transitions(task, enumeration, graph)]
+    after = _transitions(task, enumeration, graph)
     costs = [reaching.costs[action] for action in graph.choice_action.tolist()]
     known = kernels.decision_graph.DecisionGraph(
         graph.choice_start,
@@ -47,24 +47,26 @@ def solve(task: Task, reaching: Reaching, enumeration: Any, graph: Any, goal: Bo
         np.array([float(cost > 0) for cost in costs]),
     )
     told = loops.outlook(known, goal)
-    probability = [Fraction(int(sure)) for sure in (goal | told.certain).tolist()]
-    unknown = told.inside & ~told.certain
-    block, blocks = loops.blocks_of(unknown, told.ends)
-    block[~unknown] = np.where((goal | told.certain)[~unknown], blocks, blocks + 1)
-    every = np.ones(len(costs), dtype=np.bool_)
-    free = [Fraction(0)] * len(costs)
-    chances, _ = _best(_choices(graph, after, free, block, blocks, every), (Fraction(1), Fraction(0)), True)
-    for state in np.flatnonzero(unknown).tolist():
-        probability[state] = chances[block[state]]
+    probability = _probabilities(graph, after, goal, told)
     lossless = _lossless(graph, after, probability, told)
     ends, staying = loops.free_components(known, told.back, told.inside, lossless)
     block, blocks = loops.blocks_of(told.inside, ends)
     block[~told.inside] = blocks
     values, leaving = _best(_choices(graph, after, costs, block, blocks, lossless), (Fraction(0),), False)
-    cost = [values[b] if inside else Fraction(0) for b, inside in zip(block, told.inside, strict=True)]
     exits = np.array([each.origin for each in leaving], dtype=np.int32)
     choice = loops.spread_out(told.back, told.inside, ends, staying, exits)
-    return loops.GoalPolicy(_rounded(probability), _rounded(cost), choice)
+    return loops.GoalPolicy(_rounded(probability), _rounded([values[b] for b in block]), choice)
+
+
+def _probabilities(graph: Any, after: Sequence[Chances], goal: Bools, told: Any) -> list[Fraction]:
+    """The greatest probability to reach the goal from each state. Behind the blocks stand the goal, and where
+    it is out of reach."""
+    sure, unknown = goal | told.certain, told.inside & ~told.certain
+    block, blocks = kernels.goal_policy.blocks_of(unknown, told.ends)
+    block[~unknown] = np.where(sure[~unknown], blocks, blocks + 1)
+    free, every = [Fraction(0)] * len(after), np.ones(len(after), dtype=np.bool_)
+    values, _ = _best(_choices(graph, after, free, block, blocks, every), (Fraction(1), Fraction(0)), True)
+    return [values[b] for b in block]
 
 
 def _rounded(values: Sequence[Fraction]) -> Floats:
@@ -72,12 +74,15 @@ def _rounded(values: Sequence[Fraction]) -> Floats:
     return np.array([[float(value) for value in values]] * 2)
 
 
-def _transitions(task: Task, enumeration: Any, graph: Any) -> Iterator[Iterator[tuple[int, Fraction]]]:
+def _transitions(task: Task, enumeration: Any, graph: Any) -> list[Chances]:
     """Of each choice where it leads to, and how likely."""
-    for number, state in enumerate(graph.states.tolist()):
-        for choice in range(*graph.choice_start[number : number + 2].tolist()):
-            found = _successors(task, tuple(state), int(graph.choice_action[choice]))
-            yield ((enumeration.index(successor), chance) for successor, chance in found.items())
+    owner = np.repeat(np.arange(len(graph.states)), np.diff(graph.choice_start)).tolist()
+    states = list(map(tuple, graph.states.tolist()))
+    found = (
+        _successors(task, states[number], action)
+        for number, action in zip(owner, graph.choice_action.tolist(), strict=True)
+    )
+    return [{enumeration.index(state): chance for state, chance in each.items()} for each in found]
 
 
 def _successors(task: Task, state: GroundState, action: int) -> dict[GroundState, Fraction]:
@@ -131,18 +136,14 @@ def _lossless(graph: Any, after: Sequence[Chances], probability: Sequence[Fracti
 def _best(
     choices: Sequence[Sequence[_Choice]], fixed: Sequence[Fraction], greatest: bool
 ) -> tuple[list[Fraction], list[_Choice]]:
-    """The best values of all blocks, and the choices that have them. `fixed` are the values of the states
-    behind the blocks, one of which every policy that is met reaches for certain."""
+    """The best values of all blocks and of the states behind them, which are `fixed`, and the choices that
+    have them. Every policy that is met reaches a fixed state for certain."""
     policy, sign = _approaching(choices), -1 if greatest else 1
     while True:
         values = [*_worth(policy, fixed), *fixed]
         improved = [_improved(several, sign, values) for several in choices]
-        changes = [
-            block
-            for block, (worth, _) in enumerate(improved)
-            if worth
-            < sign * values[block]  # of equals the policy's own choice stays, or it might turn in circles
-        ]
+        # Of equals the policy's own choice stays, or it might turn in circles.
+        changes = [block for block, (worth, _) in enumerate(improved) if worth < sign * values[block]]
         if not changes:
             return values, policy
         for block in changes:
