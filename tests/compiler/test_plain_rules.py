@@ -195,7 +195,7 @@ def test_the_same_task_by_columns_and_one_by_one(compat: bool, monkeypatch: pyte
     monkeypatch.setattr(column_join, "FEW", 0)
     drawn = [Drawn(seed) for seed in range(60)]
     by_columns = [grounded(each, compat) for each in drawn]
-    monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)
+    monkeypatch.setattr(instances_module, "plain_conjunctions", lambda rule, universe: None)
     assert by_columns == [grounded(each, compat) for each in drawn]
     codes = Counter(d.code for found in by_columns if isinstance(found, tuple) for d in found)
     tasks = [found for found in by_columns if isinstance(found, Task)]
@@ -209,7 +209,7 @@ def test_several_conjunctions_mean_what_derived_predicates_do(monkeypatch: pytes
     monkeypatch.setattr(instances_module, "FEW", 0)
     drawn = [Drawn(seed, DERIVED) for seed in range(60)]
     by_columns = [grounded(each, compat=False) for each in drawn]
-    monkeypatch.setattr(instances_module, "is_plain", lambda rule, universe: False)
+    monkeypatch.setattr(instances_module, "plain_conjunctions", lambda rule, universe: None)
     one_by_one = [grounded(each, compat=False) for each in drawn]
     tasks, divided = 0, 0
     for seed, (left, right) in enumerate(zip(by_columns, one_by_one, strict=True)):

@@ -13,7 +13,7 @@ from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.fluents import Binding, Fluent, bind
 from cleancli.compiler.ground_formula import ALWAYS, Formula, conjunction, negation
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
-from cleancli.compiler.plain_rules import PlainGrounding, PlainInstances, Vocabulary, is_plain
+from cleancli.compiler.plain_rules import PlainGrounding, PlainInstances, Vocabulary, plain_conjunctions
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Assign, Domain, ForAll, Outcome, Reference, Rule, Shift, Value
@@ -77,8 +77,9 @@ def instances(domain: Domain, conditions: Conditions, join: ColumnJoin, *, compa
     others: list[Instance] = []
     for index, rule in enumerate(domain.rules):
         objects = join.bindings(rule.variables, rule.condition)
-        if len(objects) > FEW and is_plain(rule, conditions.universe):
-            plain += grounding.instances(index, rule, objects)
+        cases = plain_conjunctions(rule, conditions.universe) if len(objects) > FEW else None
+        if cases is not None:
+            plain += grounding.instances(index, rule, cases, objects)
             continue
         for row in objects.tolist():
             try:

@@ -17,7 +17,7 @@ import numpy as np
 
 from cleancli.array_types import Bools, Longs
 from cleancli.compiler.column_join import ColumnJoin
-from cleancli.compiler.conjunctions import conjunctions
+from cleancli.compiler.conjunctions import Conjunction, conjunctions
 from cleancli.compiler.fluents import Binding, Fluent
 from cleancli.compiler.ragged import distinct, spans, starts
 from cleancli.compiler.static_join import Universe, free_variables
@@ -98,15 +98,13 @@ class PlainInstances:
         return sorted(found)
 
 
-def is_plain(rule: Rule, universe: Universe) -> bool:
-    """Whether a rule is grounded by columns: it has no references, the state decides none of its effects, and
-    its condition is a few conjunctions of literals."""
+def plain_conjunctions(rule: Rule, universe: Universe) -> tuple[Conjunction, ...] | None:
+    """The conjunctions (conjunctions.py) of a rule that is grounded by columns: it has no references, and the
+    state decides none of its effects. None for another rule."""
     effects = [effect for outcome in rule.outcomes for effect in outcome.effects]
-    return (
-        not rule.references
-        and all(_sets_always(effect, universe) for effect in effects)
-        and conjunctions(rule, universe) is not None
-    )
+    if rule.references or not all(_sets_always(effect, universe) for effect in effects):
+        return None
+    return conjunctions(rule, universe)
 
 
 def _sets_always(effect: object, universe: Universe) -> bool:
@@ -143,11 +141,12 @@ class PlainGrounding:
         self._join = join
         self.vocabulary = Vocabulary()
 
-    def instances(self, index: int, rule: Rule, objects: Longs) -> Iterator[PlainInstances]:
-        """All for these objects, by conjunctions, but for those whose literals exclude each other."""
+    def instances(
+        self, index: int, rule: Rule, cases: Sequence[Conjunction], objects: Longs
+    ) -> Iterator[PlainInstances]:
+        """All for these objects, by the rule's conjunctions, but for those whose literals exclude each
+        other."""
         rows = _Rows(rule.variables, objects, self._join)
-        cases = conjunctions(rule, self._universe)
-        assert cases is not None, "the rule is plain"
         found = [self._literals(conjunction, rows) for conjunction in cases]
         assigned = tuple([self._assigned(outcome, rows) for outcome in rule.outcomes])
         for conjunction, literals in zip(cases, found, strict=True):

@@ -37,8 +37,9 @@ def pick_ups(areas: Sequence[Ellipse], scene: Scene) -> Iterator[ToolPath]:
 
     Left and right are those of the robot, which looks at the surface from behind the container.
     """
+    left = to_pan(scene)
     yield pick_up(areas, scene)
-    if len(areas) == 1 and _across(areas[0], to_pan(scene))[1] @ to_pan(scene) < np.cos(ASLANT):
+    if len(areas) == 1 and _across(areas[0], left)[1] @ left < np.cos(ASLANT):
         yield pick_up(areas, scene, 0.0)
     half = np.array((scene.surface.width, scene.surface.depth)) / 2
     middles = np.array([area.centre for area in areas])
