@@ -1,5 +1,5 @@
-"""Search in policies (planning/kernels/policy_tree.py, base_policies.py): against Bellman's equation and
-plain runs over compiler/semantics.py, and what the planners that use it promise."""
+"""Search in policies (planning/kernels/policy_tree.py, tree_search.py, base_policies.py): against Bellman's
+equation and plain runs over compiler/semantics.py, and what the planners that use it promise."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from cleancli.compiler.semantics import (
 )
 from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.compiled_task import prepare
-from cleancli.planning.kernels import base_policies, policy_tree, state_graph
+from cleancli.planning.kernels import base_policies, state_graph, tree_search
 from cleancli.planning.plan import Options, TooManyStatesError
 from cleancli.planning.planners import exact
 from cleancli.planning.registry import PLANNERS
@@ -46,9 +46,9 @@ def drawn_sequence(task: Task, seed: int, length: int = 4) -> tuple[int, ...]:
     return tuple(np.random.default_rng([seed, 7]).integers(len(task.actions), size=length).tolist())
 
 
-def tree(task: Task, sequence: Sequence[int] = (), **manner: Any) -> policy_tree.Search:
+def tree(task: Task, sequence: Sequence[int] = (), **manner: Any) -> tree_search.Search:
     manner = {"runs": 2, "exploration": 0.3, "seed": 1} | manner
-    return policy_tree.Search(prepare(task), sequence, **manner)
+    return tree_search.Search(prepare(task), sequence, **manner)
 
 
 def is_choice(task: Task, state: GroundState, action: int) -> bool:
@@ -88,7 +88,7 @@ def test_base_policies_are_worth_what_plain_recursion_says(seed: int, kind: str)
     task = drawn_task(seed)
     sequence = drawn_sequence(task, seed)
     means = [
-        policy_tree.base_mean(prepare(task), sequence, KINDS[kind], 2000, batch)[0] for batch in range(10)
+        tree_search.base_mean(prepare(task), sequence, KINDS[kind], 2000, batch)[0] for batch in range(10)
     ]
     error = np.std(means, ddof=1) / np.sqrt(len(means)) + 1e-12
     assert abs(np.mean(means) - expected(task, kind, sequence)) < stats.t.isf(1e-6, 9) * error
@@ -98,7 +98,7 @@ def test_base_policies_are_worth_what_plain_recursion_says(seed: int, kind: str)
 def test_the_tails_earliness_is_the_sequences(seed: int) -> None:
     task = drawn_task(seed)
     sequence = drawn_sequence(task, seed)
-    found = policy_tree.base_mean(prepare(task), sequence, base_policies.TAIL, 20_000, 1)[1]
+    found = tree_search.base_mean(prepare(task), sequence, base_policies.TAIL, 20_000, 1)[1]
     assert found == pytest.approx(earliness(task, sequence), abs=0.3)
 
 

@@ -1,7 +1,7 @@
 """Compiled inner loops of planners, a module each, which is imported when it is first named.
 
 All need numba, which takes longer to load than most plans take: so what may end without a plan writes
-`from cleancli.planning import kernels`, and `kernels.policy_tree` where it runs the loop.
+`from cleancli.planning import kernels`, and `kernels.tree_search` where it runs the loop.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from cleancli.planning.kernels import belief_search as belief_search
     from cleancli.planning.kernels import decision_graph as decision_graph
     from cleancli.planning.kernels import goal_policy as goal_policy
-    from cleancli.planning.kernels import policy_tree as policy_tree
     from cleancli.planning.kernels import sparse_sampling as sparse_sampling
     from cleancli.planning.kernels import state_graph as state_graph
     from cleancli.planning.kernels import transitions as transitions
+    from cleancli.planning.kernels import tree_search as tree_search
 
 _LOOPS = frozenset(
     {
@@ -29,10 +29,10 @@ _LOOPS = frozenset(
         "belief_search",
         "decision_graph",
         "goal_policy",
-        "policy_tree",
         "sparse_sampling",
         "state_graph",
         "transitions",
+        "tree_search",
     }
 )
 

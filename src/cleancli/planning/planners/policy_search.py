@@ -57,7 +57,7 @@ def search(
 ) -> Policy:
     """The policy that so many descents lead to, or as many as there is time for, from the best of
     sequences."""
-    tree = kernels.policy_tree.Search(
+    tree = kernels.tree_search.Search(
         prepared,
         best_start(prepared, starts, seed),
         runs=runs,
@@ -73,7 +73,7 @@ def search(
 
 def carried_out(prepared: Prepared, sequence: Actions, seed: int) -> tuple[float, float]:
     """What a sequence is worth, whatever happens, and its earliness, over the runs that value the policy."""
-    return kernels.policy_tree.base_mean(prepared, sequence, kernels.base_policies.TAIL, FRESH_RUNS, seed + 1)
+    return kernels.tree_search.base_mean(prepared, sequence, kernels.base_policies.TAIL, FRESH_RUNS, seed + 1)
 
 
 def best_start(prepared: Prepared, starts: Sequence[Actions], seed: int) -> Actions:
@@ -83,7 +83,7 @@ def best_start(prepared: Prepared, starts: Sequence[Actions], seed: int) -> Acti
     loops = kernels.base_policies
     worth = [
         max(
-            kernels.policy_tree.base_mean(prepared, each, base, START_RUNS, seed)
+            kernels.tree_search.base_mean(prepared, each, base, START_RUNS, seed)
             for base in range(loops.FIRST_ROLLOUT, loops.LAST_ROLLOUT + 1)
         )
         for each in starts
@@ -113,7 +113,7 @@ def _hopeful(prepared: Prepared) -> tuple[Any, tuple[int, ...]]:
 def load(prepared: Prepared) -> None:
     """Makes numba load or compile what will run."""
     first = prepared.at(prepared.task.initial, 1)
-    tree = kernels.policy_tree.Search(first, [0] if first.task.actions else [], runs=1, exploration=0, seed=0)
+    tree = kernels.tree_search.Search(first, [0] if first.task.actions else [], runs=1, exploration=0, seed=0)
     tree.run(1)
     tree.course()
     tree.sampled(1, 0)

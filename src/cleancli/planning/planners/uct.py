@@ -34,7 +34,7 @@ def uct(prepared: Prepared, options: Options, own: UctOptions) -> Plan:
     task = prepared.task
     _ = prepared.process  # is made when first asked for
     times.append(time.perf_counter())
-    search = kernels.policy_tree.Search(
+    search = kernels.tree_search.Search(
         prepared, (), exploration=own.exploration, seed=options.seed, greedy=GREEDY_RUNS
     )
     search.run(1)  # makes numba load or compile what it will run
