@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, usual_job, within_reach
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, discounts_time, usual_job, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.table_cell import TableCell
 from cleancli.language.find import find
@@ -36,13 +36,13 @@ def planning(named: str) -> tuple[str, str | None]:
 
 
 def opened(job: Job, stand_in: type[KinematicTable] | None) -> Opened:
-    """An episode that plans by time, before its first look; on the physics, if no stand-in is given. Raises
+    """An episode as `execute` has it, before its first look; on the physics, if no stand-in is given. Raises
     ValueError for a scene for which there is none."""
     domain, scene, named, seed = job
     strategy, planner = planning(named)
     model = load_domain(read_source(find(domain, "domains")))
     place = load_scene(read_source(find(scene, "problems")))
-    options = EpisodeOptions(strategy=strategy, planner=planner, seed=seed, by_time=True)
+    options = EpisodeOptions(strategy=strategy, planner=planner, seed=seed, by_time=discounts_time(model))
     return placed(model, place, options, stand_in)
 
 

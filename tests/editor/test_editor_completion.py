@@ -60,7 +60,7 @@ def offered(name: str, text: str) -> list[str]:
         ("rule r: push(?a) { when forall ?b - area: near(?a, |", ["?a", "?b"]),
         ("parameters { often = 0.5 } rule r: push(?a) { then |", ["often", "rest"]),
         ("derived { beside(?a ?b - area) := closure |", SYMBOLS),
-        ("reward { |", ["dirty_areas", "cost", "decrease", "goal"]),
+        ("reward { |", ["dirty_areas", "cost", "decrease", "duration", "goal"]),
         ("reward { decrease(|", ["dirty_areas"]),
         ("derived { n := |", ["count"]),
         ("rule broken: ( { { ] \n } rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),

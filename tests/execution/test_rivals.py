@@ -12,11 +12,13 @@ import pytest
 
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
-from cleancli.execution.episode_state import ActionKey, Situation
-from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job, within_reach
+from cleancli.execution.episode_state import ActionKey, Move, Situation
+from cleancli.execution.setup import DecisionContext, EpisodeOptions, Job, discounts_time, within_reach
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import load_domain
 from cleancli.language.model import Fact, Object, Problem
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene
@@ -146,3 +148,33 @@ def test_a_plan_by_time_begins_with_what_takes_least(scene: Scene) -> None:
         return moves[0].objects[0]
 
     assert (begins("a1"), begins("a2")) == ("a2", "a1")
+
+
+PRICED = """
+domain priced {
+  types      { area }
+  predicates { dirt(?a - area) }
+  derived    { left := count ?a - area: dirt(?a) }
+  actions    { push(?a - area) [duration = 9 s]  wipe(?a - area) [duration = 9 s] }
+  rule pushed: push(?a) { when dirt(?a) then 1: not dirt(?a) }
+  rule wiped: wipe(?a)  { when dirt(?a) then 1: not dirt(?a) }
+  reward { decrease(left) - 0.05 * duration }
+}
+"""
+
+
+def test_a_reward_that_counts_durations_counts_what_actions_take_here(scene: Scene) -> None:
+    """docs/planning.md, "Rewards": nothing is done where it takes longer than it is worth (20 s)."""
+    domain = load_domain(Source("priced.nid", PRICED))
+    problem = Problem("here", "priced", (Object("a1", "area"),), frozenset({Fact("dirt", ("a1",), True)}))
+
+    def does(**takes: float) -> tuple[Move, ...]:
+        def seconds(actions: Iterable[GroundAction]) -> dict[ActionKey, float]:
+            return {action.key: takes[action.name] for action in actions}
+
+        here = replace(now(scene), domain=domain, problem=problem, seconds=seconds)
+        return STRATEGIES["plan-2"].decide(here, replace(OPTIONS, by_time=discounts_time(domain))).moves
+
+    assert does(push=12.0, wipe=6.0) == (Move("wipe", ("a1",)),)
+    assert does(push=6.0, wipe=12.0) == (Move("push", ("a1",)),)
+    assert does(push=21.0, wipe=22.0) == ()

@@ -54,6 +54,7 @@ def test_the_domain_that_is_changed_is_right() -> None:
         ("closure near", "closure nearby", "E203", "nearby"),
         ("dirty := count", "near := count", "E202", "`near` is already a predicate or function"),
         ("- cost", "- 1/0 * cost", "E302", "division by zero"),
+        ("- cost", "- duration", "E227", "the reward counts durations, and no duration is known of: join"),
         ("wipe(?a) {", "wipe(a) {", "E204", "`a` is not a variable"),
         ("join(?a, ?b) {", "join(?a, ?a) {", "E202", "the variable `?a` stands here twice"),
         ("join(?a, ?b) {", "join(?a) {", "E208", "join"),

@@ -30,7 +30,7 @@ from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
-from cleancli.execution.setup import EpisodeOptions, Job
+from cleancli.execution.setup import EpisodeOptions, Job, discounts_time
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
@@ -292,7 +292,7 @@ def _by_time(objective: str | None, domain: Domain) -> bool:
     unknown = [action.name for action in domain.actions if action.duration is None]
     if objective == "time" and unknown:
         raise NoDurationError(unknown)
-    return objective == "time" or (objective is None and not unknown)
+    return objective == "time" or (objective is None and discounts_time(domain))
 
 
 def _copied(inputs: Inputs, folder: Path) -> dict[str, object]:

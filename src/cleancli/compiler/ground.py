@@ -23,7 +23,7 @@ from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_ma
 from cleancli.compiler.instances import instances, instances_of
 from cleancli.compiler.partial_evaluation import Conditions
 from cleancli.compiler.relaxed_reachability import Reach
-from cleancli.compiler.rewards import costs_of, rewards_of, usual_objective, waiting_can_pay
+from cleancli.compiler.rewards import costs_of, price_of, rewards_of, usual_objective, waiting_can_pay
 from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import (
     GroundAction,
@@ -83,6 +83,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
         untimed=tuple(sorted(action.name for action in domain.actions if action.duration is None)),
         waiting=waiting,
         reaching=_reaching(domain, problem, actions),
+        price=price_of(domain),
     )
 
 

@@ -16,10 +16,26 @@ from cleancli.compiler.encoding import Numbering
 from cleancli.compiler.ground_formula import Formula, Known, disjoint
 from cleancli.compiler.instances import closure_refused
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
-from cleancli.compiler.task import GroundCondition, Objective, RewardCondition, condition_order, held
+from cleancli.compiler.task import (
+    GroundCondition,
+    Objective,
+    RewardCondition,
+    condition_order,
+    held,
+    in_seconds,
+)
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Count, Domain, Horizon, Problem, RewardKind, Unlimited, wanted_decreased
+from cleancli.language.model import (
+    Count,
+    Domain,
+    Horizon,
+    Problem,
+    RewardKind,
+    Unlimited,
+    wanted_decreased,
+    weight_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +70,7 @@ def rewards_of(
             case RewardKind.GOAL:
                 for condition in goal:
                     decrease[condition] -= weight
-            case RewardKind.COST:
+            case RewardKind.COST | RewardKind.DURATION:
                 pass  # is paid by the action
     decreasing = wanted_decreased(domain)
     horizon = Horizon(0) if isinstance(problem.horizon, Unlimited) else problem.horizon
@@ -88,9 +104,16 @@ def waiting_can_pay(domain: Domain) -> bool:
 
 
 def costs_of(domain: Domain) -> dict[str, Fraction]:
-    """What each action costs, in units of the reward that a step loses by it."""
-    weight = sum((term.weight for term in domain.reward if term.kind is RewardKind.COST), Fraction(0))
-    return {action.name: -weight * action.cost for action in domain.actions}
+    """What each action costs with its declared duration, in units of the reward that a step loses by it."""
+    weight, price = weight_of(domain, RewardKind.COST), price_of(domain)
+    return {
+        action.name: -weight * action.cost + price * in_seconds(action.duration) for action in domain.actions
+    }
+
+
+def price_of(domain: Domain) -> Fraction:
+    """What a second of an action costs, in units of the reward that a step loses by it."""
+    return -weight_of(domain, RewardKind.DURATION)
 
 
 def usual_objective(domain: Domain, problem: Problem) -> Objective:

@@ -38,7 +38,8 @@ GroundState = tuple[int, ...]
 @dataclass(frozen=True, slots=True, order=True)
 class GroundAction:
     """An action for some objects; `duration` in seconds, None where the domain does not say; `cost` is what
-    the reward of a step loses by it, `declared_cost` what the domain says that it costs."""
+    the reward of a step loses by it and by how long it lasts, `declared_cost` what the domain says that it
+    costs."""
 
     name: str
     objects: tuple[str, ...]
@@ -110,18 +111,24 @@ class Reaching:
 
 
 def reaching_by(objective: Objective, actions: Sequence[GroundAction]) -> Reaching:
-    """What counts without a horizon by an objective. By time all actions have durations: floats, which count
-    as the decimal numbers that they are printed as. A reward counts up to a horizon alone."""
+    """What counts without a horizon by an objective. By time all actions have durations. A reward counts up
+    to a horizon alone."""
     match objective:
         case Objective.PROBABILITY:
             costs = (Fraction(1),) * len(actions)
         case Objective.COST:
             costs = tuple(action.declared_cost for action in actions)
         case Objective.TIME:
-            costs = tuple(Fraction(repr(action.duration)) for action in actions)
+            costs = tuple(in_seconds(action.duration) for action in actions)
         case Objective.REWARD:
             raise ValueError("a reward is summed up to a horizon")
     return Reaching(objective, costs)
+
+
+def in_seconds(duration: float | None) -> Fraction:
+    """A duration as an exact number: a float counts as the decimal number that it is printed as. One that is
+    not known counts nothing."""
+    return Fraction(0) if duration is None else Fraction(repr(duration))
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +146,7 @@ class Task:
     nothing is done, `discount` times (§3.3, where the text writes α for γ). `step` is how many seconds such a
     step stands for where time discounts: the mean duration of the domain's actions with a rule that has an
     effect, whatever occurs in the problem. It is None where the actions of `untimed` have no duration.
+    `price` is what a second of an action costs; the costs of the actions have it in them.
 
     `waiting`: standing still can pay, so an action that changes nothing is a choice like others where a rule
     covers it; otherwise it is never better than what comes next, and planners leave it out.
@@ -162,6 +170,7 @@ class Task:
     untimed: tuple[str, ...]
     waiting: bool
     reaching: Reaching | None = None
+    price: Fraction = Fraction(0)
 
     @property
     def steps(self) -> int | None:
@@ -237,15 +246,21 @@ def by_time(task: Task) -> Task:
 
 
 def lasting(task: Task, seconds: Mapping[tuple[str, tuple[str, ...]], float]) -> Task:
-    """The same task where an action, by its key, lasts so many seconds on its objects; others last as long as
-    the domain says. `step` is then the mean of all: over actions on objects, and not over names."""
+    """The same task where an action, by its key, lasts so many seconds on its objects, and costs what these
+    cost; others last as long as the domain says. `step` is then the mean of all: over actions on objects,
+    and not over names."""
     if not seconds:
         return task
-    actions = tuple(replace(each, duration=seconds.get(each.key, each.duration)) for each in task.actions)
+    actions = tuple(_lasting(each, seconds.get(each.key, each.duration), task.price) for each in task.actions)
     known = [action.duration for action in actions if action.duration is not None]
     untimed = sorted({action.name for action in actions if action.duration is None})
     step = sum(known) / len(known) if known and not untimed else None
     return replace(task, actions=actions, step=step, untimed=tuple(untimed))
+
+
+def _lasting(action: GroundAction, seconds: float | None, price: Fraction) -> GroundAction:
+    longer = in_seconds(seconds) - in_seconds(action.duration)
+    return replace(action, duration=seconds, cost=action.cost + price * longer)
 
 
 class NoDurationError(ValueError):

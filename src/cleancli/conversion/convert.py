@@ -155,7 +155,7 @@ def _with_reward(domain: Domain, wishes: Wishes) -> Domain:
 def _read_reward(text: str, domain: Domain) -> tuple[RewardTerm, ...]:
     """The reward that a text means beside the domain's counts; raises Refused with its mistakes."""
     price = RewardTerm(Fraction(1), RewardKind.COST)
-    without = print_domain(replace(domain, rules=(), actions=(), reward=(price,)))
+    without = print_domain(replace(domain, rules=(), reward=(price,)))
     place = without.rindex("    cost\n")
     return load_domain(Source("--reward", f"{without[:place]}    {text}\n  }}\n}}\n")).reward
 

@@ -10,14 +10,12 @@ from cleancli.conversion.check import constants_of
 from cleancli.conversion.exclusive import Group
 from cleancli.conversion.records import Kind, Library
 from cleancli.language.diagnostics.sink import RESERVED
-from cleancli.language.model import Value
+from cleancli.language.model import REWARD_WORDS, Value
 
 OBJECT = "object"
 """The one type: libPRADA's objects have none."""
 
 NONE = "none"
-_PAID = frozenset({"cost", "decrease", "goal"})
-"""Words of the reward, which no count may be called."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +45,7 @@ def names_for(library: Library, groups: Iterable[Group]) -> Names:
         objects[constant] = fresh(wanted, objects.values())
     symbols: dict[str, str] = {}
     for symbol in library.symbols:
-        avoided = _PAID if symbol.kind is Kind.COUNT else ()
+        avoided = REWARD_WORDS if symbol.kind is Kind.COUNT else ()
         symbols[symbol.name] = fresh(symbol.name, (*symbols.values(), *avoided))
     functions: dict[str, Function] = {}
     for group in groups:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, Move, Situation
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Problem, RewardKind, weight_of
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import Method
 from cleancli.motion.actions import PICK_UP, PICK_UPS, SWEEPS, WIPES, can_execute
@@ -44,6 +44,13 @@ class Job(enum.Enum):
                 return PICK_UPS
             case Job.WIPE:
                 return WIPES
+
+
+def discounts_time(domain: Domain) -> bool:
+    """Whether plans discount by time where nothing else is asked for: all durations are known, and the reward
+    does not count them already."""
+    timed = all(action.duration is not None for action in domain.actions)
+    return timed and not weight_of(domain, RewardKind.DURATION)
 
 
 @dataclass(frozen=True, slots=True)

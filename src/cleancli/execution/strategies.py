@@ -36,8 +36,10 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
     asked = Options(options.samples, now.seed, previous=now.rest)
     problem = fewer(now.domain, now.problem, asked.counted).problem
     task = without(ground(now.domain, problem), now.excluded)
+    if options.by_time or task.price:
+        task = lasting(task, now.seconds(task.actions))
     if options.by_time:
-        task = aimed(lasting(task, now.seconds(task.actions)), Objective.TIME.value)
+        task = aimed(task, Objective.TIME.value)
     plan = PLANNERS[options.planner or planner](prepare(task), asked)
     chosen = plan.actions[:commit]
     moves = tuple(Move(action.name, action.objects) for action in chosen)

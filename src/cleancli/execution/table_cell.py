@@ -15,7 +15,7 @@ from cleancli.execution.events import Moved, StrokeEnded
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.geometry.rgbd import Frame
-from cleancli.language.model import Domain, Problem, without_objects
+from cleancli.language.model import Domain, Problem, usual_discount, without_objects
 from cleancli.motion.actions import WIPES, tool_paths
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import ToolPath, pressed
@@ -80,7 +80,13 @@ class DrivenCell:
 
     def problem(self, situation: Situation) -> Problem:
         """The areas, up to the scene's limit, as a problem with the default horizon (§4.2.2)."""
-        seen = Problem(self._scene.name, self._domain.name, situation.objects, situation.state)
+        seen = Problem(
+            self._scene.name,
+            self._domain.name,
+            situation.objects,
+            situation.state,
+            discount=usual_discount(self._domain),
+        )
         return without_objects(seen, situation.left_out)
 
     def is_done(self, situation: Situation) -> bool:

@@ -227,12 +227,17 @@ class Count(Record):
 
 class RewardKind(enum.Enum):
     """What a step pays: how much a count has fallen (eq. 2), a count's value after the step, 1 when the
-    problem's goal has come to hold (-1 when it is lost), or the action's cost."""
+    problem's goal has come to hold (-1 when it is lost), the action's cost, or its duration in seconds."""
 
     DECREASE = "decrease"
     COUNT = "count"
     GOAL = "goal"
     COST = "cost"
+    DURATION = "duration"
+
+
+REWARD_WORDS = frozenset(kind.value for kind in RewardKind if kind is not RewardKind.COUNT)
+"""Words of a reward, where counts are named too: so no count may be called by one."""
 
 
 class RewardTerm(Record):
@@ -327,6 +332,10 @@ class Unlimited(Record):
     """As many actions as it takes: the problem has a goal, and that alone counts, and what it costs."""
 
 
+USUAL_DISCOUNT = 0.95
+"""What a problem that says no discount has: after §6, where it is the same for all experiments."""
+
+
 class Problem(Record):
     """What to plan for; `objects` are the problem's own, without the constants of the domain it names.
 
@@ -339,11 +348,22 @@ class Problem(Record):
     objects: tuple[Object, ...]
     state: State
     horizon: Horizon | Unlimited | None = None
-    discount: float = 0.95
+    discount: float = USUAL_DISCOUNT
     goal: Condition = ()
     planner: str | None = None
     samples: int | None = None
     seed: int | None = None
+
+
+def weight_of(domain: Domain, kind: RewardKind) -> Fraction:
+    """How much the reward of a domain pays of a kind that names no count, all its terms together."""
+    return sum((term.weight for term in domain.reward if term.kind is kind), Fraction(0))
+
+
+def usual_discount(domain: Domain) -> float:
+    """The discount of a problem that says none: 1 where the reward counts durations, which is what time
+    costs then."""
+    return 1.0 if weight_of(domain, RewardKind.DURATION) else USUAL_DISCOUNT
 
 
 def wanted_decreased(domain: Domain) -> str | None:

@@ -171,7 +171,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Payment:
-    """`kind` is decrease, count, goal or cost."""
+    """`kind` is decrease, count, goal, cost or duration."""
 
     weight: Fraction
     kind: str

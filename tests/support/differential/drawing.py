@@ -350,14 +350,17 @@ class Drawer:
 
     # ---- what is paid, and the problem
 
-    def reward(self, counts: tuple[Count, ...]) -> tuple[Payment, ...]:
+    def reward(self, counts: tuple[Count, ...], timed: bool) -> tuple[Payment, ...]:
         kinds = self.random.sample(("decrease", "count", "goal", "cost"), self.random.choice((1, 1, 2, 3)))
         kinds += ["decrease"] if self.often(0.15) else []
-        if kinds == ["cost"]:
+        kinds += ["duration"] if timed and self.often(0.3) else []
+        if {*kinds} <= {"cost", "duration"}:
             kinds.append("decrease")
         terms = []
         for kind in kinds:
-            weight = Fraction(self.random.choice(WEIGHTS)) * (-1 if kind == "cost" and self.often(0.8) else 1)
+            takes = kind in ("cost", "duration") and self.often(0.8)
+            weight = Fraction(self.random.choice(WEIGHTS)) * (-1 if takes else 1)
+            weight *= Fraction(1, 10) if kind == "duration" else 1
             if kind == "decrease" and self.often(0.6):
                 weight = abs(weight) or Fraction(1)
             count = self.random.choice(counts).name if kind in ("decrease", "count") else ""
@@ -446,7 +449,7 @@ def draw(seed: int) -> tuple[Domain, Problem]:
         default=random.choice(
             (None, None, "1: nothing", "1: noise", "0.9 [seen 12.4]: nothing  0.1: noise", "rest: noise")
         ),
-        reward=drawer.reward(counts),
+        reward=drawer.reward(counts, all(action.duration for action in actions)),
         included=random.randint(1, len(rules)) if rules and random.random() < 0.1 else 0,
     )
     return domain, drawer.problem(domain)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from support.differential.abstract import Action
 from support.differential.interpreter import Call, Meaning, State
 
 Number = Fraction | float
@@ -41,18 +42,25 @@ class Worth:
 
     def __post_init__(self) -> None:
         self.calls = self.meaning.calls()
-        discount = Fraction(self.meaning.problem.discount or "0.95")
+        discount = Fraction(self.meaning.problem.discount or self.usual_discount())
         self.discount = float(discount) if self.by_time else discount
         if self.by_time:
             self.step = self.mean_duration()
 
     # ---- time
 
+    def usual_discount(self) -> str:
+        """Where the reward counts durations, nothing discounts unless the problem says so."""
+        terms = [each.weight for each in self.meaning.domain.reward if each.kind == "duration"]
+        return "1" if sum(terms) else "0.95"
+
     def duration(self, name: str) -> float:
-        written = self.meaning.actions[name].duration
-        assert written is not None
-        number, unit = written.split()
-        return float(number) * {"s": 1, "min": 60}[unit]
+        return float(self.seconds(self.meaning.actions[name]))
+
+    def seconds(self, action: Action) -> Fraction:
+        assert action.duration is not None
+        number, unit = action.duration.split()
+        return Fraction(number) * {"s": 1, "min": 60}[unit]
 
     def mean_duration(self) -> float:
         """Of the declared actions that some rule has an outcome with an effect for."""
@@ -105,14 +113,15 @@ class Worth:
         """What a step is paid. Without `cost`, what it is paid for what it brings about."""
         counts, held = self.what_is_paid_for(before)
         counts_after, holds = self.what_is_paid_for(after)
-        written = self.meaning.actions[call[0]].cost
+        action = self.meaning.actions[call[0]]
         total = Fraction(0)
         for payment in self.meaning.domain.reward:
             paid: dict[str, Fraction | int] = {
                 "decrease": counts.get(payment.count, 0) - counts_after.get(payment.count, 0),
                 "count": counts_after.get(payment.count, 0),
                 "goal": int(holds) - int(held),
-                "cost": Fraction(written) if written is not None and cost else 0,
+                "cost": Fraction(action.cost) if action.cost is not None and cost else 0,
+                "duration": self.seconds(action) if action.duration is not None and cost else 0,
             }
             total += payment.weight * paid[payment.kind]
         return total

@@ -70,7 +70,9 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     "--planner", type=click.Choice(list(PLANNERS)), help="[default: all-outcomes for determinized, or prada+]"
 )
 @options.samples("Action sequences to draw for each plan.", 10_000, MOST)
-@options.objective(DISCOUNTING, "time, if the domain says how long each action takes")
+@options.objective(
+    DISCOUNTING, "time, if the domain says how long each action takes and its reward does not count it"
+)
 @click.option(
     "--job",
     type=click.Choice([job.value for job in Job]),

@@ -19,11 +19,17 @@ from cleancli.language.checking.conditions import (
 )
 from cleancli.language.checking.declarations import Declarations, Once, read_variables, sections_of
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Condition, Count, DerivedPredicate, Literal, Quantified, Symbol
+from cleancli.language.model import (
+    REWARD_WORDS,
+    Condition,
+    Count,
+    DerivedPredicate,
+    Literal,
+    Quantified,
+    Symbol,
+)
 
 _Node = syntax.DefinitionNode | syntax.ClosureNode
-_PAID = frozenset({"cost", "decrease", "goal"})
-"""Words of a reward, where counts are named too."""
 
 
 def read_derived(
@@ -168,7 +174,7 @@ def _count(node: syntax.CountNode, scope: Scope, once: Once) -> Count | None:
     if len(condition) == len(node.condition.parts):
         warn_unused_variables(node.parameters, condition, scope)
     name = node.name.text
-    if name in _PAID:
+    if name in REWARD_WORDS:
         message = f"`{name}` is a word of rewards"
         scope.findings.error("E214", message, node.name.span, help="choose another name for this count")
         return None

@@ -167,3 +167,18 @@ def _reward_term(node: syntax.Payment, counts: tuple[Count, ...], scope: Scope) 
             return RewardTerm(weight, RewardKind.GOAL)
         case syntax.ActionCost():
             return RewardTerm(weight, RewardKind.COST)
+        case syntax.ActionDuration():
+            _all_last(node.what, scope)
+            return RewardTerm(weight, RewardKind.DURATION)
+
+
+def _all_last(node: syntax.ActionDuration, scope: Scope) -> None:
+    """E227 where the reward counts durations and an action has none."""
+    untimed = [action.name for action in scope.declared.actions.values() if action.duration is None]
+    if untimed and "actions" not in scope.declared.unsure:
+        scope.findings.error(
+            "E227",
+            f"the reward counts durations, and no duration is known of: {', '.join(untimed)}",
+            node.span,
+            help=f"say how long it takes: `{untimed[0]}(...) [duration = 8 s]`",
+        )

@@ -41,6 +41,7 @@ from cleancli.language.model import (
     Symbol,
     Unlimited,
     Value,
+    usual_discount,
     wanted_decreased,
 )
 
@@ -77,7 +78,7 @@ def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) 
         objects,
         state,
         _horizon(node, domain, scope),
-        _discount(discounts[0], findings) if discounts else 0.95,
+        _discount(discounts[0], findings) if discounts else usual_discount(domain),
         _goal(node, domain, scope),
         options.name,
         options.samples,

@@ -181,6 +181,9 @@ class Builder:
     def build_action_cost(self, c: list[_Child], span: Span) -> syntax.ActionCost:
         return syntax.ActionCost(span=span)
 
+    def build_action_duration(self, c: list[_Child], span: Span) -> syntax.ActionDuration:
+        return syntax.ActionDuration(span=span)
+
     def build_learned(self, c: list[_Child], span: Span) -> syntax.Learned:
         return syntax.Learned(tuple(c), span=span)
 

@@ -313,7 +313,7 @@ def _reward_term(term: RewardTerm) -> str:
             return f"{weight}decrease({term.count})"
         case RewardKind.COUNT:
             return f"{weight}{term.count}"
-        case RewardKind.GOAL | RewardKind.COST:
+        case RewardKind.GOAL | RewardKind.COST | RewardKind.DURATION:
             return f"{weight}{term.kind.value}"
 
 

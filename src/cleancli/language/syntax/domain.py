@@ -166,11 +166,15 @@ class ActionCost(Node):
     """`cost` in a reward."""
 
 
+class ActionDuration(Node):
+    """`duration` in a reward."""
+
+
 class Payment(Node):
     """`weight * what`, the sign before it included; without a weight the sign alone."""
 
     weight: Number | None
-    what: Decrease | CountValue | ReachedGoal | ActionCost
+    what: Decrease | CountValue | ReachedGoal | ActionCost | ActionDuration
     negative: bool = False
 
 

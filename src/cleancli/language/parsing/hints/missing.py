@@ -37,7 +37,7 @@ def near_keyword(at: Misplaced) -> str:
 
 def missing(at: Misplaced) -> str:
     if at.token == "(" and at.accepted == {"MINUS", "PLUS", "RBRACE"}:
-        return "a reward is made of `decrease(COUNT)`, counts, `goal` and `cost`"
+        return "a reward is made of `decrease(COUNT)`, counts, `goal`, `cost` and `duration`"
     if "MINUS" in at.accepted and not at.accepted & {"NUMBER", "PLUS"}:
         return "each list of names ends with its type: `a b - type`"
     if "COMMA" in at.accepted and at.kind in ("NAME", "NOT", "FORALL", "VARIABLE"):
