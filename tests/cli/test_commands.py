@@ -247,3 +247,15 @@ def test_a_command_leaves_the_collector_running_and_nothing_for_it_to_search() -
     running, unchanged, objects = told.split()
     assert (running, unchanged) == ("True", "True")
     assert int(objects) < 1000, "of more than 50,000"
+
+
+def test_a_process_that_has_planned_arm_motions_ends_in_silence() -> None:
+    """What stays alive at the end of a process, OMPL's bindings tell of as leaks."""
+    code = "from ompl import base, geometric, util; from cleancli.cli.main import main; main(['--version'])"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stderr == ""
+
+
+def test_the_command_is_a_module_too() -> None:
+    result = subprocess.run([sys.executable, "-m", "cleancli", "--version"], capture_output=True, check=True)
+    assert result.stdout.startswith(b"cleancli")

@@ -92,7 +92,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if signal.getsignal(number) is signal.SIG_DFL:  # else it is ignored, as nohup wants it
             signal.signal(number, _end)
     code = run(sys.argv[1:] if arguments is None else arguments)
-    gc.freeze()  # else Python looks through all that is left before it ends, which takes a tenth of a second
+    if "ompl" not in sys.modules:  # whose bindings would tell of all that is left then, as leaks
+        gc.freeze()  # else Python looks through all that is left before it ends: a tenth of a second
     sys.exit(code)
 
 
