@@ -71,10 +71,10 @@ def test_it_does_not_wait_beside_the_surface() -> None:
 def test_at_last_the_rag_alone_brings_the_dirt_nearer_to_the_middle(x: float, y: float, edge: str) -> None:
     setting, area = scene(edge=edge, robot="reem"), Ellipse((x, y), (0.03, 0.02), 0.4)
     paths = [path for path in tool_paths("pickUp", (area,), setting) if path.dustpan is None]
-    if np.hypot(x, y) < 0.1:
+    if np.hypot(x, y) < 0.05:
         assert not paths, "what lies near the middle stays there"
         return
-    assert len(paths) == 3
+    assert len(paths) == 7
     first, last = (np.array((w.x, w.y)) for w in (paths[0].waypoints[1], paths[0].waypoints[-1]))
     assert np.linalg.norm(last) <= 0.05 < np.linalg.norm(first)
 
