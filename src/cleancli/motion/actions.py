@@ -25,7 +25,7 @@ from cleancli.scene.robots import ARMS
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 PICK_UP = "pickUp"
 PICK_UPS = (PICK_UP, "pickUp2", "pickUp3")  # the actions that take two arms
-BRINGING = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0)  # degrees aside of the middle, towards which dirt is brought
+BRINGING = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0)  # degrees aside of the middle
 NEAR_MIDDLE = 0.05  # nearer to the middle than so, nothing is brought
 
 Areas = tuple[Ellipse, ...]
