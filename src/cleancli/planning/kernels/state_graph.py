@@ -253,7 +253,7 @@ class Enumeration:
         self._most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
         self._used = np.array([1, 0, 0], dtype=np.int64)
         self._within = [1]
-        self._expanded = 0
+        self._expanded, self._layer = 0, 1
         self._room = _room(len(process.sizes), 512 + self._most, len(process.cost) + 1024, 4096 + self._most)
         state = np.asarray(initial, dtype=np.int32)
         assert state.shape == process.sizes.shape
@@ -274,13 +274,21 @@ class Enumeration:
         return int(self._used[2])
 
     @property
-    def frontier(self) -> range:
-        """The states of the last step, which have no choices yet."""
-        return range(self._expanded, self.number)
+    def expanded(self) -> int:
+        """States that have their choices."""
+        return self._expanded
 
-    def expand(self) -> bool:
-        """Adds the successors of the frontier; whether all had room."""
-        first, last = self._expanded, self.number
+    @property
+    def frontier(self) -> range:
+        """The states of the last step that have no choices yet."""
+        return range(self._expanded, self._layer)
+
+    def expand(self, states: int | None = None) -> bool:
+        """Adds the successors of the frontier, or of so many of its states; whether all had room. The step is
+        done, and what was found is the frontier, when all states have theirs."""
+        first, last = self._expanded, self._layer
+        if states is not None:
+            last = min(first + states, last)
         while True:
             first = _expand(
                 self._process, self._room, self._used, first, last, self._most, self._limits, self._ends
@@ -290,7 +298,9 @@ class Enumeration:
                 break
             self._grow()
         self._expanded = first
-        self._within.append(self.number)
+        if first == self._layer:
+            self._within.append(self.number)
+            self._layer = self.number
         return not full
 
     def reach(self, steps: int) -> bool:
@@ -337,7 +347,7 @@ class Enumeration:
         for rows in (room.states, room.hashes, room.decreasing, room.standing, room.ahead):
             rows[layer.stop : layer.stop + len(kept)] = rows[kept]
         self._used[:] = layer.stop + len(kept), starts[-1], starts[-1]
-        self._within[-1] = self.number
+        self._within[-1] = self._layer = self.number
         room.table[:] = -1
         enter(room.table, room.hashes, self.number)
 

@@ -21,10 +21,6 @@ from cleancli.planning.trajectory import branches, course_plan, likeliest_course
 _KEPT = "optimum"
 """What the last solution is called among those of a task."""
 
-GLANCE, PATIENCE = 0.1, 3.0
-"""An enumeration that has found the first share of what it may is given up where it will find so many times
-more than that, because what it will find is a guess. Chosen."""
-
 
 @dataclass(frozen=True, slots=True)
 class ExactOptions:
@@ -172,47 +168,6 @@ def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:
     place = solution.place(state, left)
     assert place is not None
     return place
-
-
-def within_reach(prepared: Prepared, transitions: int) -> Any | None:
-    """The enumeration (kernels.state_graph.Enumeration) of all states of the forgetful task that can be
-    reached within the horizon; None where they have more than so many transitions, or will have by what the
-    first steps say."""
-    process, task = prepared.forgetful.process, prepared.forgetful.task
-    enumeration = kernels.state_graph.Enumeration(process, task.initial, transitions, edges=transitions)
-    layers: list[int] = []
-    for left in reversed(range(max(task.horizon, 0))):
-        if not enumeration.frontier:
-            break
-        before = enumeration.transitions
-        if not enumeration.expand():
-            return None
-        layers.append(enumeration.transitions - before)
-        enough = enumeration.transitions > GLANCE * transitions
-        if enough and projected(layers, left) > PATIENCE * transitions:
-            return None
-    return enumeration
-
-
-def projected(layers: Sequence[int], steps: int) -> float:
-    """How many transitions there will be after so many more steps, by those that each step so far has found:
-    by how much their growth has fallen in the last four steps it is taken to fall on. 0 after fewer than five
-    steps that found any."""
-    if len(layers) < 5 or min(layers[-5:]) == 0:
-        return 0.0
-    growth, before = (math.log(layers[-i] / layers[-i - 2]) / 2 for i in (1, 3))
-    total, layer, bend = float(sum(layers)), float(layers[-1]), min((growth - before) / 2, 0.0)
-    for _ in range(steps):
-        growth += bend
-        layer *= math.exp(min(growth, 2.0))
-        total += layer
-    return total
-
-
-def few_transitions(prepared: Prepared, limit: int, steps: int) -> bool:
-    """Whether no more than `limit` transitions are found within so many steps."""
-    enumeration = kernels.state_graph.Enumeration(prepared.process, prepared.task.initial, limit, edges=limit)
-    return enumeration.reach(min(steps, max(prepared.task.horizon, 0)))
 
 
 def load(prepared: Prepared) -> None:

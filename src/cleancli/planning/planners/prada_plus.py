@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch, Options, Plan, option
-from cleancli.planning.planners import exact, policy_search, reaching
+from cleancli.planning.planners import exact, policy_search, reaching, solving
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
 from cleancli.planning.trajectory import beats_nothing, course_plan
@@ -29,9 +29,6 @@ BELIEF_SHARE = 20
 
 FIRST_MOVES = 500
 """Changes that the first chains try where time is limited. Chosen: milliseconds for ten areas."""
-
-FEW = 10_000
-"""Transitions within two steps that are always few enough to go on. Chosen: a millisecond."""
 
 DESCENT_SHARE = 4
 """The tree is searched by one descent for so many samples. Chosen: about as long as annealing takes."""
@@ -64,11 +61,12 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class PradaPlusOptions(PradaOptions):
-    """The best policy is calculated where all that can be reached has at most `solve` transitions. Else a
-    tree is searched whose new states are valued by so many `runs` of each base policy; with 0 the plan is the
-    best sequence. The rest is for the PRADA whose plan is improved."""
+    """The best policy is calculated where that costs at most `solve` times as much as it costs to search
+    until the episode ends (solving.py). Else a tree is searched whose new states are valued by so many `runs`
+    of each base policy; with 0 the plan is the best sequence. The rest is for the PRADA whose plan is
+    improved."""
 
-    solve: int = option(1_000_000, 0, 100_000_000)
+    solve: float = option(1.0, 0, 1_000)
     runs: int = option(2, 0, 1_000)
 
 
@@ -81,12 +79,13 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
     if prepared.task.reaching is not None:
         return reaching.plan("prada+", prepared, REACHING_STATES, exact.ExactOptions().error)
     begun = lowered = loaded = time.perf_counter()
-    if not own.solve or exact.at_hand(prepared, own.solve, own.solve) is None:
+    limits = solving.limits(prepared, options, own.solve)
+    if not own.solve or exact.at_hand(prepared, limits.states, limits.transitions) is None:
         _ = prepared.process
         lowered = time.perf_counter()
         exact.load(prepared)
         loaded = time.perf_counter()
-    solved = _solved(prepared, own.solve) if own.solve else None
+    solved = solving.solution(prepared, limits) if own.solve else None
     if solved is not None:
         value, course = exact.worth(prepared, solved)
         told = exact.told_branches(prepared, solved, course, options.branches)
@@ -110,22 +109,6 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
         samples=found.tried,
         branches=found.branches,
     )
-
-
-def _solved(prepared: Prepared, transitions: int) -> exact.Solution | None:
-    """The best policy; None where there are more transitions.
-
-    Many within two steps are enough to know, before time is spent on what could be forgotten.
-    """
-    solution = exact.kept(prepared, transitions, transitions)
-    if solution is None:
-        if not exact.few_transitions(prepared, max(transitions // 10, FEW), 2):
-            return None
-        enumeration = exact.within_reach(prepared, transitions)
-        if enumeration is None:
-            return None
-        solution = exact.solved(prepared, enumeration)
-    return solution
 
 
 def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Found:
