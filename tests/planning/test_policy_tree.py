@@ -26,7 +26,7 @@ from cleancli.planning.kernels import base_policies, state_graph, tree_search
 from cleancli.planning.plan import Options, TooManyStatesError
 from cleancli.planning.planners import exact
 from cleancli.planning.registry import PLANNERS
-from support import from_text, small_tasks
+from support import small_tasks
 from support.optimal import earliness, optimum
 from support.planned import planned
 
@@ -263,16 +263,6 @@ def test_a_solution_is_of_no_more_states_than_are_allowed() -> None:
     PLANNERS["prada+"](prepared, Options())
     with pytest.raises(TooManyStatesError):
         PLANNERS["exact"].having(states=2)(prepared, Options())
-
-
-def test_enumerating_is_given_up_where_growth_says_so() -> None:
-    assert exact.projected([1, 2, 4, 8], 9) == 0
-    assert exact.projected([1, 2, 4, 8, 16], 2) == pytest.approx(31 + 32 + 64)  # it goes on as it did
-    assert exact.projected([1, 4, 16, 32, 64], 2) == pytest.approx(117 + 64 * 2**0.5 * (1 + 1))
-    assert exact.projected([10, 10, 10, 0, 0], 5) == 0
-    line = from_text.task(small_tasks.SECTION_4, "objects { a b - area } init { dirt(a), dirt(b) }")
-    assert exact.within_reach(prepare(line), 1_000) is not None
-    assert exact.within_reach(prepare(line), 2) is None
 
 
 def test_as_many_transitions_are_found_as_are_allowed() -> None:

@@ -236,7 +236,8 @@ def _stage(
 
 class Enumeration:
     """A graph that grows by one step at a time from an initial state, up to a `limit` of states and one of
-    transitions (`edges`); where the goal `ends` all, states in which it holds have no choices."""
+    transitions (`edges`); where the goal `ends` all, states in which it holds have no choices. A state has
+    fewer transitions than `most`."""
 
     def __init__(
         self,
@@ -250,11 +251,11 @@ class Enumeration:
         self._limits = np.array([limit, edges], dtype=np.int64)
         outcomes = np.diff(process.outcome_start)
         rules = zip(process.rule_start[:-1], process.rule_start[1:], strict=True)
-        self._most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
+        self.most = int(sum(outcomes[a:b].max(initial=0) for a, b in rules)) + 1
         self._used = np.array([1, 0, 0], dtype=np.int64)
         self._within = [1]
         self._expanded, self._layer = 0, 1
-        self._room = _room(len(process.sizes), 512 + self._most, len(process.cost) + 1024, 4096 + self._most)
+        self._room = _room(len(process.sizes), 512 + self.most, len(process.cost) + 1024, 4096 + self.most)
         state = np.asarray(initial, dtype=np.int32)
         assert state.shape == process.sizes.shape
         assert ((state >= 0) & (state < process.sizes)).all()
@@ -291,7 +292,7 @@ class Enumeration:
             last = min(first + states, last)
         while True:
             first = _expand(
-                self._process, self._room, self._used, first, last, self._most, self._limits, self._ends
+                self._process, self._room, self._used, first, last, self.most, self._limits, self._ends
             )
             full = bool((self._used[[0, 2]] > self._limits).any())
             if first == last or full:
@@ -376,9 +377,9 @@ class Enumeration:
         sizes = [
             size * (1 + (used + need > size))
             for used, need, size in (
-                (number, self._most, len(old.states)),
+                (number, self.most, len(old.states)),
                 (choices, len(self._process.cost), len(old.choice_action)),
-                (edges, self._most, len(old.edge_successor)),
+                (edges, self.most, len(old.edge_successor)),
             )
         ]
         self._room = _room(old.states.shape[1], *sizes)

@@ -69,7 +69,7 @@ class GivenUp:
 
     def expected(self, steps: int) -> float:
         """Transitions within so many steps."""
-        return sum(self.layers[:steps]) + projected(self.layers, max(steps - len(self.layers), 0))
+        return projected(self.layers[:steps], max(steps - len(self.layers), 0))
 
 
 def limits(prepared: Prepared, options: Options, share: float) -> Limits:
@@ -115,6 +115,7 @@ def within_reach(prepared: Prepared, limits: Limits, steps: int | None = None) -
     process, task, most = prepared.process, prepared.task, limits.transitions
     horizon, layers = max(task.horizon, 0), list[float]()
     enumeration = kernels.state_graph.Enumeration(process, task.initial, limits.states, edges=most)
+    bound = math.prod(process.sizes.tolist()) * enumeration.most
     while enumeration.frontier and len(layers) < min(horizon, horizon if steps is None else steps):
         states, expanded, before = len(enumeration.frontier), enumeration.expanded, enumeration.transitions
         layers.append(0.0)
@@ -122,7 +123,7 @@ def within_reach(prepared: Prepared, limits: Limits, steps: int | None = None) -
         for part in filter(None, (few, states - few)):
             room, found = enumeration.expand(part), enumeration.transitions
             layers[-1] = (found - before) * states / max(enumeration.expanded - expanded, 1)
-            ahead = projected(layers, horizon - len(layers)) if found >= TELLING else 0.0
+            ahead = min(projected(layers, horizon - len(layers)), bound) if found >= TELLING else 0.0
             if not room or ahead > most * max(PATIENCE, math.sqrt(most / max(found, 1))):
                 return GivenUp(horizon, tuple(layers))
     return enumeration
