@@ -18,6 +18,7 @@ import numpy as np
 from cleancli.array_types import Floats, Ints
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.planning.kernels.jit import compiled, inner, standing_earliness
+from cleancli.planning.kernels.relaxed import Relaxed
 from cleancli.planning.kernels.rng import GOLDEN, split, uniform
 from cleancli.planning.kernels.transitions import (
     apply,
@@ -44,6 +45,7 @@ class Bases(NamedTuple):
     priority: Ints  # (m,) its actions, each once, in their order
     idle: Floats  # (H + 1,) what a reward of 1 in each of so many last steps is worth at their start
     scratch: Ints  # (2, V) states that are worked on
+    relaxed: Relaxed  # to tell how far a goal is
 
 
 @inner

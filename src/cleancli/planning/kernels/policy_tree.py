@@ -35,6 +35,7 @@ from cleancli.planning.kernels.base_policies import (
     rollout,
 )
 from cleancli.planning.kernels.jit import better, compiled, inner, standing_earliness
+from cleancli.planning.kernels.relaxed import goal_distance, relaxed_plan
 from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 from cleancli.planning.kernels.state_graph import change, digit, find
 from cleancli.planning.kernels.transitions import choosable, rewarded
@@ -92,6 +93,8 @@ class Manner(NamedTuple):
     exploration: float  # the upper bounds' weight, as a share of what a node gains over stopping
     unit: float  # what a node gains is taken to be no less
     seed: np.uint64
+    hope: float  # what each step that the goal is away takes from a new node's value; 0 where none is hoped for
+    prize: float  # what the goal pays
 
 
 @inner
@@ -119,12 +122,25 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
                     value, early, best = paid, soon, base
     t.value[node], t.early[node], t.base[node] = value, early, best
     t.choice_start[node], t.best[node], t.visits[node], t.known[node] = -1, -2, 0, left == 0
-    if left > 0 and not len(b.sequence):
+    if m.hope > 0.0:
+        if left > 0:
+            _hope(p, t, b, m, node, left)
+    elif left > 0 and not len(b.sequence):
         _list(p, t, b, m, node)
         if t.base[node] == GREEDY and m.greedy:
             paid, soon = mean_rollout(p, b, state, GREEDY, at, left, m.greedy, stream)
             if better(paid, soon, t.value[node], t.early[node]):
                 t.value[node], t.early[node] = paid, soon
+
+
+@inner
+def _hope(p: Process, t: Tree, b: Bases, m: Manner, node: int, left: int) -> None:
+    """Values a new node by how far the goal is; where it holds, or is out of reach, nothing more comes."""
+    cost, early = goal_distance(p, b.relaxed, t.states[node, : t.states.shape[1] - 1])
+    if cost == 0.0 or early > left:
+        t.known[node] = True
+    else:
+        t.value[node] += m.prize * math.exp(-m.hope * relaxed_plan(p, b.relaxed) / left)
 
 
 @inner
@@ -159,6 +175,12 @@ def _list(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
         _rank(t, first, count, suggestion, SUGGESTED)
     for i in range(len(b.priority)):
         _rank(t, first, count, int(b.priority[i]), LISTED)
+    if m.hope > 0.0:
+        goal_distance(p, b.relaxed, state)
+        relaxed_plan(p, b.relaxed)
+        for c in range(first, count):
+            if b.relaxed.helpful[t.rule[c]]:
+                t.rank[c] += SUGGESTED
 
 
 @inner

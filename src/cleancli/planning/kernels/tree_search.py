@@ -22,6 +22,7 @@ from cleancli.planning.kernels.policy_tree import (
     plant,
     policy_mean,
 )
+from cleancli.planning.kernels.relaxed import relaxed
 from cleancli.planning.kernels.state_graph import enter
 
 
@@ -45,13 +46,16 @@ class Search:
         seed: int,
         runs: int = 0,
         greedy: int = 0,
+        hope: float = 0.0,
     ) -> None:
         task, self._process = prepared.task, prepared.process
         horizon, variables = max(task.horizon, 0), len(task.variables)
         self._bases = bases_of(prepared, sequence)
         paying = (*self._process.decrease, *self._process.state)
         unit = max(map(abs, paying), default=0.0) or 1.0
-        self._manner = Manner(runs, greedy, float(exploration), unit, np.uint64(seed % 2**64))
+        prize = -self._process.decrease[self._process.goal].min(initial=0.0)
+        seeded = np.uint64(seed % 2**64)
+        self._manner = Manner(runs, greedy, float(exploration), unit, seeded, float(hope), float(prize))
         self._outcomes = int(np.diff(self._process.outcome_start).max(initial=1))
         choices = (self._outcomes + 2) * len(task.actions)
         self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
@@ -158,6 +162,7 @@ def bases_of(prepared: Prepared, sequence: Sequence[int]) -> Bases:
         np.array(tuple(dict.fromkeys(sequence)), dtype=np.int32),
         idle_worth(task.discount, max(task.horizon, 0)),
         np.zeros((2, len(task.variables)), dtype=np.int32),
+        relaxed(prepared.process),
     )
 
 
