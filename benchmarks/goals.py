@@ -42,7 +42,7 @@ from cleancli.planning.planner import Planner
 
 POLICIES = 10
 """Seeds of plans that a planner is played with. Chosen."""
-SAMPLES = {"prada+": 4_000, "prada": 10_000, "uct": 2_000}
+SAMPLES = {"prada+": 1_000, "prada": 5_000, "uct": 2_000}
 """What planners are given that can take more: about as long for a plan."""
 ROWS = ("prada+", "prada+:solve=0", "uct", "prada", "likeliest:width=200", "all-outcomes:width=200")
 OPTIMUM_STATES, OPTIMUM_TRANSITIONS = 2_000_000, 20_000_000

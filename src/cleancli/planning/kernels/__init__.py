@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cleancli.planning.kernels import belief_search as belief_search
     from cleancli.planning.kernels import decision_graph as decision_graph
     from cleancli.planning.kernels import goal_policy as goal_policy
+    from cleancli.planning.kernels import relaxed as relaxed
     from cleancli.planning.kernels import sparse_sampling as sparse_sampling
     from cleancli.planning.kernels import state_graph as state_graph
     from cleancli.planning.kernels import transitions as transitions
@@ -29,6 +30,7 @@ _LOOPS = frozenset(
         "belief_search",
         "decision_graph",
         "goal_policy",
+        "relaxed",
         "sparse_sampling",
         "state_graph",
         "transitions",

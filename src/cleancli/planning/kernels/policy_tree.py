@@ -93,7 +93,7 @@ class Manner(NamedTuple):
     exploration: float  # the upper bounds' weight, as a share of what a node gains over stopping
     unit: float  # what a node gains is taken to be no less
     seed: np.uint64
-    hope: float  # what each step that the goal is away takes from a new node's value; 0 where none is hoped for
+    hope: float  # how much a step counts that is left beyond those to the goal; 0 where none is hoped for
     prize: float  # what the goal pays
 
 
@@ -116,7 +116,7 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
         t.place[node] = next_place(p, b, state, int(t.place[node]))
         for base in range(FIRST_ROLLOUT, LAST_ROLLOUT + 1):
             place = _place(t, node, base)
-            if chosen(p, b, state, base, place, left, standing) >= 0:
+            if m.runs > 0 and chosen(p, b, state, base, place, left, standing) >= 0:
                 paid, soon = mean_rollout(p, b, state, base, place, left, m.runs, stream)
                 if better(paid, soon, value, early):
                     value, early, best = paid, soon, base
@@ -297,7 +297,7 @@ def _select(t: Tree, b: Bases, m: Manner, node: int) -> int:
             upper = t.worth[c] + scale * math.sqrt(logarithm / t.tried[c])
             if upper > bound:
                 bound, bounded = upper, c
-    if untried >= 0 and (bounded < 0 or tried < 1.0 + math.sqrt(visits)):
+    if untried >= 0 and (bounded < 0 or tried < 1.0 + (visits**0.25 if m.hope > 0.0 else math.sqrt(visits))):
         return untried
     return bounded
 

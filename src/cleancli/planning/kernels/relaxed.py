@@ -16,7 +16,8 @@ import numpy as np
 
 from cleancli.array_types import Bools, Floats, Ints
 from cleancli.compiler.lowering.state_tables import Process
-from cleancli.planning.kernels.jit import inner
+from cleancli.planning.kernels.jit import compiled, inner
+from cleancli.planning.kernels.transitions import apply, choosable
 
 
 class Relaxed(NamedTuple):
@@ -133,3 +134,32 @@ def _add(p: Process, r: Relaxed, condition: int, waiting: int) -> int:
             r.open[waiting], r.cost[slot] = slot, 0.0
             waiting += 1
     return waiting
+
+
+@compiled
+def promising(
+    p: Process, r: Relaxed, other: Relaxed, state: Ints, after: Ints, action: Ints, tries: Floats, far: Floats
+) -> int:
+    """The states that the outcomes of helpful actions lead to, as many as there is room for: which, by which
+    action, the tries that the outcome takes, and the length of the relaxed plan from there (infinite where
+    there is none). Works in both rooms."""
+    found = 0
+    if goal_distance(p, r, state)[0] == math.inf:
+        return found
+    relaxed_plan(p, r)
+    for chosen in range(len(p.cost)):
+        rule = choosable(p, state, chosen)
+        if rule < 0 or not r.helpful[rule]:
+            continue
+        for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+            chance = p.probability[outcome]
+            if chance == 0.0 or p.effect_start[outcome] == p.effect_start[outcome + 1] or found == len(after):
+                continue
+            for v in range(len(state)):
+                after[found, v] = state[v]
+            apply(p, after[found], outcome)
+            cost, _ = goal_distance(p, other, after[found])
+            action[found], tries[found] = chosen, 1.0 / chance
+            far[found] = relaxed_plan(p, other) if cost < math.inf else math.inf
+            found += 1
+    return found

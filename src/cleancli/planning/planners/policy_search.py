@@ -9,9 +9,10 @@ from typing import Any
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.planning import kernels, trajectory
+from cleancli.compiler.task import Task
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch
-from cleancli.planning.planners import beam
+from cleancli.planning.planners import beam, goal_beam
 from cleancli.planning.reductions.determinization import by_chance
 
 EXPLORATION = 10.0
@@ -22,6 +23,16 @@ START_RUNS = 256
 
 FRESH_RUNS = 1024
 """Runs that value the policy that was found. Chosen."""
+
+HOPE = 1.0
+"""What a new node is worth where a goal is hoped for falls by this power of e where the relaxed plan takes all
+steps that are left. Chosen by benchmarks/goals.py, as HOPEFUL_EXPLORATION and WIDTHS are."""
+
+HOPEFUL_EXPLORATION = 0.3
+"""The weight of the upper bounds there, where values are not drawn."""
+
+WIDTHS = (4, 16)
+"""States that are followed along relaxed plans in each step, and then again where no way was found."""
 
 ROUND = 20
 """Descents between two looks at the clock. Chosen: some milliseconds where states are large."""
@@ -45,30 +56,61 @@ class Policy:
     branches: tuple[Branch, ...]
 
 
-def search(
-    prepared: Prepared,
-    starts: Sequence[Actions],
-    *,
-    runs: int,
-    descents: int,
-    deadline: float | None,
-    seed: int,
-    branches: int = 0,
-) -> Policy:
-    """The policy that so many descents lead to, or as many as there is time for, from the best of
-    sequences."""
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """So many descents, or as many as there is time for until the deadline; the seed of what is drawn, and
+    how many branches are to be told."""
+
+    descents: int
+    deadline: float | None
+    seed: int
+    branches: int
+
+
+def search(prepared: Prepared, starts: Sequence[Actions], runs: int, effort: Effort) -> Policy:
+    """The policy that a search finds from the best of the sequences; its value is that of fresh runs."""
+    seed = effort.seed
     tree = kernels.tree_search.Search(
-        prepared,
-        best_start(prepared, starts, seed),
-        runs=runs,
-        exploration=EXPLORATION,
-        seed=seed,
+        prepared, best_start(prepared, starts, seed), runs=runs, exploration=EXPLORATION, seed=seed
     )
+    course, told = _grown(prepared, tree, effort)
+    return Policy(course, *tree.mean(FRESH_RUNS, seed + 1), tree.played, told)
+
+
+def hopeful(prepared: Prepared, way: Actions, effort: Effort) -> Policy:
+    """The policy that a search finds where nothing is paid but for a goal, and a new node is worth what that
+    pays, less by how far it is. The way is what is tried first. Its value is a guess."""
+    tree = kernels.tree_search.Search(
+        prepared, way, exploration=HOPEFUL_EXPLORATION, seed=effort.seed, hope=HOPE
+    )
+    course, told = _grown(prepared, tree, effort)
+    return Policy(course, tree.value, 0.0, tree.played, told)
+
+
+def _grown(prepared: Prepared, tree: Any, effort: Effort) -> tuple[Actions, tuple[Branch, ...]]:
+    """The likeliest course of a tree after so much effort, and its branches."""
+    descents, deadline = effort.descents, effort.deadline
     while tree.played < descents and not tree.solved and (deadline is None or time.perf_counter() < deadline):
         tree.run(min(ROUND, descents - tree.played))
     course = tree.course()
-    told = trajectory.branches(prepared.task, course, tree.course_from, branches)
-    return Policy(course, *tree.mean(FRESH_RUNS, seed + 1), tree.played, told)
+    return course, trajectory.branches(prepared.task, course, tree.course_from, effort.branches)
+
+
+def goal_alone(task: Task) -> bool:
+    """Whether nothing is paid but for a goal."""
+    return bool(task.goal) and all(reward.condition in task.goal for reward in task.rewards)
+
+
+def prize(task: Task) -> float:
+    """What reaching the goal pays."""
+    return max((-float(reward.decrease) for reward in task.rewards), default=0.0)
+
+
+def way_to_goal(prepared: Prepared) -> Actions:
+    """A sequence that may lead to the goal; none where none was found."""
+    task = prepared.task
+    ways = (goal_beam.sequence(prepared.process, task.initial, task.horizon, width) for width in WIDTHS)
+    return next(filter(None, ways), ())
 
 
 def carried_out(prepared: Prepared, sequence: Actions, seed: int) -> tuple[float, float]:

@@ -36,6 +36,12 @@ DESCENT_SHARE = 4
 SEQUENCE_SHARE, DRAWING_SHARE = 0.2, 0.05
 """How much of a limited time goes to annealing, and to PRADA where annealing may not do. Chosen."""
 
+POLICY_SHARE = 0.6
+"""How much of a limited time may be over, where a goal alone is paid, when hoping begins. Chosen."""
+
+LIKELY = 0.5
+"""The share of what a goal pays from which on nothing is hoped for. Chosen."""
+
 WORDS, FRESH_WORDS = 4, 64
 """A chain values sequences by 64 runs a word, and what it finds is valued again by fresh ones. Chosen."""
 
@@ -113,22 +119,19 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
 
 def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Found:
     """The best policy of a search that starts from the best sequence, or that sequence where no policy is
-    seen to be better, or nothing where stopping is."""
+    seen to be better, or nothing where stopping is. Where nothing is paid but for a goal, and that is not
+    seen to be reached more often than not, what leads nearer to it."""
     task, begun, limit = prepared.task, time.perf_counter(), options.time_limit
-    share = SEQUENCE_SHARE if own.runs else 1.0
-    best, tried = _best_sequence(prepared, options, own, None if limit is None else begun + share * limit)
+    goal = policy_search.goal_alone(task) and own.runs > 0
+    shares = (SEQUENCE_SHARE if own.runs else 1.0, POLICY_SHARE if goal else 1.0, 1.0)
+    ends = [None if limit is None else begun + share * limit for share in shares]
+    best, tried = _best_sequence(prepared, options, own, ends[0])
     value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
     found = Found(best, value, earliness, "sampled", tried)
+    way = policy_search.way_to_goal(prepared) if goal else ()
     if own.runs:
-        policy = policy_search.search(
-            prepared,
-            [best, *_other_starts(prepared, options, own, best)],
-            runs=own.runs,
-            descents=-(-options.samples // DESCENT_SHARE),
-            deadline=None if limit is None else begun + limit,
-            seed=options.seed,
-            branches=options.branches,
-        )
+        starts = [best, *_other_starts(prepared, options, own, best), *filter(None, (way,))]
+        policy = policy_search.search(prepared, starts, own.runs, _effort(options, ends[1]))
         found = replace(found, tried=tried + policy.descents)
         if preferred(
             policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)
@@ -136,7 +139,16 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
             found = Found(
                 policy.course, policy.value, policy.earliness, "policy", found.tried, policy.branches
             )
+    if goal and found.value < LIKELY * task.discount ** len(way) * policy_search.prize(task):
+        hope = policy_search.hopeful(prepared, way, _effort(options, ends[2]))
+        if hope.course:
+            return Found(hope.course, hope.value, 0.0, "hoped", found.tried + hope.descents, hope.branches)
     return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
+
+
+def _effort(options: Options, deadline: float | None) -> policy_search.Effort:
+    descents = -(-options.samples // DESCENT_SHARE)
+    return policy_search.Effort(descents, deadline, options.seed, options.branches)
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions, best: Actions) -> list[Actions]:
