@@ -29,6 +29,9 @@ class Relaxed(NamedTuple):
     tries: Floats  # (S,) that its outcome takes
     helpful: Bools  # (R,) rules of the relaxed plan
     open: Ints  # (S,) slots whose rules are still to be looked at
+    asking_start: Ints  # (S + 1,) rules that ask for each slot
+    asking: Ints  # (n,)
+    news: Bools  # (R,) whether something that a rule asks for has become cheaper
 
 
 def relaxed(process: Process) -> Relaxed:
@@ -41,7 +44,20 @@ def relaxed(process: Process) -> Relaxed:
         np.zeros(slots),
         np.zeros(rules, dtype=np.bool_),
         np.zeros(slots, dtype=np.int32),
+        *_asking(process),
+        np.zeros(rules, dtype=np.bool_),
     )
+
+
+def _asking(process: Process) -> tuple[Ints, Ints]:
+    """The rules that ask for each slot, those of one slot together, and where they begin."""
+    rules, slots = len(process.outcome_start) - 1, int(process.slot_start[-1])
+    literals = int(process.literal_start[rules])
+    asked = np.arange(rules, dtype=np.int32).repeat(np.diff(process.literal_start[: rules + 1]))
+    rule = asked.repeat(np.diff(process.literal_slot_start[: literals + 1]))
+    slot = process.literal_slot[: process.literal_slot_start[literals]]
+    start = np.searchsorted(np.sort(slot), np.arange(slots + 1)).astype(np.int32)
+    return start, rule[np.argsort(slot, kind="stable")]
 
 
 @inner
@@ -71,30 +87,45 @@ def _had(p: Process, r: Relaxed, condition: int) -> tuple[float, float]:
 
 
 @inner
+def _use(p: Process, r: Relaxed, rule: int) -> bool:
+    """Lowers what the slots cost that a rule sets, and how early they can be had; whether that is news to
+    other rules."""
+    told = False
+    cost, early = _had(p, r, rule)
+    if cost == math.inf:
+        return told
+    for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+        if p.probability[outcome] == 0.0:
+            continue
+        tries = 1.0 / p.probability[outcome]
+        for e in range(p.effect_start[outcome], p.effect_start[outcome + 1]):
+            slot = p.slot_start[p.effect_variable[e]] + p.effect_value[e]
+            lowered = early + 1.0 < r.early[slot]
+            r.early[slot] = min(r.early[slot], early + 1.0)
+            if cost + tries < r.cost[slot]:
+                r.cost[slot], r.support[slot], r.tries[slot] = cost + tries, rule, tries
+                lowered = True
+            if lowered:
+                told = True
+                for i in range(r.asking_start[slot], r.asking_start[slot + 1]):
+                    r.news[r.asking[i]] = True
+    return told
+
+
+@inner
 def goal_distance(p: Process, r: Relaxed, state: Ints) -> tuple[float, float]:
     """What the goal costs from a state on, and the least number of steps; infinite where it cannot be had."""
-    r.cost[:], r.early[:], rules = math.inf, math.inf, len(p.outcome_start) - 1
+    rules, told = len(p.outcome_start) - 1, True
+    r.cost[:], r.early[:], r.news[:] = math.inf, math.inf, True
     for v in range(len(state)):
         slot = p.slot_start[v] + state[v]
         r.cost[slot], r.early[slot] = 0.0, 0.0
-    lowered = True
-    while lowered:
-        lowered = False
+    while told:
+        told = False
         for rule in range(rules):
-            cost, early = _had(p, r, rule)
-            if cost == math.inf:
-                continue
-            for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
-                if p.probability[outcome] == 0.0:
-                    continue
-                tries = 1.0 / p.probability[outcome]
-                for e in range(p.effect_start[outcome], p.effect_start[outcome + 1]):
-                    slot = p.slot_start[p.effect_variable[e]] + p.effect_value[e]
-                    if cost + tries < r.cost[slot]:
-                        r.cost[slot], r.support[slot], r.tries[slot] = cost + tries, rule, tries
-                        lowered = True
-                    if early + 1.0 < r.early[slot]:
-                        r.early[slot], lowered = early + 1.0, True
+            if r.news[rule]:
+                r.news[rule] = False
+                told = _use(p, r, rule) or told
     least, soonest = math.inf, math.inf
     for c in range(len(p.goal)):
         if p.goal[c]:

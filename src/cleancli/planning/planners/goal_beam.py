@@ -48,11 +48,13 @@ class _Looking:
         self._process, self._rooms = process, (loops.relaxed(process), loops.relaxed(process))
         self._after = np.zeros((MOST, len(process.sizes)), dtype=np.int32)
         self._action = np.zeros(MOST, dtype=np.int32)
-        self._tries, self._far = np.zeros((2, MOST))
+        self._tries, self._far = np.zeros(MOST), np.zeros(MOST)
 
     def __call__(self, state: GroundState) -> list[tuple[GroundState, int, float, float]]:
         row = np.array(state, dtype=np.int32)
-        room = (self._after, self._action, self._tries, self._far)
-        number = kernels.relaxed.promising(self._process, *self._rooms, row, *room)
-        after, *rest = (array[:number].tolist() for array in room)
-        return list(zip(map(tuple, after), *rest, strict=True))
+        number = kernels.relaxed.promising(
+            self._process, *self._rooms, row, self._after, self._action, self._tries, self._far
+        )
+        found = (self._action[:number], self._tries[:number], self._far[:number])
+        states = map(tuple, self._after[:number].tolist())
+        return list(zip(states, *(array.tolist() for array in found), strict=True))

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from cleancli.compiler.lowering.state_tables import lower_process
-from cleancli.planning import kernels, trajectory
 from cleancli.compiler.task import Task
+from cleancli.planning import kernels, trajectory
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch
 from cleancli.planning.planners import beam, goal_beam
@@ -25,14 +25,14 @@ FRESH_RUNS = 1024
 """Runs that value the policy that was found. Chosen."""
 
 HOPE = 1.0
-"""What a new node is worth where a goal is hoped for falls by this power of e where the relaxed plan takes all
-steps that are left. Chosen by benchmarks/goals.py, as HOPEFUL_EXPLORATION and WIDTHS are."""
+"""What a new node is worth where a goal is hoped for falls by this power of e where the relaxed plan takes
+all steps that are left. Chosen by benchmarks/goals.py, as HOPEFUL_EXPLORATION and WIDTH are."""
 
 HOPEFUL_EXPLORATION = 0.3
 """The weight of the upper bounds there, where values are not drawn."""
 
-WIDTHS = (4, 16)
-"""States that are followed along relaxed plans in each step, and then again where no way was found."""
+WIDTH = 8
+"""States that are followed along relaxed plans in each step."""
 
 ROUND = 20
 """Descents between two looks at the clock. Chosen: some milliseconds where states are large."""
@@ -109,8 +109,7 @@ def prize(task: Task) -> float:
 def way_to_goal(prepared: Prepared) -> Actions:
     """A sequence that may lead to the goal; none where none was found."""
     task = prepared.task
-    ways = (goal_beam.sequence(prepared.process, task.initial, task.horizon, width) for width in WIDTHS)
-    return next(filter(None, ways), ())
+    return goal_beam.sequence(prepared.process, task.initial, task.horizon, WIDTH)
 
 
 def carried_out(prepared: Prepared, sequence: Actions, seed: int) -> tuple[float, float]:

@@ -130,7 +130,7 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
     found = Found(best, value, earliness, "sampled", tried)
     way = policy_search.way_to_goal(prepared) if goal else ()
     if own.runs:
-        starts = [best, *_other_starts(prepared, options, own, best), *filter(None, (way,))]
+        starts = [best, way] if way else [best, *_other_starts(prepared, options, own, best)]
         policy = policy_search.search(prepared, starts, own.runs, _effort(options, ends[1]))
         found = replace(found, tried=tried + policy.descents)
         if preferred(
