@@ -1,5 +1,5 @@
-"""Goals in four families of three sizes each: a tower of blocks that explode, coins on floors with elevators, a
-triangle of roads where tires go flat, and a ferry in high water. Nothing is paid but for the goal."""
+"""Goals in four families of three sizes each: a tower of blocks that explode, coins on floors with elevators,
+a triangle of roads where tires go flat, and a ferry in high water. Nothing is paid but for the goal."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def goal_instances(seed: int) -> list[GoalInstance]:
 
 
 def exploding(rng: Rng, size: int) -> tuple[Domain, Problem]:
-    """Five, six or ten armed blocks in piles of up to three, of which three, four or six are wanted as a tower."""
+    """Five, six or ten armed blocks in piles of up to three; three, four or six are wanted as a tower."""
     number, high = (5, 6, 10)[size], (3, 4, 6)[size]
     names = named("b", number)
     facts = [f"armed({name})" for name in names]
@@ -66,8 +66,8 @@ def elevators(rng: Rng, size: int) -> tuple[Domain, Problem]:
 
 
 def tireworld(rng: Rng, size: int) -> tuple[Domain, Problem]:
-    """A triangle of places, all of them rough. One side leads straight to the goal, and has no spare tires; on
-    the way round, over the other two sides, and at most places within, there are some."""
+    """A triangle of places, all of them rough. One side leads straight to the goal, and has no spare tires;
+    there are some on the way round, over the other two sides, and at many places within."""
     side = (5, 6, 12)[size]
     places = [(row, column) for row in range(side) for column in range(side - row)]
     facts = ["here(p0_0)", *(f"rough({_place(*place)})" for place in places)]

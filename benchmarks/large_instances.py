@@ -34,8 +34,8 @@ def problem_for(
     goal: Iterable[str] = (),
     more: str = "",
 ) -> tuple[Domain, Problem]:
-    """A domain of benchmarks/domains and a problem for it, of objects by type, and of facts and what `more` it
-    says as they are written."""
+    """A domain of benchmarks/domains and a problem for it, of objects by type, and of facts and what `more`
+    it says as they are written."""
     domain = read(name)
     listed = " ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
     wanted = f"goal {{ {', '.join(goal)} }}" if goal else ""

@@ -112,7 +112,7 @@ def _use(p: Process, r: Relaxed, rule: int) -> bool:
     return told
 
 
-@inner
+@compiled
 def goal_distance(p: Process, r: Relaxed, state: Ints) -> tuple[float, float]:
     """What the goal costs from a state on, and the least number of steps; infinite where it cannot be had."""
     rules, told = len(p.outcome_start) - 1, True
@@ -134,7 +134,7 @@ def goal_distance(p: Process, r: Relaxed, state: Ints) -> tuple[float, float]:
     return least, soonest
 
 
-@inner
+@compiled
 def relaxed_plan(p: Process, r: Relaxed) -> float:
     """Marks the rules by which the goal is had at its cost, after `goal_distance`; returns the tries that
     they take together, each rule once."""
