@@ -136,7 +136,7 @@ def rollout(
     return value + factor * rest, early + standing * standing_earliness(left)
 
 
-@compiled
+@inner
 def mean_rollout(
     p: Process, b: Bases, state: Ints, base: int, place: int, left: int, runs: int, seed: np.uint64
 ) -> tuple[float, float]:

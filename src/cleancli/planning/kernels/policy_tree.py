@@ -34,7 +34,7 @@ from cleancli.planning.kernels.base_policies import (
     one_step,
     rollout,
 )
-from cleancli.planning.kernels.jit import better, compiled, inner, standing_earliness
+from cleancli.planning.kernels.jit import better, compiled, inlined, inner, standing_earliness
 from cleancli.planning.kernels.relaxed import goal_distance, relaxed_plan
 from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 from cleancli.planning.kernels.state_graph import change, digit, find
@@ -42,6 +42,9 @@ from cleancli.planning.kernels.transitions import choosable, rewarded
 
 NODES, CHOICES, EDGES, PASSED = 0, 1, 2, 3
 """What is counted in `Tree.used`."""
+
+UNTRIED = -2
+"""The best choice of a node where none was tried."""
 
 SUGGESTED, LISTED, CHANCE = 2.0, 1.0, 0.01
 """What an action gains in the order in which a node's choices are tried: for being what a base policy does
@@ -64,7 +67,7 @@ class Tree(NamedTuple):
     known: Bools  # (N,) whether the value is not an estimate
     base: Ints  # (N,) the best base policy
     place: Ints  # (N,) where the retried sequence is
-    best: Ints  # (N,) the best choice that was tried; -1 to stop, -2 where none was tried
+    best: Ints  # (N,) the best choice that was tried; -1 to stop, UNTRIED where none was tried
     choice_start: Ints  # (N,) -1 while the choices are not listed
     choice_stop: Ints  # (N,)
     action: Ints  # (M,) ascending within a node
@@ -121,7 +124,7 @@ def _appraise(p: Process, t: Tree, b: Bases, m: Manner, node: int) -> None:
                 if better(paid, soon, value, early):
                     value, early, best = paid, soon, base
     t.value[node], t.early[node], t.base[node] = value, early, best
-    t.choice_start[node], t.best[node], t.visits[node], t.known[node] = -1, -2, 0, left == 0
+    t.choice_start[node], t.best[node], t.visits[node], t.known[node] = -1, UNTRIED, 0, left == 0
     if m.hope > 0.0:
         if left > 0:
             _hope(p, t, b, m, node, left)
@@ -339,19 +342,26 @@ def _descend(p: Process, t: Tree, b: Bases, m: Manner) -> None:
         _back_up(p, t, b, int(t.path[0, i]), int(t.path[1, i]))
 
 
-@compiled
-def plant(p: Process, t: Tree, b: Bases, m: Manner) -> None:
-    """Makes the first node of the row that stands in its place."""
-    _enter(p, t, b, m, np.uint64(0), 0)
+def needed(used: Longs, outcomes: int, actions: int) -> tuple[int, int, int]:
+    """Nodes, choices and transitions for which there must be room before a descent, where a rule has at most
+    so many outcomes."""
+    most = outcomes + 1  # nodes that become new, and nodes whose choices are listed
+    return used[NODES] + most, used[CHOICES] + most * actions, used[EDGES] + outcomes
+
+
+_needed = inlined(needed)
 
 
 @compiled
 def descents(p: Process, t: Tree, b: Bases, m: Manner, number: int, outcomes: int) -> int:
-    """Does so many descents; returns how many it did, before there was no room any more, or the value was
-    known. A rule has at most so many `outcomes`."""
+    """Does so many descents, after making the first node of the row that stands in its place if there is
+    none; returns how many it did, before there was no room any more, or the value was known. A rule has at
+    most so many `outcomes`."""
+    if t.used[NODES] == 0:
+        _enter(p, t, b, m, np.uint64(0), 0)
     for i in range(number):
-        nodes, choices = t.used[NODES] + outcomes + 1, t.used[CHOICES] + (outcomes + 1) * len(p.cost)
-        full = nodes > len(t.states) or choices > len(t.action) or t.used[EDGES] + outcomes > len(t.chance)
+        nodes, choices, edges = _needed(t.used, outcomes, len(p.cost))
+        full = nodes > len(t.states) or choices > len(t.action) or edges > len(t.chance)
         if full or t.known[0]:
             return i
         _descend(p, t, b, m)

@@ -12,18 +12,20 @@ from cleancli.array_types import Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.kernels.base_policies import RETRIED, STOP, Bases, likeliest, mean_rollout
+from cleancli.planning.kernels.base_policies import RETRIED, STOP, Bases, likeliest
 from cleancli.planning.kernels.policy_tree import (
     NODES,
     PASSED,
+    UNTRIED,
     Manner,
     Tree,
     descents,
-    plant,
+    needed,
     policy_mean,
 )
 from cleancli.planning.kernels.relaxed import relaxed
 from cleancli.planning.kernels.state_graph import enter
+from cleancli.planning.kernels.transitions import rewarded
 
 
 class Node(NamedTuple):
@@ -61,7 +63,7 @@ class Search:
         self._tree = _room(variables + 1, 256 + self._outcomes, 1024 + choices, 1024, horizon)
         self._tree.states[0, :-1] = task.initial
         self.played = 0
-        plant(self._process, self._tree, self._bases, self._manner)
+        self._descend(0)
 
     @property
     def solved(self) -> bool:
@@ -77,11 +79,13 @@ class Search:
         """Does so many descents more, or fewer where the value is known before."""
         until = self.played + number
         while self.played < until and not self.solved:
-            self.played += descents(
-                self._process, self._tree, self._bases, self._manner, until - self.played, self._outcomes
-            )
+            self.played += self._descend(until - self.played)
             if self.played < until and not self.solved:
                 self._tree = _grown(self._tree, self._outcomes, len(self._process.cost))
+
+    def _descend(self, number: int) -> int:
+        """Does so many descents while there is room; returns how many."""
+        return int(descents(self._process, self._tree, self._bases, self._manner, number, self._outcomes))
 
     def mean(self, runs: int, seed: int) -> tuple[float, float]:
         """What the policy is worth, and its earliness: over so many runs, or exactly where that is known."""
@@ -145,12 +149,14 @@ class Search:
 def base_mean(
     prepared: Prepared, sequence: Sequence[int], base: int, runs: int, seed: int
 ) -> tuple[float, float]:
-    """What a base policy of a sequence is worth over so many runs of a seed, and its earliness."""
-    bases, state = bases_of(prepared, sequence), np.array(prepared.task.initial, dtype=np.int32)
+    """What a base policy of a sequence is worth over so many runs of a seed, and its earliness: those of a
+    tree that has not grown."""
+    process, task, horizon = prepared.process, prepared.task, max(prepared.task.horizon, 0)
+    tree = _room(len(task.variables) + 1, 1, 1, 1, horizon)
+    tree.states[0, :-1], tree.base[0], tree.best[0] = task.initial, base, UNTRIED
+    tree.standing[0] = rewarded(process, tree.states[0, :-1])[1]
     start = np.uint64(seed % 2**64)
-    found: tuple[float, float] = mean_rollout(
-        prepared.process, bases, state, base, 0, len(bases.idle) - 1, runs, start
-    )
+    found: tuple[float, float] = policy_mean(process, tree, bases_of(prepared, sequence), runs, start)
     return found
 
 
@@ -168,10 +174,9 @@ def bases_of(prepared: Prepared, sequence: Sequence[int]) -> Bases:
 
 def _grown(old: Tree, outcomes: int, actions: int) -> Tree:
     """The tree with twice as much of what has become short."""
-    nodes, choices, edges, _ = old.used.tolist()
     sizes = [len(old.states), len(old.action), len(old.chance)]
-    needed = [nodes + outcomes + 1, choices + (outcomes + 1) * actions, edges + outcomes]
-    nodes, choices, edges = (s * (1 + (need > s)) for s, need in zip(sizes, needed, strict=True))
+    wanted = needed(old.used, outcomes, actions)
+    nodes, choices, edges = (s * (1 + int(need > s)) for s, need in zip(sizes, wanted, strict=True))
     tree = _room(old.states.shape[1], nodes, choices, edges, old.path.shape[1] - 1)
     for name in Tree._fields:
         if name != "table":
