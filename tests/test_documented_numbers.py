@@ -97,7 +97,7 @@ ROWS = [tuple(map(str.strip, row.split("|"))) for row in NUMBERS.strip().splitli
 OPTIONS = {
     "rule_threshold": "`rule_threshold` ({}; 0 is allowed)",
     "margin": "by more than `margin` ({})",
-    "solve": "at most `solve` ({:,}) transitions",
+    "solve": "`solve` ({}) times as many transitions may be enumerated",
     "runs": "each by `runs` ({}) runs",
     "counted": "`counted` objects ({}",
 }

@@ -143,7 +143,7 @@ def test_time_discounts_only_with_durations(capsys: pytest.CaptureFixture[str]) 
         ("rule_threshold=nan", "`rule_threshold` lies between 0 and 1"),
         ("margin=-1", "`margin` is at least 0"),
         ("margin=", "`margin` wants a number, not ``"),
-        ("solve=2.5", "`solve` wants a whole number, not `2.5`"),
+        ("runs=2.5", "`runs` wants a whole number, not `2.5`"),
         ("arithmetic=rational", "`arithmetic` is an option of exact, not of prada+"),
         ("depth=3", "`depth` is an option of sst, not of prada+"),
         ("time-limit=3", "--time-limit"),
