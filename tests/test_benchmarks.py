@@ -42,6 +42,7 @@ LONG = {
     "conservation.py",
     "differential.py",
     "fresh_tables.py",
+    "goals.py",
     "identity.py",
     "ink.py",
     "intervals.py",
@@ -269,6 +270,31 @@ def test_planners_come_near_the_optimum(tmp_path: Path) -> None:
     assert problems == "8"
     assert 0.9 < float(mean) <= 1.0
     assert "8 problems; skipped: " in result.stdout
+
+
+def test_goals_are_played_once_and_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kept = tmp_path / "goals.jsonl"
+    arguments = ("--quick", "--only", "river", "tireworld", "--planner", "prada+", "--planner", "likeliest")
+    _main("goals", monkeypatch, *arguments, "--keep", str(kept))
+    told = capsys.readouterr().out
+    assert "| river, small | 0.659 | `prada+` | " in told
+    assert "2 comparisons with prada+" in told
+    before = kept.read_text(encoding="utf-8")
+    assert len(before.splitlines()) == 4
+    _main("goals", monkeypatch, *arguments, "--keep", str(kept))
+    assert capsys.readouterr().out == told
+    assert kept.read_text(encoding="utf-8") == before
+
+
+def test_differences_of_many_comparisons_are_corrected(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    goals = importlib.import_module("goals")
+    assert goals.holm([0.01, 0.04, 0.03]) == [True, False, False]
+    assert goals.holm([0.01, 0.02, 0.03]) == [True, True, True]
+    better, chance = goals.difference([True] * 6 + [False], [False] * 6 + [False])
+    assert (better, chance) == (6 / 7, 2 / 2**6)
 
 
 def test_planners_are_compared_on_large_problems(
