@@ -36,7 +36,8 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import reaches_goal, successors
 from cleancli.compiler.task import GroundAction, GroundState
 from cleancli.planning.compiled_task import Prepared, prepare
-from cleancli.planning.kernels.state_graph import Enumeration, backward
+from cleancli.planning.kernels.backward_induction import backward
+from cleancli.planning.kernels.state_graph import Enumeration
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Planner
 

@@ -46,7 +46,8 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundAction
 from cleancli.planning.compiled_task import Prepared, prepare
-from cleancli.planning.kernels.state_graph import Graph, backward, reachable
+from cleancli.planning.kernels.backward_induction import backward
+from cleancli.planning.kernels.state_graph import Graph, reachable
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner, Plans
 from cleancli.planning.registry import PLANNERS

@@ -23,7 +23,8 @@ from cleancli.compiler.task import (
 )
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import prepare
-from cleancli.planning.kernels.state_graph import Graph, backward, reachable
+from cleancli.planning.kernels.backward_induction import backward
+from cleancli.planning.kernels.state_graph import Graph, reachable
 from cleancli.planning.plan import Plan, TooManyStatesError
 from cleancli.planning.planners import exact as known_states
 from cleancli.planning.planners import rational

@@ -11,7 +11,7 @@ from cleancli.compiler.semantics import successors
 from cleancli.compiler.task import Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared, prepare
-from cleancli.planning.kernels import state_graph
+from cleancli.planning.kernels import backward_induction, state_graph
 from cleancli.planning.plan import Options, Plan, TooManyStatesError
 from cleancli.planning.planners import exact, plain_graph
 from cleancli.planning.registry import PLANNERS
@@ -41,7 +41,7 @@ def test_numbers_are_those_of_compiled_code_to_the_last_bit(
     assert [list(state) for state in found.enumeration.numbers] == compiled.states.tolist()
     assert found.within.tolist() == compiled.within.tolist()
     assert found.enumeration.transitions == len(compiled.edge_successor)
-    values, best = state_graph.backward(compiled, process, task.discount, horizon)
+    values, best = backward_induction.backward(compiled, process, task.discount, horizon)
     assert (found.values.shape, found.best.shape) == (values.shape, best.shape)
     assert found.values.tolist() == values.tolist()
     assert found.best.tolist() == best.tolist()

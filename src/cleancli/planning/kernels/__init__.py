@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
     from cleancli.planning.kernels import annealing as annealing
+    from cleancli.planning.kernels import backward_induction as backward_induction
     from cleancli.planning.kernels import base_policies as base_policies
     from cleancli.planning.kernels import belief_search as belief_search
     from cleancli.planning.kernels import decision_graph as decision_graph
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 _LOOPS = frozenset(
     {
         "annealing",
+        "backward_induction",
         "base_policies",
         "belief_search",
         "decision_graph",

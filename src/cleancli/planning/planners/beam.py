@@ -36,7 +36,7 @@ def best_sequence(
             enumeration.keep(layer, new[kept])
             paid, factor = paid[kept], factor[kept]
     graph = enumeration.graph()
-    best = kernels.state_graph.backward(graph, process, discount, steps)[1]
+    best = kernels.backward_induction.backward(graph, process, discount, steps)[1]
     sequence: list[int] = []
     state = 0
     for step in range(steps):

@@ -131,7 +131,8 @@ def solved(prepared: Prepared, enumeration: Any) -> Solution:
     graph = enumeration.graph()
     if not enumeration.frontier:
         graph = graph._replace(within=graph.within[-1:])
-    values, best = kernels.state_graph.backward(graph, prepared.forgetful.process, task.discount, horizon)
+    induction, process = kernels.backward_induction, prepared.forgetful.process
+    values, best = induction.backward(graph, process, task.discount, horizon)
     return _keep(prepared, Solution(enumeration, graph.within, values, best, horizon))
 
 
@@ -175,4 +176,4 @@ def load(prepared: Prepared) -> None:
     loops, process = kernels.state_graph, prepared.process
     graph = loops.reachable(process, prepared.task.initial, loops.EDGE_LIMIT, 1)
     if graph is not None:
-        loops.backward(graph, process, 1.0, 1)
+        kernels.backward_induction.backward(graph, process, 1.0, 1)

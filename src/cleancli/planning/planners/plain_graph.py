@@ -2,8 +2,8 @@
 machine numbers where a task is small and no compiled code has been loaded.
 
 Loading numba and a loop takes a tenth of a second, which is longer than plain Python needs for some dozens of
-states. All is added up in the order of planning/kernels/state_graph.py, so machine numbers are the same to
-the last bit, and no plan depends on what has been loaded.
+states. All is added up in the order of planning/kernels (state_graph.py, backward_induction.py), so machine
+numbers are the same to the last bit, and no plan depends on what has been loaded.
 """
 
 from __future__ import annotations
