@@ -53,8 +53,7 @@ def costs(task: Task, state: GroundState, together: bool) -> Slots:
 
 def condition_cost(found: Slots, condition: GroundCondition, together: bool) -> float:
     literals = [min(found.get((v, x), math.inf) for x in values) for v, values in condition]
-    combined = (sum if together else max)(literals, **({} if together else {"default": 0.0}))
-    return float(combined)
+    return sum(literals) if together else max(literals, default=0.0)
 
 
 def distance(task: Task) -> tuple[float, float]:

@@ -76,9 +76,10 @@ class Plan:
     sequence the likeliest way to it, and `reached` says more.
 
     `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
-    (the sequence's own), "policy" (of acting on what is seen, of which the sequence is the likeliest
-    course), or "hoped" (of the same, and a guess by how far a goal is). `coverage` is eq. 3's share of the sequences that were sampled, None where none were; `seconds`
-    per phase of the planner. `branches` of a policy, as many as the options ask for, in the order of steps.
+    (the sequence's own), "policy" (of acting on what is seen, of which the sequence is the likeliest course),
+    or "hoped" (of the same, and a guess by how far a goal is). `coverage` is eq. 3's share of the sequences
+    that were sampled, None where none were; `seconds` per phase of the planner. `branches` of a policy, as
+    many as the options ask for, in the order of steps.
     """
 
     planner: str
