@@ -43,6 +43,10 @@ from cleancli.planning.kernels.transitions import choosable, rewarded
 NODES, CHOICES, EDGES, PASSED = 0, 1, 2, 3
 """What is counted in `Tree.used`."""
 
+WIDENING, HOPEFUL = 0.5, 0.25
+"""A node that was visited n times tries 1 + n^WIDENING choices at most; where it hopes, the fewer exponent.
+Chosen."""
+
 UNTRIED = -2
 """The best choice of a node where none was tried."""
 
@@ -96,7 +100,7 @@ class Manner(NamedTuple):
     exploration: float  # the upper bounds' weight, as a share of what a node gains over stopping
     unit: float  # what a node gains is taken to be no less
     seed: np.uint64
-    hope: float  # how much a step counts that is left beyond those to the goal; 0 where none is hoped for
+    hope: float  # the power of e that a relaxed plan of all steps that are left takes from a new node; or 0
     prize: float  # what the goal pays
 
 
@@ -300,7 +304,7 @@ def _select(t: Tree, b: Bases, m: Manner, node: int) -> int:
             upper = t.worth[c] + scale * math.sqrt(logarithm / t.tried[c])
             if upper > bound:
                 bound, bounded = upper, c
-    if untried >= 0 and (bounded < 0 or tried < 1.0 + (visits**0.25 if m.hope > 0.0 else math.sqrt(visits))):
+    if untried >= 0 and (bounded < 0 or tried < 1.0 + visits ** (HOPEFUL if m.hope > 0.0 else WIDENING)):
         return untried
     return bounded
 

@@ -159,3 +159,5 @@ def load(prepared: Prepared) -> None:
     tree.course()
     tree.sampled(1, 0)
     best_start(first, [(), ()], 0)
+    if goal_alone(first.task):
+        way_to_goal(first)

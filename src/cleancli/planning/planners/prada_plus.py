@@ -139,7 +139,8 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
             found = Found(
                 policy.course, policy.value, policy.earliness, "policy", found.tried, policy.branches
             )
-    if goal and found.value < LIKELY * task.discount ** len(way) * policy_search.prize(task):
+    steps = len(way or found.course)
+    if goal and found.value < LIKELY * task.discount**steps * policy_search.prize(task):
         hope = policy_search.hopeful(prepared, way, _effort(options, ends[2]))
         if hope.course:
             return Found(hope.course, hope.value, 0.0, "hoped", found.tried + hope.descents, hope.branches)
