@@ -30,6 +30,7 @@ from cleancli.execution.events import Checkpoint
 from cleancli.execution.loop import clean
 from cleancli.execution.session import symbolic_session
 from cleancli.execution.setup import EpisodeOptions, within_reach
+from cleancli.execution.trials import GATHERING
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Action, Assign, Domain, Literal, Outcome, Rule
@@ -78,7 +79,7 @@ def _true_rule(rule: Rule, shares: Shares, grasp: str) -> Rule:
     row = shares.get((rule.action, "scattered" if scattered else "compact", grasp))
     if row is None:
         return rule
-    ends = [_end(outcome) for outcome in rule.outcomes]
+    ends = [_end(rule, outcome) for outcome in rule.outcomes]
     chances = [0.0] * len(ends)
     for end, share in zip(("none", "some", "spread"), row[:3], strict=True):
         # An end that the rule does not model is noise to it.
@@ -94,14 +95,20 @@ def _true_rule(rule: Rule, shares: Shares, grasp: str) -> Rule:
     )
 
 
-def _end(outcome: Outcome) -> str:
-    """Which of the page's ends an outcome is: none left, spread out, or some left."""
-    effects = [effect for effect in outcome.effects if isinstance(effect, Assign)]
-    if any(effect.symbol == "scattered" and effect.value is True for effect in effects):
+def _end(rule: Rule, outcome: Outcome) -> str:
+    """Which of the page's ends an outcome of a rule is: spread out, none left, or some left. None is left
+    where all areas are gone; where they are joined, all but the last; where one is grouped, if it is
+    compact."""
+    effects = {(e.symbol, e.terms, e.value) for e in outcome.effects if isinstance(e, Assign)}
+    areas = rule.variables
+    if rule.action == "groupScattered":
+        wanted = {("scattered", areas, False)}
+    else:
+        gone = areas[:-1] if rule.action in GATHERING else areas
+        wanted = {("dirt", (area,), False) for area in gone}
+    if any(symbol == "scattered" and value is True for symbol, _, value in effects):
         return "spread"
-    gone = any(effect.symbol == "dirt" and effect.value is False for effect in effects)
-    compact = any(effect.symbol == "scattered" and effect.value is False for effect in effects)
-    return "none" if gone or compact else "some"
+    return "none" if wanted <= effects else "some"
 
 
 def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples: int) -> list[float]:
