@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from cleancli.api.plain import plain
 from cleancli.api.tables import preformatted
 from cleancli.array_types import Image
 from cleancli.execution.seeds import Stream, derived
+from cleancli.files.numbered import by_numbers
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -119,16 +119,11 @@ def recorded(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
     if (folder / CAMERA).exists():
         yield str(folder), load_frames(folder)
         return
-    looks = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=_by_numbers)
+    looks = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=by_numbers)
     if not looks:
         raise BadRecording(f"{folder}: neither {CAMERA} nor a folder with one")
     for look in looks:
         yield str(look), load_frames(look)
-
-
-def _by_numbers(folder: Path) -> list[str | int]:
-    """Sorts `look-9` before `look-10`; words and numbers take turns, so that like meets like."""
-    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", folder.name)]
 
 
 def understood(
