@@ -190,6 +190,13 @@ def test_a_file_that_was_edited_before_a_series_goes_on_stays_as_it_is(own: Path
         resume_series(Path("runs") / NAME)
 
 
+def test_runs_of_a_folder_are_learned_from_in_the_order_of_their_seeds(own: Path) -> None:
+    """Also where a name sorts `seed10` before `seed9`: with forgetting, the last counts for most."""
+    Path("before.nid").write_text(own.read_text(encoding="utf-8"), encoding="utf-8")
+    whole(seed=9, episodes=2, forgetting=0.3)
+    assert learn("before.nid", "runs", forgetting=0.3).text == own.read_text(encoding="utf-8")
+
+
 def test_episodes_of_another_series_are_refused(own: Path) -> None:
     with pytest.raises(Killed):
         whole(on_event=at(2, Acted, Killed))

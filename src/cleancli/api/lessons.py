@@ -20,6 +20,7 @@ from cleancli.api.learned import (
     LearningResult,
     check_writable,
 )
+from cleancli.files.numbered import by_numbers
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
@@ -215,10 +216,11 @@ def _files_of(path: Path) -> Iterator[GivenFile]:
 
 
 def _runs_in(path: Path) -> Iterator[Path]:
-    """The run folders in a folder, and in those of series in it."""
-    series = sorted(found.parent for found in path.glob(f"*/{SERIES}"))
+    """The run folders in a folder, and in those of series in it, as they are numbered: old examples may count
+    for less."""
+    series = sorted((found.parent for found in path.glob(f"*/{SERIES}")), key=by_numbers)
     for folder in (path, *series):
-        yield from sorted(run.parent for run in folder.glob(f"*/{RUN}"))
+        yield from sorted((run.parent for run in folder.glob(f"*/{RUN}")), key=by_numbers)
 
 
 def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
