@@ -32,8 +32,16 @@ def maximum_likelihood(seen: float, examples: float, prior: float, m: float = DE
     return m_estimate(seen, examples, prior, 0)
 
 
+FITTED = "fitted-m"
+"""The m-estimate whose m is fitted to the examples (prior_weight.py)."""
+
 ESTIMATORS: Mapping[str, Estimator] = MappingProxyType(
-    {"decreasing-m": decreasing_m_estimate, "m": m_estimate, "likelihood": maximum_likelihood}
+    {
+        "decreasing-m": decreasing_m_estimate,
+        "m": m_estimate,
+        FITTED: m_estimate,
+        "likelihood": maximum_likelihood,
+    }
 )
 
 

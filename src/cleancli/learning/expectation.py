@@ -19,6 +19,7 @@ from cleancli.language.model import Domain
 from cleancli.learning.estimate import Estimator
 from cleancli.learning.evidence import Weights
 from cleancli.learning.match import Fit, Match, outcomes_of, prior_probabilities
+from cleancli.learning.prior_weight import Foretold, fitted
 from cleancli.learning.share import Counts, estimated, learn_parameters, shared_out
 
 SLIPS_BEFORE = (0.5, 10.0)
@@ -93,26 +94,69 @@ def largest(found: Sequence[float]) -> int | None:
 
 
 def expected(
-    domain: Domain, seen: Weights, estimator: Estimator, m: float, before: Counts
+    domain: Domain, seen: Weights, estimator: Estimator, m: float, before: Counts, fits_m: bool = False
 ) -> tuple[Counts, Beliefs]:
     """How often each outcome is expected to have happened, with what was counted before, and what that makes
-    of the probabilities."""
+    of the probabilities. Where it `fits_m`, the prior weighs what it proves to be worth."""
     groups = {rule: _group(found) for rule, found in _by_rule(seen).items()}
     prior = beliefs = prior_beliefs(domain)
     concerned = {
         rule: found for rule, found in before.items() if rule in groups or _has_parameter(domain, rule)
     }
     counts: Counts = {}
+    weight = m
     for _ in range(ROUNDS):
         last = beliefs
         counts, slips = _counted(groups, last, concerned)
-        beliefs = maximised(domain, prior, counts, slips, estimator, m)
+        if fits_m:
+            examples = _foretold(domain, groups, last, counts)
+            weight = fitted([*examples, *told(domain, before, {**before, **counts})], m)
+        beliefs = maximised(domain, prior, counts, slips, estimator, weight)
         if _difference(beliefs, last) < TOLERANCE:
             break
-    # Nothing changes what is believed of the other rules.
-    others = maximised(domain, prior, before, beliefs.slips, estimator, m)
+    # Nothing but a fitted weight changes what is believed of the other rules.
+    others = maximised(domain, prior, before, beliefs.slips, estimator, weight)
     probabilities = {**others.probabilities, **beliefs.probabilities}
     return {**before, **counts}, replace(beliefs, probabilities=probabilities)
+
+
+def told(domain: Domain, seen: Counts, counts: Counts) -> list[Foretold]:
+    """Examples of which it was said which outcome they were, among all that were counted."""
+    found = []
+    for rule, numbers in seen.items():
+        free = _is_free(domain, rule)
+        kinds = np.flatnonzero(np.array(numbers) * free)
+        if kinds.size:
+            one = np.eye(len(free))[kinds]
+            others = np.maximum(np.array(counts[rule]) * free - one, 0)
+            found.append(Foretold(np.array(numbers)[kinds], one, others, _prior(domain, rule)))
+    return found
+
+
+def _foretold(
+    domain: Domain, groups: Mapping[int | None, _Group], beliefs: Beliefs, counts: Counts
+) -> list[Foretold]:
+    """The transitions of each rule beside what else was counted, by the shares that beliefs give."""
+    found = []
+    for rule, group in groups.items():
+        free = _is_free(domain, rule)
+        shared = _shares(group, beliefs.probabilities[rule], beliefs.slips)
+        fit = group.possible * np.exp(group.fits @ _log_rates(beliefs.slips))
+        others = np.maximum(np.array(counts[rule]) - shared, 0) * free
+        found.append(Foretold(group.numbers * (shared @ free), fit * free, others, _prior(domain, rule)))
+    return found
+
+
+def _is_free(domain: Domain, rule: int | None) -> Floats:
+    """1 for outcomes whose own examples say how likely they are, 0 for those that are fixed or share one."""
+    outcomes = outcomes_of(domain, rule)
+    return np.array([float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes])
+
+
+def _prior(domain: Domain, rule: int | None) -> Floats:
+    """Those of the free outcomes, and 0 for the others."""
+    priors: Floats = np.array([float(each) for each in prior_probabilities(outcomes_of(domain, rule))])
+    return priors * _is_free(domain, rule)
 
 
 def _has_parameter(domain: Domain, rule: int | None) -> bool:
@@ -189,9 +233,14 @@ def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> 
 
 def _joint(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
     """The logarithm of how likely each outcome came about and made each transition (n, outcomes)."""
-    rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
-    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)
+    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ _log_rates(slips)
     return np.where(group.possible, logs, -np.inf)
+
+
+def _log_rates(slips: SlipRates) -> Floats:
+    """The logarithms of how likely each part of a `Fit` is."""
+    rates: Floats = np.log([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
+    return rates
 
 
 def _counted(

@@ -24,10 +24,12 @@ from cleancli.learning.expectation import (
     maximised,
     nothing_counted,
     prior_beliefs,
+    told,
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
 from cleancli.learning.method import DEFAULT, Method
+from cleancli.learning.prior_weight import fitted
 from cleancli.learning.share import Counts, counts_rounded, exactly, in_units
 
 
@@ -71,9 +73,11 @@ def learned_from(domain: Domain, evidence: Evidence, method: Method, adding: boo
     seen = weights(evidence, method.forgetting)
     if method.is_strict:
         counts = likeliest(domain, seen, before)
-        beliefs = maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, method.m)
+        prior = prior_beliefs(domain)
+        m = fitted(told(domain, counts, counts), method.m) if method.fits_m else method.m
+        beliefs = maximised(domain, prior, counts, SlipRates(), estimator, m)
     else:
-        counts, beliefs = expected(domain, seen, estimator, method.m, before)
+        counts, beliefs = expected(domain, seen, estimator, method.m, before, method.fits_m)
     durations = learn_durations(domain, evidence.times, adding, method.forgetting)
     corrections = learn_corrections(evidence.estimates, method.forgetting)
     return Lesson(tuple(_rules(domain, seen, counts, beliefs)), beliefs, durations, corrections)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cleancli.learning.estimate import DEFAULT_M
+from cleancli.learning.estimate import DEFAULT_M, FITTED
 
 MATCHES = ("shared", "strict")
 
@@ -26,6 +26,10 @@ class Method:
     m: float = DEFAULT_M
     match: str = "shared"
     forgetting: float = 0.0
+
+    @property
+    def fits_m(self) -> bool:
+        return self.estimator == FITTED
 
     @property
     def is_strict(self) -> bool:

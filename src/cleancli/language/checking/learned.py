@@ -23,7 +23,7 @@ KEYS = {
 OPTIONAL = frozenset({"forgetting"})
 """Those that need not be said."""
 
-WORDS = {"estimator": ("decreasing_m", "m", "likelihood"), "match": ("shared", "strict")}
+WORDS = {"estimator": ("decreasing_m", "m", "fitted_m", "likelihood"), "match": ("shared", "strict")}
 """What the settings that are words may be, the usual one first."""
 
 LARGEST_M = 1_000_000
