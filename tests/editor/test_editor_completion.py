@@ -52,7 +52,7 @@ def offered(name: str, text: str) -> list[str]:
         ("learned { m = 10 es|", ["estimator", "m", "match", "forgetting", "experience"]),
         ("learned { m = |", []),
         ("learned { match = |", ["shared", "strict"]),
-        ("learned { m = 10 estimator = |", ["decreasing_m", "m", "likelihood"]),
+        ("learned { m = 10 estimator = |", ["decreasing_m", "m", "fitted_m", "likelihood"]),
         ('learned { experience "x" [|', ["sha256"]),
         ('learned { experience "x" [sha256 = "9f86d081884c7d65", |', ["transitions"]),
         ("rule r: push(?a) [|", ["fixed"]),

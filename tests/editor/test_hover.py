@@ -76,7 +76,7 @@ def test_a_duration_tells_what_was_learned() -> None:
 @pytest.mark.parametrize(
     ("mark", "expected"),
     [
-        ("|estimator = m", "`decreasing_m`, `m`, `likelihood`"),
+        ("|estimator = m", "`decreasing_m`, `m`, `fitted_m`, `likelihood`"),
         ("|m = 10", "how many examples the prior weighs as much as"),
         ("|match = shared", "`shared`, `strict`"),
     ],

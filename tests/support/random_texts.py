@@ -209,7 +209,7 @@ def _learned(rng: Random) -> list[str]:
     if rng.random() < 0.5:
         return []
     entries = [
-        ["estimator", "=", rng.choice(("decreasing_m", "m", "likelihood"))],
+        ["estimator", "=", rng.choice(("decreasing_m", "m", "fitted_m", "likelihood"))],
         ["m", "=", rng.choice(("0", "10", "2.5", "1000000"))],
         ["match", "=", rng.choice(("shared", "strict"))],
     ]

@@ -63,7 +63,7 @@ def learning() -> Option:
         click.option(
             "--estimator",
             type=click.Choice(list(ESTIMATORS)),
-            help="How counts and prior are combined: eq. 5, eq. 4, or not at all."
+            help="How counts and prior are combined: eq. 5, eq. 4, eq. 4 with m fitted, or not at all."
             f"  [default: as DOMAIN notes, or {DEFAULT.estimator}]",
         ),
         click.option(
