@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from cleancli.compiler.fluents import Values
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Object
@@ -102,7 +103,7 @@ def doors(outcomes: str) -> Domain:
 
 def pushed(opened: int, stuck: int, nothing: int) -> list[Transition]:
     door = (Object("d", "door"),)
-    ends = [{("open", ("d",)): True}, {("stuck", ("d",)): True}, {}]
+    ends: list[Values] = [{("open", ("d",)): True}, {("stuck", ("d",)): True}, {}]
     return [
         Transition("push", ("d",), door, {}, after)
         for after, number in zip(ends, (opened, stuck, nothing), strict=True)
