@@ -33,7 +33,7 @@ def maximum_likelihood(seen: float, examples: float, prior: float, m: float = DE
 
 
 FITTED = "fitted-m"
-"""The m-estimate whose m is fitted to the examples (prior_weight.py)."""
+"""The m-estimate, with an m for each rule that is fitted to the examples (prior_weight.py)."""
 
 ESTIMATORS: Mapping[str, Estimator] = MappingProxyType(
     {

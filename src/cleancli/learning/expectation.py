@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats
+from cleancli.array_types import Bools, Floats, Ints
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import Estimator
 from cleancli.learning.evidence import Weights
 from cleancli.learning.match import Fit, Match, outcomes_of, prior_probabilities
-from cleancli.learning.prior_weight import Foretold, fitted
+from cleancli.learning.prior_weight import Foretold, averaged, chances_of_weights
 from cleancli.learning.share import Counts, estimated, learn_parameters, shared_out
 
 SLIPS_BEFORE = (0.5, 10.0)
@@ -53,6 +54,10 @@ class Beliefs:
     probabilities: Mapping[int | None, tuple[float, ...]]
     parameters: Mapping[str, float]
     slips: SlipRates
+
+
+Estimators = Mapping[int | None, Estimator]
+"""Of rules that have their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,59 +109,44 @@ def expected(
         rule: found for rule, found in before.items() if rule in groups or _has_parameter(domain, rule)
     }
     counts: Counts = {}
-    weight = m
+    own: Estimators = {}
+    kinds = {rule: _told_apart(group) for rule, group in groups.items()}
     for _ in range(ROUNDS):
         last = beliefs
         counts, slips = _counted(groups, last, concerned)
         if fits_m:
-            examples = _foretold(domain, groups, last, counts)
-            weight = fitted([*examples, *told(domain, before, {**before, **counts})], m)
-        beliefs = maximised(domain, prior, counts, slips, estimator, weight)
+            own = fitted(domain, kinds, {**before, **counts}, m)
+        beliefs = maximised(domain, prior, counts, slips, estimator, m, own)
         if _difference(beliefs, last) < TOLERANCE:
             break
-    # Nothing but a fitted weight changes what is believed of the other rules.
-    others = maximised(domain, prior, before, beliefs.slips, estimator, weight)
+    # Nothing but fitted weights changes what is believed of the other rules.
+    others = maximised(domain, prior, before, beliefs.slips, estimator, m, own)
     probabilities = {**others.probabilities, **beliefs.probabilities}
     return {**before, **counts}, replace(beliefs, probabilities=probabilities)
 
 
-def told(domain: Domain, seen: Counts, counts: Counts) -> list[Foretold]:
-    """Examples of which it was said which outcome they were, among all that were counted."""
-    found = []
-    for rule, numbers in seen.items():
-        free = _is_free(domain, rule)
-        kinds = np.flatnonzero(np.array(numbers) * free)
-        if kinds.size:
-            one = np.eye(len(free))[kinds]
-            others = np.maximum(np.array(counts[rule]) * free - one, 0)
-            found.append(Foretold(np.array(numbers)[kinds], one, others, _prior(domain, rule)))
-    return found
+def fitted(domain: Domain, kinds: Mapping[int | None, Ints], counts: Counts, m: float) -> Estimators:
+    """Estimators of the rules that counts are of, whose priors weigh what they prove to be worth. Outcomes of
+    one of the `kinds` of a rule count as one, and those that are fixed or share a parameter not at all."""
+    if not m:
+        return {}
+    found: dict[int | None, Foretold] = {}
+    for rule, seen in counts.items():
+        outcomes = outcomes_of(domain, rule)
+        free = [float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes]
+        priors = np.array(prior_probabilities(outcomes), dtype=float) * free
+        kind = kinds.get(rule, np.arange(len(outcomes)))
+        together = np.bincount(kind, np.array(seen) * free), np.bincount(kind, priors)
+        found[rule] = Foretold(*(part[together[1] > 0] for part in together))
+    return dict(zip(found, map(averaged, chances_of_weights(list(found.values()), m)), strict=True))
 
 
-def _foretold(
-    domain: Domain, groups: Mapping[int | None, _Group], beliefs: Beliefs, counts: Counts
-) -> list[Foretold]:
-    """The transitions of each rule beside what else was counted, by the shares that beliefs give."""
-    found = []
-    for rule, group in groups.items():
-        free = _is_free(domain, rule)
-        shared = _shares(group, beliefs.probabilities[rule], beliefs.slips)
-        fit = group.possible * np.exp(group.fits @ _log_rates(beliefs.slips))
-        others = np.maximum(np.array(counts[rule]) - shared, 0) * free
-        found.append(Foretold(group.numbers * (shared @ free), fit * free, others, _prior(domain, rule)))
-    return found
-
-
-def _is_free(domain: Domain, rule: int | None) -> Floats:
-    """1 for outcomes whose own examples say how likely they are, 0 for those that are fixed or share one."""
-    outcomes = outcomes_of(domain, rule)
-    return np.array([float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes])
-
-
-def _prior(domain: Domain, rule: int | None) -> Floats:
-    """Those of the free outcomes, and 0 for the others."""
-    priors: Floats = np.array([float(each) for each in prior_probabilities(outcomes_of(domain, rule))])
-    return priors * _is_free(domain, rule)
+def _told_apart(group: _Group) -> Ints:
+    """A number for each outcome (outcomes,), which those share that no transition tells apart."""
+    outcomes = range(group.possible.shape[1])
+    columns = [group.possible[:, each].tobytes() + group.fits[:, each].tobytes() for each in outcomes]
+    numbers = {column: number for number, column in enumerate(dict.fromkeys(columns))}
+    return np.array([numbers[column] for column in columns])
 
 
 def _has_parameter(domain: Domain, rule: int | None) -> bool:
@@ -188,13 +178,20 @@ def likeliest(domain: Domain, seen: Weights, before: Counts) -> Counts:
 
 
 def maximised(
-    domain: Domain, prior: Beliefs, counts: Counts, slips: SlipRates, estimator: Estimator, m: float
+    domain: Domain,
+    prior: Beliefs,
+    counts: Counts,
+    slips: SlipRates,
+    estimator: Estimator,
+    m: float,
+    own: Estimators = MappingProxyType({}),
 ) -> Beliefs:
-    """What counts make of the probabilities, with what was believed before any of them as the prior."""
+    """What counts make of the probabilities, with what was believed before any of them as the prior. Rules
+    may have estimators of their `own`."""
     parameters = learn_parameters(domain, counts, estimator, m)
     probabilities = {}
     for rule, seen in counts.items():
-        estimates = estimated(seen, prior.probabilities[rule], estimator, m)
+        estimates = estimated(seen, prior.probabilities[rule], own.get(rule, estimator), m)
         probabilities[rule] = shared_out(outcomes_of(domain, rule), estimates, parameters)
     return Beliefs(probabilities, parameters, slips)
 
@@ -233,14 +230,9 @@ def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> 
 
 def _joint(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
     """The logarithm of how likely each outcome came about and made each transition (n, outcomes)."""
-    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ _log_rates(slips)
+    rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
+    logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)
     return np.where(group.possible, logs, -np.inf)
-
-
-def _log_rates(slips: SlipRates) -> Floats:
-    """The logarithms of how likely each part of a `Fit` is."""
-    rates: Floats = np.log([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
-    return rates
 
 
 def _counted(

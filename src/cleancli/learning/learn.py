@@ -20,16 +20,15 @@ from cleancli.learning.expectation import (
     Beliefs,
     SlipRates,
     expected,
+    fitted,
     likeliest,
     maximised,
     nothing_counted,
     prior_beliefs,
-    told,
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
 from cleancli.learning.method import DEFAULT, Method
-from cleancli.learning.prior_weight import fitted
 from cleancli.learning.share import Counts, counts_rounded, exactly, in_units
 
 
@@ -73,9 +72,8 @@ def learned_from(domain: Domain, evidence: Evidence, method: Method, adding: boo
     seen = weights(evidence, method.forgetting)
     if method.is_strict:
         counts = likeliest(domain, seen, before)
-        prior = prior_beliefs(domain)
-        m = fitted(told(domain, counts, counts), method.m) if method.fits_m else method.m
-        beliefs = maximised(domain, prior, counts, SlipRates(), estimator, m)
+        own = fitted(domain, {}, counts, method.m) if method.fits_m else {}
+        beliefs = maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, method.m, own)
     else:
         counts, beliefs = expected(domain, seen, estimator, method.m, before, method.fits_m)
     durations = learn_durations(domain, evidence.times, adding, method.forgetting)

@@ -1,80 +1,74 @@
-"""How many examples the priors weigh as much as, by how well they foretell the examples (empirical Bayes).
+"""How many examples the priors of rules weigh as much as, by how well they foretell the examples.
 
 The m-estimate (eq. 4) is the mean of a Dirichlet distribution with the parameters m P₀, after the examples.
-Here m is not given but fitted: each example is foretold from all others of its rule, and that m is taken
-which makes the examples likeliest (the leave-one-out likelihood of Minka 2000, "Estimating a Dirichlet
-distribution"). It is one number for all rules: where priors were wrong about some, those of the others weigh
-little as well, and where they were right, more.
+Here m is not given. Each rule has its own, of which its examples tell (by the likelihood of counts under such
+a distribution, Minka 2000, "Estimating a Dirichlet distribution"), and the other rules too: the logarithms of
+all follow one normal distribution, whose mean and spread are not known either (hierarchical Bayes). So where
+priors proved wrong, that of a rule that was hardly tried weighs little. All that m, the mean and the spread
+may be is enumerated.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import gammaln
 
 from cleancli.array_types import Floats
+from cleancli.learning.estimate import Estimator, m_estimate
 
-SPREAD = 1.5
-"""Standard deviation of the logarithm of m before anything was seen, around what was asked for. Chosen: a
-fifth or five times as much is no surprise."""
+FACTORS: Floats = 10 ** np.arange(-1.5, 2.6, 0.5)
+"""What m may be of that which was asked for. Chosen: from hardly any prior to one that hardly changes."""
 
-_REACH = math.log(1e4)
-"""How far from what was asked for the logarithm of m is sought."""
+AROUND = 1.5
+"""Standard deviation of the mean logarithm before anything was seen, around what was asked for. Chosen: that
+priors are worth a fifth or five times as much is no surprise."""
 
-_HALVINGS = 40
+SPREADS = (0.5, 2.5)
+"""Standard deviations of a rule's logarithm around the mean, each as likely before anything was seen. Chosen:
+that priors are all worth about as much, or that some are right and some are wrong."""
 
 
 @dataclass(frozen=True, slots=True)
 class Foretold:
-    """Examples of a rule, alike ones together, and what foretells them.
+    """How often each outcome of a rule was seen, and its prior, both (outcomes,), as far as outcomes are told
+    apart and something is learned of them. No prior is 0."""
 
-    `numbers` (n,) says how many there are of each kind, `likelihoods` (n, outcomes) how likely each outcome
-    makes one, `others` (n, outcomes) how often each outcome happened in all examples but one of the kind, and
-    `priors` (outcomes,) what was believed before. All are 0 for outcomes of which nothing is learned.
-    """
-
-    numbers: Floats
-    likelihoods: Floats
-    others: Floats
+    counts: Floats
     priors: Floats
 
 
-def fitted(examples: Sequence[Foretold], m: float) -> float:
-    """The weight under which the examples are likeliest; `m` without any, and where that is 0."""
-    if not m or not examples:
-        return m
-    numbers = np.concatenate([each.numbers for each in examples])
-    own, by_prior, others, priors = np.hstack([_parts(each) for each in examples])
-    # An example that nothing but its own outcome's prior foretells says nothing of m, nor does one of a rule
-    # with nothing to learn.
-    told = (by_prior > 0) & (priors > 0)
-    numbers, own, by_prior, others, priors = (part[told] for part in (numbers, own, by_prior, others, priors))
-
-    def slope(logarithm: float) -> float:
-        """Of the log-likelihood, by the logarithm of m."""
-        weight = math.exp(logarithm)
-        gained = by_prior / (own + weight * by_prior) - priors / (others + weight * priors)
-        return weight * float(numbers @ gained) - (logarithm - math.log(m)) / SPREAD**2
-
-    low, high = math.log(m) - _REACH, math.log(m) + _REACH
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if slope(middle) > 0 else (low, middle)
-    return math.exp((low + high) / 2)
+def chances_of_weights(rules: Sequence[Foretold], m: float) -> Floats:
+    """How likely each of `FACTORS` is the one of each rule (rules, factors), where `m` > 0 was asked for."""
+    logs = np.array([_log_likelihoods(rule, m * FACTORS) for rule in rules]).reshape(-1, len(FACTORS))
+    likelihoods = np.exp(logs - logs.max(axis=1, keepdims=True))
+    places = np.log(FACTORS)
+    densities = [np.exp(-(((places - mean) / spread) ** 2) / 2) for mean in places for spread in SPREADS]
+    given = np.array([density / density.sum() for density in densities])  # (distributions, factors)
+    before = -((np.repeat(places, len(SPREADS)) / AROUND) ** 2) / 2
+    of_rules = likelihoods @ given.T  # (rules, distributions)
+    of_all = before + np.log(of_rules).sum(axis=0)
+    chances = np.exp(of_all - of_all.max())
+    found: Floats = likelihoods * ((chances / chances.sum() / of_rules) @ given)
+    return found
 
 
-def _parts(rule: Foretold) -> Floats:
-    """Of each kind (4, n) what other examples and the prior say for it, and how much there is of both."""
-    ones = np.ones(len(rule.numbers))
-    parts: Floats = np.array(
-        [
-            (rule.likelihoods * rule.others).sum(axis=1),
-            rule.likelihoods @ rule.priors,
-            rule.others.sum(axis=1),
-            rule.priors.sum() * ones,
-        ]
-    )
-    return parts
+def _log_likelihoods(rule: Foretold, weights: Floats) -> Floats:
+    """Of a rule's counts under a Dirichlet distribution of each weight (weights,), up to what all share."""
+    parameters = weights[:, None] * rule.priors
+    of_outcomes = gammaln(parameters + rule.counts) - gammaln(parameters)
+    total = parameters.sum(axis=1)
+    found: Floats = gammaln(total) - gammaln(total + rule.counts.sum()) + of_outcomes.sum(axis=1)
+    return found
+
+
+def averaged(chances: Floats) -> Estimator:
+    """The mean of the m-estimates whose m are `FACTORS` of what was asked for, by how likely each is."""
+    by_factor = list(zip(FACTORS.tolist(), chances.tolist(), strict=True))
+
+    def estimate(seen: float, examples: float, prior: float, m: float) -> float:
+        return sum(chance * m_estimate(seen, examples, prior, factor * m) for factor, chance in by_factor)
+
+    return estimate
