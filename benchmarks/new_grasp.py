@@ -5,8 +5,8 @@ seconds, that docs/physics.md reports of the grasps `folded` and `corner`; the r
 that ship. Ten episodes of seven areas each, planned by time, in four ways that meet the same tables and the
 same luck: with the shipped rules all the time, with rules that are learned from each action, by the usual
 estimator and by `fitted-m`, and with the rules that hold, which is the best that learning could come to.
-Prints the robot's seconds in each episode; from the fifth episode on, the share of the gap between shipped and
-true rules that learning closes, and how many times as fast it is, with intervals of Student's t over seeds.
+Prints the robot's seconds in each episode; from the fifth episode on, the share of the gap between shipped
+and true rules that learning closes, and how many times as fast it is, with intervals of Student's t.
 
 About a quarter of an hour of CPU for 20 seeds. With --keep each series is a line of FILE, and not run again.
 `--quick` runs two episodes of one seed, in about ten seconds.

@@ -137,7 +137,8 @@ def fitted(domain: Domain, kinds: Mapping[int | None, Ints], counts: Counts, m: 
         priors = np.array(prior_probabilities(outcomes), dtype=float) * free
         kind = kinds.get(rule, np.arange(len(outcomes)))
         together = np.bincount(kind, np.array(seen) * free), np.bincount(kind, priors)
-        found[rule] = Foretold(*(part[together[1] > 0] for part in together))
+        if priors.any():
+            found[rule] = Foretold(*(part[together[1] > 0] for part in together))
     return dict(zip(found, map(averaged, chances_of_weights(list(found.values()), m)), strict=True))
 
 
