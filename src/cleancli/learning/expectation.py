@@ -136,9 +136,10 @@ def fitted(domain: Domain, kinds: Mapping[int | None, Ints], counts: Counts, m: 
         free = [float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes]
         priors = np.array(prior_probabilities(outcomes), dtype=float) * free
         kind = kinds.get(rule, np.arange(len(outcomes)))
-        together = np.bincount(kind, np.array(seen) * free), np.bincount(kind, priors)
         if priors.any():
-            found[rule] = Foretold(*(part[together[1] > 0] for part in together))
+            own = [np.bincount(kind, np.array(seen) * free), np.bincount(kind, priors)]
+            together: Floats = np.array(own, dtype=float)
+            found[rule] = Foretold(*together[:, together[1] > 0])
     return dict(zip(found, map(averaged, chances_of_weights(list(found.values()), m)), strict=True))
 
 

@@ -66,7 +66,7 @@ def _log_likelihoods(rule: Foretold, weights: Floats) -> Floats:
 
 def averaged(chances: Floats) -> Estimator:
     """The mean of the m-estimates whose m are `FACTORS` of what was asked for, by how likely each is."""
-    by_factor = list(zip(FACTORS.tolist(), chances.tolist(), strict=True))
+    by_factor: list[tuple[float, float]] = list(zip(FACTORS.tolist(), chances.tolist(), strict=True))
 
     def estimate(seen: float, examples: float, prior: float, m: float) -> float:
         return sum(chance * m_estimate(seen, examples, prior, factor * m) for factor, chance in by_factor)
