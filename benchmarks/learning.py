@@ -9,7 +9,7 @@ anew.
 `recovery`: after 5,000 transitions, beside a learner that is told which outcome each transition was, and
 beside the least that any learner without a prior can expect (the bound of Cramér and Rao), told and not; and
 starting from the hidden probabilities themselves, which more transitions should not spoil.
-`curves`: the three estimators after 3 to 1,000 examples of each rule, from a wrong prior and from the right
+`curves`: the estimators after 3 to 1,000 examples of each rule, from a wrong prior and from the right
 one.
 `changes`: where the hidden probabilities become others midway, in how many rules that is found, and how far
 off its place; in how many it is found where nothing changed; and what is learned of the later ones with
@@ -43,7 +43,7 @@ from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain, Fact, Object, Outcome, Problem, Rule, Value
 from cleancli.learning.changes import FEWEST, RuleChange, changes
-from cleancli.learning.estimate import ESTIMATORS
+from cleancli.learning.estimate import ESTIMATORS, FITTED
 from cleancli.learning.evidence import collected
 from cleancli.learning.expectation import Beliefs, SlipRates, maximised, prior_beliefs, shares
 from cleancli.learning.experience import Transition
@@ -162,7 +162,8 @@ def _difference(rules: LiftedRules, one: Domain, other: Domain, asked: Drawn) ->
 
 def recovery(name: str, seed: int, transitions: int) -> Row:
     """Differences from the hidden rules: of what is learned, of what is learned when told the outcomes, of
-    what is learned from the right rules, before learning, and by the strict reading."""
+    what is learned from the right rules, before learning, and by the strict reading; and with the estimator
+    `fitted-m`."""
     rng = np.random.default_rng([seed, 1])
     given = DRAW[name](rng)[0]
     truth = hidden(given, rng)
@@ -171,12 +172,14 @@ def recovery(name: str, seed: int, transitions: int) -> Row:
     experience = [each.transition for each in seen]
     found = {
         "before": given,
-        "learned": taught(given, learn(given, experience).beliefs),
         "told": taught(given, _told(given, seen)),
         "strict": taught(given, learn(given, experience, Method(match="strict")).beliefs),
-        "from right": taught(truth, learn(truth, experience).beliefs),
         "right and told": taught(truth, _told(truth, seen)),
     }
+    for start, learned, fitted in ((given, "learned", "fitted"), (truth, "from right", "fitted from right")):
+        evidence = collected(Matcher(start), experience)
+        for key, method in ((learned, DEFAULT), (fitted, Method(FITTED))):
+            found[key] = taught(start, learned_from(start, evidence, method).beliefs)
     row = {key: difference(truth, domain, asked) for key, domain in found.items()}
     matches = map(Matcher(truth).match, experience)
     row["bound"] = expected_difference(truth, _least_errors(truth, matches), asked)
@@ -224,10 +227,11 @@ def _chances(truth: Domain, rule: int) -> Floats:
 
 def expected_difference(truth: Domain, errors: Errors, asked: Sequence[Drawn]) -> float:
     """The total variation of next states that errors come to if they follow the normal distribution, whose
-    mean distance from 0 is the standard deviation times the root of 2 / π."""
+    mean distance from 0 is the standard deviation times the root of 2 / π; of rules that there were examples
+    of."""
     rules = LiftedRules(truth)
     found = []
-    for each in asked:
+    for each in (each for each in asked if each.rule in errors):
         alike = np.array(_led_to(rules, each))
         variances = np.einsum("so,op,sp->s", alike, errors[each.rule], alike)
         found.append(np.sqrt(np.maximum(variances, 0) * 2 / np.pi).sum() / 2)
@@ -274,8 +278,9 @@ def curves(name: str, seed: int, most: int) -> Row:
     for prior, start in (("wrong", given), ("right", truth)):
         for number in (n for n in CURVE if n <= most):
             experience = [each for found in by_rule.values() for each in found[:number]]
+            evidence = collected(Matcher(start), experience)
             for estimator in ESTIMATORS:
-                beliefs = learn(start, experience, Method(estimator)).beliefs
+                beliefs = learned_from(start, evidence, Method(estimator)).beliefs
                 row[f"{prior} {estimator} {number}"] = difference(truth, taught(start, beliefs), asked)
     return row
 
@@ -340,9 +345,9 @@ def _change_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) ->
 def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
     yield (
         "| domain | before | learned | told | learned / told | the same of the bounds | strict | from right |"
-        " more than told |"
+        " more than told | fitted | from right |"
     )
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield "|---|---|---|---|---|---|---|---|---|---|---|"
     for name in DRAW:
         rows = [found[name, seed] for seed in seeds]
         learned, told = (mean(row[key] for row in rows) for key in ("learned", "told"))
@@ -351,7 +356,9 @@ def _table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterat
         bound, when_told = (mean(row[key] for row in rows) for key in ("bound", "bound when told"))
         cells += [f"{learned / told:.2f}", f"{bound / when_told:.2f}"]
         cells += [_mean([row["strict"] for row in rows])]
-        yield f"| {name} | {' | '.join([*cells, _mean([row['from right'] for row in rows]), _mean(more)])} |"
+        cells += [_mean([row["from right"] for row in rows]), _mean(more)]
+        cells += [_mean([row[key] for row in rows]) for key in ("fitted", "fitted from right")]
+        yield f"| {name} | {' | '.join(cells)} |"
 
 
 def _curve_table(found: Mapping[tuple[str, int], Row], seeds: Sequence[int]) -> Iterator[str]:
