@@ -93,6 +93,16 @@ def test_an_outcome_that_is_missing_is_suggested(tmp_path: Path, capsys: pytest.
     assert not any("suggestion" in each for each in again)
 
 
+def test_what_no_rule_changes_so_far_is_suggested_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where nothing that rules change has changed."""
+    text = TEXT.replace("0.5: wet(?b) 0.5: size(?b) := small", "0.5: size(?b) := small 0.5: nothing")
+    found = explained(tmp_path, capsys, line("a"), *[line("", wet="ab")] * 5, line(), text=text)
+    suggested = [each["suggestion"] for each in found if "suggestion" in each]
+    assert [(each["effects"], each["explains"], each["noise"]) for each in suggested] == [("wet(?b)", 5, 6)]
+
+
 def test_people_are_told_in_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     domain, given = tmp_path / "tidy.nid", tmp_path / "e.jsonl"
     domain.write_text(TEXT, encoding="utf-8")

@@ -32,7 +32,8 @@ class Counted:
     """What a transition counted for: to how much for each outcome of the covering rule (None: the default
     rule). `likeliest` of them slips in `slips`; where that is noise, `nearest` is the outcome that is wrong
     about the fewest things, None where there is no other, and `wrong` says about which. `changed` are the new
-    values of the rule's own objects, and `names` what its variables stand for."""
+    values of the rule's own objects, where none is of a symbol that rules change of others, and `names` what
+    its variables stand for."""
 
     transition: Transition
     rule: int | None
@@ -74,8 +75,15 @@ def counted_for(
             nearest,
             () if nearest is None else about[nearest],
             compared.names,
-            compared.of_own,
+            compared.of_own or _of_statics(compared),
         )
+
+
+def _of_statics(compared: Comparison) -> Changes:
+    """What became of the rule's own objects by symbols that no rule changes so far."""
+    before, after = compared.transition.before, compared.transition.after
+    changed = {key for key, _ in before.items() ^ after.items() if compared.sets.own.issuperset(key[1])}
+    return {key: after.get(key, False) for key in changed if key in after or before[key] is True}
 
 
 def _wrong(compared: Comparison, announced: Changes) -> Iterator[Wrong]:
