@@ -4,10 +4,10 @@
 runs; twelve other tables are then cleaned with the shipped rules and with the learned ones, and compared pair
 by pair. Learning should do no harm there.
 `grasp`: a robot with another grasp (`folded`, `corner`) cleans thirty lentils, in small groups and scattered,
-ten times (§6.3, Fig. 10): with the shipped rules; learning from them, by the decreasing m-estimate and by the
-m-estimate; learning from rules that were measured with the wide grasp; and with rules that were measured with
-its own (docs/physics.md), which is about the best that learning can come to. `--plot FILE` draws actions and
-seconds by episode, as Fig. 10 does.
+ten times (§6.3, Fig. 10): with the shipped rules; learning from them, by the decreasing m-estimate, by the
+m-estimate and by `fitted-m`; learning from rules that were measured with the wide grasp; and with rules that
+were measured with its own (docs/physics.md), which is about the best that learning can come to. `--plot FILE`
+draws actions and seconds by episode, as Fig. 10 does.
 
 Each table is a minute of CPU: about half an hour for `harm`, and eight hours for `grasp`. With `--keep` every
 episode is a line of FILE as soon as it is over, and a series that was stopped goes on behind its last one.
@@ -41,6 +41,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
+from cleancli.learning.estimate import FITTED
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.learn import revised
 from cleancli.learning.method import DEFAULT, KNOWN, Method
@@ -51,11 +52,12 @@ Row = dict[str, Any]
 Series = tuple[str, str, str, int, int]
 """Part, grasp, kind, seed of the first table, and how many tables."""
 
-KINDS = ("shipped", "learned", "m-estimate", "from wide", "measured")
+KINDS = ("shipped", "learned", "m-estimate", "fitted", "from wide", "measured")
 """What a robot with another grasp goes by."""
 LEARNING: Mapping[str, Method] = {
     "learned": DEFAULT,
     "m-estimate": Method("m"),
+    "fitted": Method(FITTED),
     "from wide": DEFAULT,
     "taught": DEFAULT,
 }
