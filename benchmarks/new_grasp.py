@@ -40,7 +40,7 @@ from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Action, Assign, Domain, Literal, Outcome, Rule
 from cleancli.learning.estimate import ESTIMATORS, FITTED
 from cleancli.learning.evidence import Evidence
-from cleancli.learning.expectation import SlipRates, fitted, maximised, nothing_counted, prior_beliefs
+from cleancli.learning.expectation import SlipRates, maximised, nothing_counted, prior_beliefs, told
 from cleancli.learning.method import DEFAULT, Method
 from learning import taught
 from planning import layout
@@ -120,7 +120,7 @@ def _end(rule: Rule, outcome: Outcome) -> str:
     return "none" if wanted <= effects else "some"
 
 
-def told(shipped: Domain, true: Domain, examples: int, seed: int) -> Domain:
+def told_rules(shipped: Domain, true: Domain, examples: int, seed: int) -> Domain:
     """What the shipped rules become by so many examples of each rule, drawn from the true ones, where it is
     told which outcome each was; durations are the true ones."""
     rng = np.random.default_rng([seed, examples])
@@ -128,7 +128,7 @@ def told(shipped: Domain, true: Domain, examples: int, seed: int) -> Domain:
     for number, rule in enumerate(true.rules):
         chances = [float(outcome.probability) for outcome in rule.outcomes]
         counts[number] = tuple(map(float, rng.multinomial(examples, chances)))
-    own, estimator = fitted(shipped, {}, counts, DEFAULT.m), ESTIMATORS[FITTED]
+    own, estimator = told(shipped, counts, DEFAULT.m), ESTIMATORS[FITTED]
     beliefs = maximised(shipped, prior_beliefs(shipped), counts, SlipRates(), estimator, DEFAULT.m, own)
     return replace(taught(shipped, beliefs), actions=true.actions)
 
@@ -141,7 +141,7 @@ def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples:
     if kind == "true":
         known = true
     elif kind.startswith(TOLD):
-        known = told(shipped, true, int(kind.removeprefix(TOLD)), seed)
+        known = told_rules(shipped, true, int(kind.removeprefix(TOLD)), seed)
     evidence = Evidence()
     for number in range(episodes):
         options = EpisodeOptions(

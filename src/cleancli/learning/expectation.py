@@ -15,7 +15,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats, Ints
+from cleancli.array_types import Bools, Floats
 from cleancli.language.model import Domain
 from cleancli.learning.estimate import Estimator
 from cleancli.learning.evidence import Weights
@@ -110,12 +110,11 @@ def expected(
     }
     counts: Counts = {}
     own: Estimators = {}
-    kinds = {rule: _told_apart(group) for rule, group in groups.items()}
     for _ in range(ROUNDS):
         last = beliefs
         counts, slips = _counted(groups, last, concerned)
         if fits_m:
-            own = fitted(domain, kinds, {**before, **counts}, m)
+            own = _fitted(domain, groups, last, {**before, **counts}, before, m)
         beliefs = maximised(domain, prior, counts, slips, estimator, m, own)
         if _difference(beliefs, last) < TOLERANCE:
             break
@@ -125,30 +124,50 @@ def expected(
     return {**before, **counts}, replace(beliefs, probabilities=probabilities)
 
 
-def fitted(domain: Domain, kinds: Mapping[int | None, Ints], counts: Counts, m: float) -> Estimators:
-    """Estimators of the rules that counts are of, whose priors weigh what they prove to be worth. Outcomes of
-    one of the `kinds` of a rule count as one, and those that are fixed or share a parameter not at all."""
+def told(domain: Domain, counts: Counts, m: float) -> Estimators:
+    """Estimators of the rules that counts are of, whose priors weigh what they prove to be worth, where it is
+    known which outcome each example was."""
+    return _fitted(domain, {}, prior_beliefs(domain), counts, counts, m)
+
+
+def _fitted(
+    domain: Domain,
+    groups: Mapping[int | None, _Group],
+    beliefs: Beliefs,
+    counts: Counts,
+    before: Counts,
+    m: float,
+) -> Estimators:
+    """The same of transitions that are shared by what is believed, and that with those `before` make the
+    counts."""
     if not m:
         return {}
-    found: dict[int | None, Foretold] = {}
-    for rule, seen in counts.items():
-        outcomes = outcomes_of(domain, rule)
-        free = [float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes]
-        priors = np.array(prior_probabilities(outcomes), dtype=float) * free
-        kind = kinds.get(rule, np.arange(len(outcomes)))
-        if priors.any():
-            own = [np.bincount(kind, np.array(seen) * free), np.bincount(kind, priors)]
-            together: Floats = np.array(own, dtype=float)
-            found[rule] = Foretold(*together[:, together[1] > 0])
-    return dict(zip(found, map(averaged, chances_of_weights(list(found.values()), m)), strict=True))
+    found = [
+        _foretold(domain, rule, groups.get(rule), beliefs, counts[rule], before[rule]) for rule in counts
+    ]
+    return dict(zip(counts, map(averaged, chances_of_weights(found, m)), strict=True))
 
 
-def _told_apart(group: _Group) -> Ints:
-    """A number for each outcome (outcomes,), which those share that no transition tells apart."""
-    outcomes = range(group.possible.shape[1])
-    columns = [group.possible[:, each].tobytes() + group.fits[:, each].tobytes() for each in outcomes]
-    numbers = {column: number for number, column in enumerate(dict.fromkeys(columns))}
-    return np.array([numbers[column] for column in columns])
+def _foretold(
+    domain: Domain,
+    rule: int | None,
+    group: _Group | None,
+    beliefs: Beliefs,
+    counts: Sequence[float],
+    before: Sequence[float],
+) -> Foretold:
+    """A rule's examples beside what else was counted: those before, each of one outcome, and transitions."""
+    outcomes = outcomes_of(domain, rule)
+    free = np.array([float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes])
+    numbers, shared, likelihoods = np.array(before), np.eye(len(free)), np.eye(len(free))
+    if group is not None:
+        numbers = np.concatenate([numbers, group.numbers])
+        shared = np.vstack([shared, _shares(group, beliefs.probabilities[rule], beliefs.slips)])
+        logs = _joint(group, np.ones(len(free)), beliefs.slips)
+        likelihoods = np.vstack([likelihoods, np.exp(logs - _highest(logs))])
+    others = np.maximum(np.array(counts) - shared, 0) * free
+    priors = np.array(prior_probabilities(outcomes), dtype=float) * free
+    return Foretold(numbers * (shared @ free), likelihoods * free, others, priors)
 
 
 def _has_parameter(domain: Domain, rule: int | None) -> bool:
@@ -223,14 +242,19 @@ def _group(found: Sequence[tuple[Match, float]]) -> _Group:
 def _shares(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
     """To how much of each transition each outcome led (n, outcomes); a row sums to 1, or 0 if none fits."""
     logs = _joint(group, probabilities, slips)
-    highest = logs.max(axis=1, keepdims=True)
-    weights = np.where(group.possible, np.exp(logs - np.where(np.isfinite(highest), highest, 0)), 0)
+    weights = np.where(group.possible, np.exp(logs - _highest(logs)), 0)
     total = weights.sum(axis=1, keepdims=True)
     shared: Floats = np.divide(weights, total, out=np.zeros_like(weights), where=total > 0)
     return shared
 
 
-def _joint(group: _Group, probabilities: Sequence[float], slips: SlipRates) -> Floats:
+def _highest(logs: Floats) -> Floats:
+    """The greatest of each row (n, 1), or 0 where all are minus infinity."""
+    highest: Floats = logs.max(axis=1, keepdims=True)
+    return np.where(np.isfinite(highest), highest, 0)
+
+
+def _joint(group: _Group, probabilities: Sequence[float] | Floats, slips: SlipRates) -> Floats:
     """The logarithm of how likely each outcome came about and made each transition (n, outcomes)."""
     rates = np.array([1 - slips.missed, slips.missed, slips.stray, 1 - slips.stray])
     logs = np.log(np.maximum(probabilities, _NEVER)) + group.fits @ np.log(rates)

@@ -20,11 +20,11 @@ from cleancli.learning.expectation import (
     Beliefs,
     SlipRates,
     expected,
-    fitted,
     likeliest,
     maximised,
     nothing_counted,
     prior_beliefs,
+    told,
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.match import Matcher, outcomes_of, prior_probabilities
@@ -72,7 +72,7 @@ def learned_from(domain: Domain, evidence: Evidence, method: Method, adding: boo
     seen = weights(evidence, method.forgetting)
     if method.is_strict:
         counts = likeliest(domain, seen, before)
-        own = fitted(domain, {}, counts, method.m) if method.fits_m else {}
+        own = told(domain, counts, method.m) if method.fits_m else {}
         beliefs = maximised(domain, prior_beliefs(domain), counts, SlipRates(), estimator, method.m, own)
     else:
         counts, beliefs = expected(domain, seen, estimator, method.m, before, method.fits_m)

@@ -1,11 +1,11 @@
 """How many examples the priors of rules weigh as much as, by how well they foretell the examples.
 
 The m-estimate (eq. 4) is the mean of a Dirichlet distribution with the parameters m P₀, after the examples.
-Here m is not given. Each rule has its own, of which its examples tell (by the likelihood of counts under such
-a distribution, Minka 2000, "Estimating a Dirichlet distribution"), and the other rules too: the logarithms of
-all follow one normal distribution, whose mean and spread are not known either (hierarchical Bayes). So where
-priors proved wrong, that of a rule that was hardly tried weighs little. All that m, the mean and the spread
-may be is enumerated.
+Here m is not given. Each rule has its own, of which its examples tell, each foretold from all others (the
+leave-one-out likelihood of Minka 2000, "Estimating a Dirichlet distribution"), and the other rules too: the
+logarithms of all follow one normal distribution, whose mean and spread are not known either (hierarchical
+Bayes). So where priors proved wrong, that of a rule that was hardly tried weighs little. All that m, the mean
+and the spread may be is enumerated.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import gammaln
 
 from cleancli.array_types import Floats
 from cleancli.learning.estimate import Estimator, m_estimate
@@ -33,10 +32,17 @@ that priors are all worth about as much, or that some are right and some are wro
 
 @dataclass(frozen=True, slots=True)
 class Foretold:
-    """How often each outcome of a rule was seen, and its prior, both (outcomes,), as far as outcomes are told
-    apart and something is learned of them. No prior is 0."""
+    """Examples of a rule, alike ones together, and what foretells them, of outcomes of which something is
+    learned.
 
-    counts: Floats
+    `numbers` (n,) says how many there are of each kind, `likelihoods` (n, outcomes) how likely each outcome
+    makes one, `others` (n, outcomes) how often each outcome happened in all examples but one of the kind, and
+    `priors` (outcomes,) what was believed before.
+    """
+
+    numbers: Floats
+    likelihoods: Floats
+    others: Floats
     priors: Floats
 
 
@@ -56,11 +62,13 @@ def chances_of_weights(rules: Sequence[Foretold], m: float) -> Floats:
 
 
 def _log_likelihoods(rule: Foretold, weights: Floats) -> Floats:
-    """Of a rule's counts under a Dirichlet distribution of each weight (weights,), up to what all share."""
-    parameters = weights[:, None] * rule.priors
-    of_outcomes = gammaln(parameters + rule.counts) - gammaln(parameters)
-    total = parameters.sum(axis=1)
-    found: Floats = gammaln(total) - gammaln(total + rule.counts.sum()) + of_outcomes.sum(axis=1)
+    """Of a rule's examples under each weight (weights,), as far as they depend on it."""
+    by_prior = rule.likelihoods @ rule.priors
+    told = by_prior > 0
+    by_others = (rule.likelihoods * rule.others).sum(axis=1)[told, None]
+    of_each = by_others + weights * by_prior[told, None]
+    of_any = rule.others.sum(axis=1)[told, None] + weights * rule.priors.sum()
+    found: Floats = rule.numbers[told] @ np.log(of_each / of_any)
     return found
 
 
