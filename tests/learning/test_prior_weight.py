@@ -22,20 +22,24 @@ Rule = tuple[Sequence[int], Sequence[float]]
 """How often each outcome was seen, and its prior."""
 
 
+def foretold(seen: Sequence[int], prior: Sequence[float]) -> Foretold:
+    """Of examples of which it is known which outcome they were."""
+    one = np.eye(len(seen))
+    return Foretold(np.array(seen, dtype=float), one, np.maximum(np.array(seen) - one, 0), np.array(prior))
+
+
 def chances(*rules: Rule) -> list[list[float]]:
     """How likely each weight is, for each rule."""
-    told = [Foretold(np.array(seen, dtype=float), np.array(prior)) for seen, prior in rules]
-    found: list[list[float]] = chances_of_weights(told, ASKED).tolist()
+    found: list[list[float]] = chances_of_weights([foretold(*rule) for rule in rules], ASKED).tolist()
     return found
 
 
 def likelihood(rule: Rule, m: float) -> float:
-    """Of the examples in turn, each foretold from those before it by the m-estimate (eq. 4): Polya's urn."""
-    found, before = 1.0, [0] * len(rule[0])
-    for outcome, number in enumerate(rule[0]):
+    """Of all examples, each foretold from the others by the m-estimate (eq. 4)."""
+    (seen, prior), found = rule, 1.0
+    for outcome, number in enumerate(seen):
         for _ in range(number):
-            found *= (before[outcome] + m * rule[1][outcome]) / (sum(before) + m)
-            before[outcome] += 1
+            found *= (seen[outcome] - 1 + m * prior[outcome]) / (sum(seen) - 1 + m)
     return found
 
 
@@ -104,10 +108,29 @@ def test_one_wrong_prior_among_right_ones_is_given_up() -> None:
     assert mean_weight(wrong) < 20
 
 
-@pytest.mark.parametrize("rule", [([0, 0], [0.5, 0.5]), ([0, 1], [0.5, 0.5])])
-def test_no_example_or_a_single_one_says_nothing_of_priors(rule: Rule) -> None:
-    assert chances(rule)[0] == pytest.approx(chances(([0], [1.0]))[0])
-    assert mean_weight(chances(rule)[0]) == pytest.approx(ASKED, rel=0.5)
+@pytest.mark.parametrize(
+    "rule",
+    [
+        foretold([0, 0], [0.5, 0.5]),
+        foretold([0, 1], [0.5, 0.5]),
+        foretold([5, 0], [1.0, 0.0]),
+        foretold([0, 9], [1.0, 0.0]),
+        Foretold(np.array([30.0]), np.ones((1, 2)), np.array([[20.0, 9.0]]), np.array([0.7, 0.3])),
+        Foretold(np.array([4.0]), np.zeros((1, 2)), np.zeros((1, 2)), np.zeros(2)),
+    ],
+    ids=[
+        "none",
+        "a single one",
+        "certain",
+        "impossible",
+        "any outcome may have made them",
+        "nothing to learn",
+    ],
+)
+def test_examples_that_nothing_foretells_say_nothing_of_priors(rule: Foretold) -> None:
+    (found,), (untried,) = chances_of_weights([rule], ASKED), chances(([0], [1.0]))
+    assert found.tolist() == pytest.approx(untried)
+    assert mean_weight(untried) == pytest.approx(ASKED, rel=0.5)
 
 
 DOORS = """domain doors {
@@ -150,7 +173,7 @@ def test_what_is_learned_is_the_mean_of_the_m_estimates(match: str) -> None:
         assert float(probability) == pytest.approx(expected, abs=1e-4)
 
 
-def test_outcomes_that_nothing_tells_apart_keep_their_ratio_and_say_nothing_of_priors() -> None:
+def test_outcomes_that_nothing_tells_apart_keep_their_ratio_and_count_as_one() -> None:
     """However often they happened, as if they were one: noise changes nothing here."""
     once = doors("0.3: open(?d) 0.3: stuck(?d) 0.4: nothing")
     twice = doors("0.3: open(?d) 0.3: stuck(?d) 0.3: nothing 0.1: noise")
