@@ -59,6 +59,10 @@ class Beliefs:
 Estimators = Mapping[int | None, Estimator]
 """Of rules that have their own."""
 
+_OwnPriors = Mapping[int | None, tuple[Floats, Floats]]
+"""Of each rule what is 1 for outcomes whose probabilities their own examples tell, and 0 for those that are
+fixed or share a parameter; and their priors, both (outcomes,)."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Group:
@@ -110,11 +114,12 @@ def expected(
     }
     counts: Counts = {}
     own: Estimators = {}
+    priors = _own_priors(domain)
     for _ in range(ROUNDS):
         last = beliefs
         counts, slips = _counted(groups, last, concerned)
         if fits_m:
-            own = _fitted(domain, groups, last, {**before, **counts}, before, m)
+            own = _fitted(priors, groups, last, {**before, **counts}, before, m)
         beliefs = maximised(domain, prior, counts, slips, estimator, m, own)
         if _difference(beliefs, last) < TOLERANCE:
             break
@@ -127,11 +132,20 @@ def expected(
 def told(domain: Domain, counts: Counts, m: float) -> Estimators:
     """Estimators of the rules that counts are of, whose priors weigh what they prove to be worth, where it is
     known which outcome each example was."""
-    return _fitted(domain, {}, prior_beliefs(domain), counts, counts, m)
+    return _fitted(_own_priors(domain), {}, prior_beliefs(domain), counts, counts, m)
+
+
+def _own_priors(domain: Domain) -> _OwnPriors:
+    found = {}
+    for rule, priors in prior_beliefs(domain).probabilities.items():
+        outcomes = outcomes_of(domain, rule)
+        own = np.array([float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes])
+        found[rule] = own, np.array(priors) * own
+    return found
 
 
 def _fitted(
-    domain: Domain,
+    priors: _OwnPriors,
     groups: Mapping[int | None, _Group],
     beliefs: Beliefs,
     counts: Counts,
@@ -140,34 +154,34 @@ def _fitted(
 ) -> Estimators:
     """The same of transitions that are shared by what is believed, and that with those `before` make the
     counts."""
-    if not m:
-        return {}
-    found = [
-        _foretold(domain, rule, groups.get(rule), beliefs, counts[rule], before[rule]) for rule in counts
-    ]
-    return dict(zip(counts, map(averaged, chances_of_weights(found, m)), strict=True))
+    found = {
+        rule: _foretold(
+            priors[rule], groups.get(rule), beliefs.probabilities[rule], beliefs.slips, seen, before[rule]
+        )
+        for rule, seen in counts.items()
+        if m and any(seen)
+    }
+    return dict(zip(found, map(averaged, chances_of_weights(list(found.values()), m)), strict=True))
 
 
 def _foretold(
-    domain: Domain,
-    rule: int | None,
+    priors: tuple[Floats, Floats],
     group: _Group | None,
-    beliefs: Beliefs,
+    believed: Sequence[float],
+    slips: SlipRates,
     counts: Sequence[float],
     before: Sequence[float],
 ) -> Foretold:
     """A rule's examples beside what else was counted: those before, each of one outcome, and transitions."""
-    outcomes = outcomes_of(domain, rule)
-    free = np.array([float(not outcome.fixed and outcome.parameter is None) for outcome in outcomes])
-    numbers, shared, likelihoods = np.array(before), np.eye(len(free)), np.eye(len(free))
+    own, priors_of_own = priors
+    numbers, shared, likelihoods = np.array(before), np.eye(len(own)), np.eye(len(own))
     if group is not None:
         numbers = np.concatenate([numbers, group.numbers])
-        shared = np.vstack([shared, _shares(group, beliefs.probabilities[rule], beliefs.slips)])
-        logs = _joint(group, np.ones(len(free)), beliefs.slips)
+        shared = np.vstack([shared, _shares(group, believed, slips)])
+        logs = _joint(group, np.ones(len(own)), slips)
         likelihoods = np.vstack([likelihoods, np.exp(logs - _highest(logs))])
-    others = np.maximum(np.array(counts) - shared, 0) * free
-    priors = np.array(prior_probabilities(outcomes), dtype=float) * free
-    return Foretold(numbers * (shared @ free), likelihoods * free, others, priors)
+    others = np.maximum(np.array(counts) - shared, 0) * own
+    return Foretold(numbers * (shared @ own), likelihoods * own, others, priors_of_own)
 
 
 def _has_parameter(domain: Domain, rule: int | None) -> bool:

@@ -46,18 +46,26 @@ class Foretold:
     priors: Floats
 
 
+def _distributions() -> tuple[Floats, Floats]:
+    """All normal distributions of the logarithms (distributions, factors), and the logarithm of how likely
+    each was before anything was seen."""
+    places = np.log(FACTORS)
+    found = [np.exp(-(((places - mean) / spread) ** 2) / 2) for mean in places for spread in SPREADS]
+    before: Floats = -((np.repeat(places, len(SPREADS)) / AROUND) ** 2) / 2
+    return np.array([each / each.sum() for each in found]), before
+
+
+_GIVEN, _BEFORE = _distributions()
+
+
 def chances_of_weights(rules: Sequence[Foretold], m: float) -> Floats:
     """How likely each of `FACTORS` is the one of each rule (rules, factors), where `m` > 0 was asked for."""
     logs = np.array([_log_likelihoods(rule, m * FACTORS) for rule in rules]).reshape(-1, len(FACTORS))
     likelihoods = np.exp(logs - logs.max(axis=1, keepdims=True))
-    places = np.log(FACTORS)
-    densities = [np.exp(-(((places - mean) / spread) ** 2) / 2) for mean in places for spread in SPREADS]
-    given = np.array([density / density.sum() for density in densities])  # (distributions, factors)
-    before = -((np.repeat(places, len(SPREADS)) / AROUND) ** 2) / 2
-    of_rules = likelihoods @ given.T  # (rules, distributions)
-    of_all = before + np.log(of_rules).sum(axis=0)
+    of_rules = likelihoods @ _GIVEN.T  # (rules, distributions)
+    of_all = _BEFORE + np.log(of_rules).sum(axis=0)
     chances = np.exp(of_all - of_all.max())
-    found: Floats = likelihoods * ((chances / chances.sum() / of_rules) @ given)
+    found: Floats = likelihoods * ((chances / chances.sum() / of_rules) @ _GIVEN)
     return found
 
 
