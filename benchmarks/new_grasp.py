@@ -9,7 +9,8 @@ Prints the robot's seconds in each episode; from the fifth episode on, the share
 and true rules that learning closes, and how many times as fast it is, with intervals of Student's t.
 
 `--told N` adds a robot that begins with so many examples of each rule and knows which outcome each was, and
-learns nothing more: whether ten episodes can tell enough.
+learns nothing more: whether ten episodes can tell enough. `--untimed` adds one that learns by `fitted-m` how
+likely outcomes are, and not how long actions take.
 
 About a quarter of an hour of CPU for 20 seeds. With --keep each series is a line of FILE, and not run again.
 `--quick` runs two episodes of one seed, in about ten seconds.
@@ -48,8 +49,8 @@ from planning import layout
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "physics.md"
 GRASPS = ("folded", "corner")
 KINDS = ("shipped", "learned", "fitted", "true")
-TOLD = "told "
-LEARNING: Mapping[str, Method] = {"learned": Method(), "fitted": Method(FITTED)}
+TOLD, UNTIMED = "told ", "fitted, untimed"
+LEARNING: Mapping[str, Method] = {"learned": DEFAULT, "fitted": Method(FITTED), UNTIMED: Method(FITTED)}
 LATE = 5
 """The episode from which on learning counts as done; the first is 1."""
 
@@ -140,6 +141,9 @@ def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples:
     known, found = shipped, list[float]()
     if kind == "true":
         known = true
+    elif kind == UNTIMED:
+        fixed = tuple(replace(action, duration_fixed=True) for action in shipped.actions)
+        known = replace(shipped, actions=fixed)
     elif kind.startswith(TOLD):
         known = told_rules(shipped, true, int(kind.removeprefix(TOLD)), seed)
     evidence = Evidence()
@@ -188,6 +192,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="the first of the seeds")
     parser.add_argument("--seeds", type=int, default=20, help="how many")
     parser.add_argument("--told", nargs="*", type=int, default=[], metavar="N", help="examples of each rule")
+    parser.add_argument("--untimed", action="store_true", help="durations stay as shipped")
     parser.add_argument("--episodes", type=int, default=10)
     parser.add_argument("--areas", type=int, default=7)
     parser.add_argument("--samples", type=int, default=2000, help="of the planner")
@@ -196,12 +201,13 @@ def main() -> None:
     options = parser.parse_args()
     if options.quick:
         options.grasp, options.seeds, options.episodes, options.areas = ["folded"], 1, 2, 4
+    kinds = [*KINDS, *(f"{TOLD}{number}" for number in options.told), *([UNTIMED] if options.untimed else [])]
     kept = Kept(options.keep)
     known = {tuple(row["job"]): row["seconds"] for row in kept.rows()}
     results: dict[str, dict[str, list[list[float]]]] = {}
     for seed in range(options.seed, options.seed + options.seeds):
         for grasp in options.grasp:
-            for kind in (*KINDS, *(f"{TOLD}{number}" for number in options.told)):
+            for kind in kinds:
                 job = (grasp, kind, seed, options.episodes, options.areas, options.samples)
                 if job not in known:
                     known[job] = series(*job)
