@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.main import run
 from cleancli.compiler.fluents import Values
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Object
-from cleancli.learning.experience import Transition
+from cleancli.learning.experience import Transition, encode
 from cleancli.learning.learn import Learned, learn
 from cleancli.learning.method import Method
 from cleancli.learning.prior_weight import AROUND, FACTORS, SPREADS, Foretold, chances_of_weights
@@ -203,3 +206,15 @@ def test_right_rules_are_spoiled_less_than_by_a_given_weight() -> None:
             learned = only(doors(FREE), seen, Method(estimator)).probabilities
             off[estimator] += sum(abs(float(one) - other) for one, other in zip(learned, prior, strict=True))
     assert off["fitted-m"] < off["m"] < off["decreasing-m"]
+
+
+def test_the_file_says_how_it_was_learned_and_learning_again_changes_nothing(tmp_path: Path) -> None:
+    domain, given = tmp_path / "doors.nid", tmp_path / "e.jsonl"
+    domain.write_text(DOORS % FREE, encoding="utf-8")
+    given.write_text("".join(f"{encode(each, {})}\n" for each in pushed(2, 11, 7)), encoding="utf-8")
+    words = ["learn", str(domain), str(given), "--write"]
+    assert run([*words, "--estimator", "fitted-m"]) == ExitCode.DONE
+    text = domain.read_text(encoding="utf-8")
+    assert "estimator = fitted_m\n" in text
+    assert run(words) == ExitCode.DONE
+    assert domain.read_text(encoding="utf-8") == text
