@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from cleancli.geometry.rgbd import Frame
+from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.perceive import perceive
-from cleancli.perception.recorded import BadRecording, load_frames, save_frames
+from cleancli.perception.recorded import load_frames, save_frames
 from support.synthetic import frame, grouped, scene
 
 
@@ -66,7 +67,14 @@ def _set(folder: Path, key: str, value: object) -> None:
     [
         ("pose", [[1, 0], [0, 1]], "no description of a camera .*length 4.*pose"),
         ("pose", "east", "no description of a camera"),
-        ("focal", 0, "no description of a camera .*> 0.*focal"),
+        ("focal", 0, "focal lengths must be above 0"),
+        ("focal", [525.0], "no description of a camera .*length 2.*focal"),
+        ("focal_length", 525.0, "no key `focal_length`; here it is `focal`"),
+        ("D", [0.1, 0, 0, 0, 0], "no key `D`; here it is `distortion`"),
+        ("clock", [0.0], "no key `clock`; did you mean `clocks`"),
+        ("distortion", {"model": "equidistant", "coefficients": [0.1] * 4}, "`equidistant` is not known"),
+        ("distortion", {"model": "plumb_bob", "coefficients": [0.1]}, "4 or 5 coefficients, not 1"),
+        ("depth_scale", 5000, "can only be 1000"),
         ("focal", float("nan"), "no description of a camera"),
         ("pose", [[0] * 4] * 4, "a rotation and a place"),
         ("pose", [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]], "a rotation and a place"),
@@ -75,6 +83,7 @@ def _set(folder: Path, key: str, value: object) -> None:
         ("height", -480, "no description of a camera .*>= 1.*height"),
         ("height", float("inf"), "no description of a camera"),
         ("clocks", [], "lists no frame"),
+        ("clocks", None, "lists no frame"),
         ("clocks", [0.0] * 110, r"of 640 x 480 pixels a look may have at most 109 frames"),
         ("centre", [1], "no description of a camera"),
     ],
@@ -85,6 +94,38 @@ def test_a_camera_that_does_not_fit_is_named(
     save_frames(frames[:1], tmp_path)
     _set(tmp_path, key, value)
     with pytest.raises(BadRecording, match=said):
+        load_frames(tmp_path)
+
+
+@pytest.mark.parametrize("key", ["width", "height", "focal", "centre"])
+def test_a_key_that_is_missing_is_named_with_its_meaning(
+    frames: tuple[Frame, ...], tmp_path: Path, key: str
+) -> None:
+    save_frames(frames[:1], tmp_path)
+    path = tmp_path / "camera.json"
+    path.write_text(json.dumps({name: v for name, v in json.loads(path.read_text()).items() if name != key}))
+    with pytest.raises(BadRecording, match=f"`{key}` is missing, the .*pixels"):
+        load_frames(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "mend"),
+    [("color-000.png", "rename it"), ("colour-000.jpg", "convert it to PNG"), ("color-000.jpeg", "convert")],
+)
+def test_a_picture_by_another_name_is_found(
+    frames: tuple[Frame, ...], tmp_path: Path, name: str, mend: str
+) -> None:
+    save_frames(frames[:1], tmp_path)
+    (tmp_path / "colour-000.png").rename(tmp_path / name)
+    with pytest.raises(BadRecording, match=rf"colour-000\.png: missing, but there is {name}: {mend}"):
+        load_frames(tmp_path)
+
+
+def test_a_jpeg_picture_in_the_place_of_a_png_is_told(frames: tuple[Frame, ...], tmp_path: Path) -> None:
+    save_frames(frames[:1], tmp_path)
+    _, data = cv2.imencode(".jpg", frames[0].colour)
+    (tmp_path / "colour-000.png").write_bytes(data.tobytes())
+    with pytest.raises(BadRecording, match="a JPEG picture: convert it to PNG"):
         load_frames(tmp_path)
 
 

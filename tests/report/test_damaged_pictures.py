@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cleancli.perception.recorded import BadRecording, _read_image
+from cleancli.perception.frame_source import BadRecording
+from cleancli.perception.recorded import read_png
 from cleancli.recording.run_folder import STEP_SIZE
 from cleancli.report.pictures import MOST_PIXELS, data_uri
 from cleancli.scene.kinds import MOST_PIXELS as OF_A_SCENE
@@ -29,7 +30,7 @@ def test_a_damaged_picture_is_left_out_and_nothing_is_printed(
     whole, path = encoded.tobytes(), tmp_path / "step-001.png"
     path.write_bytes(whole)
     assert data_uri(path) is not None
-    assert _read_image(path, shape, np.uint8).shape == shape
+    assert read_png(path, shape, np.uint8).shape == shape
     for number in range(60):
         content = bytearray(whole)
         if number % 3:
@@ -39,5 +40,5 @@ def test_a_damaged_picture_is_left_out_and_nothing_is_printed(
         path.write_bytes(content)
         assert data_uri(path) is None
         with pytest.raises(BadRecording):
-            _read_image(path, shape, np.uint8)
+            read_png(path, shape, np.uint8)
     assert capfd.readouterr() == ("", "")

@@ -21,10 +21,12 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
+from cleancli.perception.camera_file import CAMERA
+from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
 from cleancli.perception.pictures import draw
-from cleancli.perception.recorded import CAMERA, BadRecording, load_frames
+from cleancli.perception.recorded import load_frames
 from cleancli.perception.surface import NoSurface
 from cleancli.recording.pictures import png_of
 from cleancli.scene.check import load_scene

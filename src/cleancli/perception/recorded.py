@@ -9,33 +9,24 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
 import cv2
-import msgspec
 import numpy as np
 
-from cleancli.array_types import Floats
 from cleancli.files.plain import read_plain
 from cleancli.files.replace import replace_file
 from cleancli.files.untrusted import is_whole_png, png_size
-from cleancli.geometry.rgbd import Camera, Frame
+from cleancli.geometry.rgbd import Frame
+from cleancli.perception.camera_file import CAMERA, CameraFile, lens_of, read_camera_file
+from cleancli.perception.frame_source import MOST_IN_ALL, BadRecording
+from cleancli.perception.lens import pinhole_frame
 
-CAMERA = "camera.json"
 MILLIMETRES = 1000
-ROUNDED = 0.01
-"""How far a rotation written by hand may be from one."""
-LARGEST_CAMERA = 8 << 20
 LARGEST_PICTURE = 64 << 20
 """Bytes of a file."""
-MOST_PIXELS = 3840 * 2160
-MOST_IN_ALL = 32 << 20
-"""Pixels of a frame and of all frames of a look, for which perception takes some 0.9 GB of memory."""
+JPEG = b"\xff\xd8"
+JPEG_ENDS = (".jpg", ".jpeg")
 FARTHEST = 65.535  # metres; what is farther away is written as unknown
-
-
-class BadRecording(OSError):
-    """A folder that holds no readable set of frames; the message names the file and what is wrong."""
 
 
 def save_frames(frames: Sequence[Frame], folder: Path) -> None:
@@ -61,71 +52,36 @@ def save_frames(frames: Sequence[Frame], folder: Path) -> None:
 
 
 def load_frames(folder: Path) -> tuple[Frame, ...]:
-    """The frames of a set in their order. Raises OSError, and so BadRecording."""
-    camera, clocks = _read_camera(folder / CAMERA)
-    return tuple(_read_frame(folder, number, camera, clock) for number, clock in enumerate(clocks))
+    """The frames of a set in their order, rectified. Raises OSError, and so BadRecording."""
+    path = folder / CAMERA
+    read = read_camera_file(path)
+    clocks = read.clocks
+    if not clocks:
+        raise BadRecording(f"{path}: `clocks` lists no frame; it has the seconds at which each was taken")
+    if read.depth_scale not in (None, MILLIMETRES):
+        raise BadRecording(f"{path}: depth-000.png counts millimetres, so `depth_scale` can only be 1000")
+    if read.width * read.height * len(clocks) > MOST_IN_ALL:
+        most = MOST_IN_ALL // (read.width * read.height)
+        raise BadRecording(f"{path}: of {read.size} pixels a look may have at most {most} frames")
+    return tuple(_read_frame(folder, number, read, clock) for number, clock in enumerate(clocks))
 
 
-_Row = tuple[float, float, float, float]
-_Above = msgspec.Meta(gt=0)
-
-
-class _CameraFile(msgspec.Struct):
-    """`camera.json`: sizes and focal length in pixels, the pose in metres, clocks in seconds."""
-
-    width: Annotated[int, _Above]
-    height: Annotated[int, _Above]
-    focal: Annotated[float, _Above]
-    centre: tuple[float, float]
-    clocks: tuple[float, ...]
-    pose: tuple[_Row, _Row, _Row, _Row] | None = None
-
-
-def _read_camera(path: Path) -> tuple[Camera, tuple[float, ...]]:
-    try:
-        text = read_plain(path, LARGEST_CAMERA).decode("utf-8")
-        read = msgspec.json.decode(text, type=_CameraFile)
-    except RecursionError:
-        raise BadRecording(f"{path}: no description of a camera (it is nested too deeply)") from None
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise BadRecording(f"{path}: no description of a camera ({error})") from error
-    pose = np.eye(4) if read.pose is None else np.array(read.pose)
-    if not _is_rigid(pose):
-        raise BadRecording(f"{path}: `pose` must be a rotation and a place, its last row 0 0 0 1")
-    camera = Camera(read.width, read.height, read.focal, read.centre, pose, read.pose is not None)
-    pixels = read.width * read.height
-    if pixels > MOST_PIXELS:
-        raise BadRecording(f"{path}: a frame may have at most 3840 x 2160 pixels, not {_size(camera)}")
-    if pixels * len(read.clocks) > MOST_IN_ALL:
-        most = MOST_IN_ALL // pixels
-        raise BadRecording(f"{path}: of {_size(camera)} pixels a look may have at most {most} frames")
-    if not read.clocks:
-        raise BadRecording(f"{path}: `clocks` lists no frame")
-    return camera, read.clocks
-
-
-def _size(camera: Camera) -> str:
-    return f"{camera.width} x {camera.height}"
-
-
-def _is_rigid(pose: Floats) -> bool:
-    turn = pose[:3, :3]
-    is_rotation = np.allclose(turn @ turn.T, np.eye(3), atol=ROUNDED) and np.linalg.det(turn) > 0
-    return bool(is_rotation and np.allclose(pose[3], (0, 0, 0, 1), atol=ROUNDED))
-
-
-def _read_frame(folder: Path, number: int, camera: Camera, clock: float) -> Frame:
-    colour = _read_image(folder / _colour(number), (camera.height, camera.width, 3), np.uint8)
-    depth = _read_image(folder / _depth(number), (camera.height, camera.width), np.uint16)
+def _read_frame(folder: Path, number: int, read: CameraFile, clock: float) -> Frame:
+    colour = read_png(folder / _colour(number), (read.height, read.width, 3), np.uint8)
+    depth = read_png(folder / _depth(number), (read.height, read.width), np.uint16)
     rgb = cv2.cvtColor(colour, cv2.COLOR_BGR2RGB).astype(np.uint8)
-    return Frame(rgb, (depth / MILLIMETRES).astype(np.float32), camera, clock)
+    pose = None if read.pose is None else np.array(read.pose)
+    return pinhole_frame(
+        rgb, (depth / MILLIMETRES).astype(np.float32), lens_of(read, folder / CAMERA), pose, clock
+    )
 
 
-def _read_image(
+def read_png(
     path: Path, shape: tuple[int, ...], kind: type[np.uint8] | type[np.uint16]
 ) -> cv2.typing.MatLike:
+    """A picture of a shape and kind, as OpenCV has it (BGR). Raises OSError, and so BadRecording."""
     if not path.exists():
-        raise BadRecording(f"{path}: missing, though {CAMERA} gives this frame a clock")
+        raise BadRecording(f"{path}: missing{_instead_of(path)}")
     data, wanted = read_plain(path, LARGEST_PICTURE), f"{CAMERA} asks for {np.dtype(kind)} {shape}"
     size = png_size(data)
     if size is not None and size != (shape[1], shape[0]):
@@ -133,10 +89,21 @@ def _read_image(
     is_whole = size is not None and is_whole_png(data)
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if is_whole else None
     if image is None:
-        raise BadRecording(f"{path}: no PNG picture")
+        what = "a JPEG picture: convert it to PNG" if data[:2] == JPEG else "no PNG picture"
+        raise BadRecording(f"{path}: {what}")
     if image.shape != shape or image.dtype != kind:
         raise BadRecording(f"{path}: {image.dtype} {image.shape}, but {wanted}")
     return image
+
+
+def _instead_of(path: Path) -> str:
+    """What a picture may be called that is missing, if there is one."""
+    stem = path.stem.replace("colour", "color")
+    for name in (f"{stem}.png", *(f"{each}{kind}" for each in (path.stem, stem) for kind in JPEG_ENDS)):
+        if name != path.name and (path.parent / name).exists():
+            mend = "rename it" if name.endswith(".png") else "convert it to PNG"
+            return f", but there is {name}: {mend}"
+    return ", though a list names it"
 
 
 def _colour(number: int) -> str:

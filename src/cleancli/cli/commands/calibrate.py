@@ -24,8 +24,9 @@ from cleancli.language.find import find
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
+from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.perceive import BadFrame
-from cleancli.perception.recorded import BadRecording, load_frames
+from cleancli.perception.recorded import load_frames
 from cleancli.perception.surface import NoSurface
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
