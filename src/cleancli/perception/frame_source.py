@@ -22,6 +22,8 @@ STILL = 0.001
 turned, in radians."""
 NEIGHBOURS = 4
 """Pictures of depth on either side of one of colour that may be its partner."""
+FEW = 100
+"""Pictures of colour among which the nearest one is looked for, for a message."""
 MOST_PIXELS = 3840 * 2160
 MOST_IN_ALL = 32 << 20
 """Pixels of a frame and of all frames of a look, for which perception takes some 0.9 GB of memory."""
@@ -122,3 +124,18 @@ def _is_still(first: Camera, other: Camera) -> bool:
     moved: Floats = np.abs(other.pose - first.pose)
     is_same = replace(first, pose=other.pose) == other
     return is_same and bool(moved[:3, 3].max() <= STILL and moved[:3, :3].max() <= STILL)
+
+
+def unpaired(
+    path: Path, colour: Sequence[float], depth: Sequence[float], pairs: int, max_difference: float
+) -> tuple[str, ...]:
+    """What is to be said of pictures of colour without a partner. Raises BadRecording where all are."""
+    limit = f"no depth within {max_difference:g} s"
+    if not pairs:
+        others = np.asarray(depth, dtype=np.float64)
+        apart = min(float(np.abs(others - stamp).min()) for stamp in colour[:FEW])
+        raise BadRecording(
+            f"{path}: {limit} of any colour picture; the nearest is {apart:.3g} s off: `--max-difference`"
+        )
+    missing = len(colour) - pairs
+    return (f"{path}: {missing} of {len(colour)} colour pictures have {limit}",) if missing else ()
