@@ -44,6 +44,26 @@ def is_whole_png(data: bytes) -> bool:
     return False
 
 
+def jpeg_size(data: bytes) -> tuple[int, int] | None:
+    """Width and height that a JPEG picture's frame header tells (ITU T.81, B.2.2); None where it is none."""
+    if data[:2] != b"\xff\xd8":
+        return None
+    at = 2
+    while at + 9 <= len(data) and data[at] == 0xFF:
+        marker, (length,) = data[at + 1], struct.unpack(">H", data[at + 2 : at + 4])
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
+            height, width = struct.unpack(">HH", data[at + 5 : at + 9])
+            return width, height
+        at += 2 + length
+    return None
+
+
+def is_whole_jpeg(data: bytes) -> bool:
+    """Whether a JPEG picture ends as one does, padded with zeros or not: of one that does not, the library
+    that reads it prints lines of its own."""
+    return data[:2] == b"\xff\xd8" and data.rstrip(b"\0")[-2:] == b"\xff\xd9"
+
+
 def decoded(source: Source, kind: type[_Data], code: str, what: str) -> _Data:
     """A JSON text as a value of a type; refuses, under a code, what is not `what`, with its line and field.
 
