@@ -9,24 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from cleancli.api.checks import check_least
+from cleancli.api.checks import check_least, check_seconds
 from cleancli.api.inputs import GivenDomain, load_domain, source_of
 from cleancli.api.plain import plain
 from cleancli.api.tables import preformatted
 from cleancli.array_types import Image
 from cleancli.execution.seeds import Stream, derived
-from cleancli.files.numbered import by_numbers
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
-from cleancli.perception.camera_file import CAMERA
-from cleancli.perception.frame_source import BadRecording
+from cleancli.perception.frame_source import BadRecording, Reading
 from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
 from cleancli.perception.pictures import draw
-from cleancli.perception.recorded import load_frames
+from cleancli.perception.sources import is_recording, recorded_looks
 from cleancli.perception.surface import NoSurface
 from cleancli.recording.pictures import png_of
 from cleancli.scene.check import load_scene
@@ -39,16 +37,17 @@ TOLD = 12
 @dataclass(frozen=True, slots=True)
 class ObservationResult:
     """What each look shows, as docs/python.md lists it; `png` is a picture of the last one, `doubts` what
-    speaks against how the camera and the surface are described."""
+    speaks against how the camera and the surface are described, `notes` what of a recording is left out."""
 
     looks: tuple[Mapping[str, object], ...]
     doubts: tuple[str, ...]
+    notes: tuple[str, ...]
     png: bytes
     text: str
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli perceive --json` prints."""
-        return {"looks": plain(self.looks)}
+        return {"looks": plain(self.looks), "notes": list(self.notes)}
 
     def __str__(self) -> str:
         return self.text
@@ -69,20 +68,34 @@ def perceive(
     scene: str | Path = "two_groups",
     domain: GivenDomain | None = None,
     seed: int | None = None,
+    frame: str | None = None,
+    colour_topic: str | None = None,
+    depth_topic: str | None = None,
+    info_topic: str | None = None,
+    max_difference: float = 0.02,
+    every: float = 1.0,
 ) -> ObservationResult:
-    """What perception sees of the table of a scene (a name, a path or a text), or in the recorded frames of a
-    folder, which are understood with the surface and the thresholds of `scene`.
+    """What perception sees of the table of a scene (a name, a path or a text), or in recorded frames (a
+    folder or a bag), which are understood with the surface and the thresholds of `scene`; all after `seed`
+    says how a recording is read.
 
     Raises Refused for mistakes in the texts, ValueError for options that make no sense, OSError for frames
-    that cannot be read.
+    that cannot be read, MissingBags without rosbags.
     """
     check_least(0, seed=seed)
+    check_seconds("max_difference", max_difference, none_of_it=True)
+    check_seconds("every", every, none_of_it=False)
     given = str(scene_or_folder)
-    is_folder = "{" not in given and Path(given).is_dir()
-    setting = load_scene(source_of(scene if is_folder else scene_or_folder, "problem"))
+    is_recorded = "{" not in given and is_recording(Path(given))
+    setting = load_scene(source_of(scene if is_recorded else scene_or_folder, "problem"))
     loaded = load_domain(setting.domain if domain is None else domain)
     seed = setting.seed if seed is None else seed
-    sets = recorded(Path(given)) if is_folder else iter([(setting.name, photographed(setting, seed))])
+    notes: tuple[str, ...] = ()
+    if is_recorded:
+        reading = Reading(frame, colour_topic, depth_topic, info_topic, max_difference, every)
+        sets, notes = recorded_looks(Path(given), reading)
+    else:
+        sets = iter([(setting.name, photographed(setting, seed))])
     looks, lines, last = list[Mapping[str, object]](), list[str](), None
     with located_in(*loaded.sources):
         for last in understood(sets, setting, loaded.model, seed):
@@ -90,7 +103,7 @@ def perceive(
             lines += told(last)
     assert last is not None, "a folder without frames is refused"
     return ObservationResult(
-        tuple(looks), tuple(last.look.observation.doubts), png_of(drawn(last.look)), "\n".join(lines)
+        tuple(looks), tuple(last.look.observation.doubts), notes, png_of(drawn(last.look)), "\n".join(lines)
     )
 
 
@@ -114,18 +127,6 @@ def photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
 
     with closing(PybulletTable(setting, derived(seed, Stream.WORLD))) as table:
         return tuple(table.observe() for _ in range(FRAMES_PER_LOOK))
-
-
-def recorded(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
-    """The looks of a folder, in the order of their names. Raises OSError."""
-    if (folder / CAMERA).exists():
-        yield str(folder), load_frames(folder)
-        return
-    looks = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=by_numbers)
-    if not looks:
-        raise BadRecording(f"{folder}: neither {CAMERA} nor a folder with one")
-    for look in looks:
-        yield str(look), load_frames(look)
 
 
 def understood(

@@ -103,7 +103,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
         "calibrate": CommandRow("Adjust perception to a clean surface.", (Argument("scene", problems),)),
         "perceive": CommandRow(
             "What is seen of a scene, or in recorded frames, step by step.",
-            (Argument("scene_or_folder", problems, settings={"metavar": "SCENE|FOLDER"}),),
+            (Argument("scene_or_folder", problems, settings={"metavar": "SCENE|RECORDING"}),),
         ),
         "act": CommandRow(
             "Try one action many times, and count how it truly ends.",

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import wraps
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import click
 
@@ -89,6 +90,35 @@ def learning() -> Option:
         for option in reversed(given):
             function = option(function)
         return function
+
+    return added
+
+
+def recording() -> Option:
+    """How a recording is read; the command gets all as `reading`, fields of a `Reading` by their names."""
+    given = (
+        click.option("--frame", help="The frame of tf that is the scene's. [default: no place is known]"),
+        click.option("--colour-topic", "--color-topic", "colour_topic", help="Of a bag. [default: found]"),
+        click.option("--depth-topic", help="Of a bag. [default: found]"),
+        click.option("--info-topic", help="The camera_info of a bag. [default: beside the colour]"),
+        click.option(
+            "--max-difference",
+            type=click.FloatRange(min=0),
+            default=0.02,
+            show_default=True,
+            help="Seconds by which colour and depth of one frame may differ.",
+        ),
+    )
+    names = ("frame", "colour_topic", "depth_topic", "info_topic", "max_difference")
+
+    def added(function: F) -> F:
+        @wraps(function)
+        def gathered(**values: Any) -> Any:
+            return function(reading={name: values.pop(name) for name in names}, **values)
+
+        for option in reversed(given):
+            gathered = option(gathered)
+        return cast(F, gathered)
 
     return added
 

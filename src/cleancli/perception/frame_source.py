@@ -78,7 +78,9 @@ def spread(source: FrameSource, count: int) -> tuple[Frame, ...]:
     OSError."""
     most = min(count, len(source.clocks), MOST_IN_ALL // source.pixels)
     chosen = np.linspace(0, len(source.clocks) - 1, most)
-    return tuple(source.take([int(number) for number in np.rint(chosen)]))
+    frames = tuple(source.take([int(number) for number in np.rint(chosen)]))
+    first = frames[0].camera
+    return tuple(replace(each, camera=first) if _is_still(first, each.camera) else each for each in frames)
 
 
 def nearest_pairs(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from cleancli.files.numbered import by_numbers
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.bag_file import KINDS, files_of
 from cleancli.perception.bags import open_bag
@@ -24,8 +24,8 @@ OF_BAGS = {
 
 
 def is_recording(path: Path) -> bool:
-    """Whether frames may be read from there: a folder, or a file of a bag."""
-    return path.is_dir() or (path.suffix in KINDS and path.exists())
+    """Whether frames may be read from there: a folder, or what is named as the file of a bag."""
+    return path.is_dir() or path.suffix in KINDS
 
 
 def recorded_looks(
@@ -63,7 +63,7 @@ def _own_looks(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
     if (folder / CAMERA).exists():
         yield str(folder), load_frames(folder)
         return
-    found = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=_by_numbers)
+    found = sorted((path.parent for path in folder.glob(f"*/{CAMERA}")), key=by_numbers)
     if not found:
         raise BadRecording(
             f"{folder}: no recording: neither {CAMERA} nor a folder with one, no rgb.txt, "
@@ -71,8 +71,3 @@ def _own_looks(folder: Path) -> Iterator[tuple[str, tuple[Frame, ...]]]:
         )
     for look in found:
         yield str(look), load_frames(look)
-
-
-def _by_numbers(folder: Path) -> list[str | int]:
-    """Sorts `look-9` before `look-10`; words and numbers take turns, so that like meets like."""
-    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", folder.name)]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -14,6 +15,7 @@ from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.progress import counted, working
+from cleancli.cli.recordings import open_frames
 from cleancli.execution.seeds import Stream, derived
 from cleancli.files.replace import write_atomically
 from cleancli.geometry.rgbd import Frame
@@ -26,23 +28,35 @@ from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.perceive import BadFrame
-from cleancli.perception.recorded import load_frames
 from cleancli.perception.surface import NoSurface
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene
 
-_FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
+_RECORDING = click.Path(path_type=Path, exists=True)
 
 
 @command_of("calibrate")
 @click.option("--out", type=options.FILE, required=True, help="Write the calibration to this file.")
-@click.option("--frames", "recorded", type=_FOLDER, help="Use recorded frames of the clean surface.")
-@click.option("--count", type=click.IntRange(1, 100), default=10, show_default=True, help="Simulated frames.")
+@click.option("--frames", "recorded", type=_RECORDING, help="Use recorded frames of the clean surface.")
+@click.option(
+    "--count",
+    type=click.IntRange(1, 100),
+    default=10,
+    show_default=True,
+    help="Frames, simulated or spread evenly over a bag or a TUM folder.",
+)
+@options.recording()
 @options.seed("the frames' noise")
 @options.as_json("Print the calibration as JSON.")
 def command(
-    scene: str, out: Path, recorded: Path | None, count: int, seed: int | None, as_data: bool
+    scene: str,
+    out: Path,
+    recorded: Path | None,
+    count: int,
+    reading: Mapping[str, Any],
+    seed: int | None,
+    as_data: bool,
 ) -> None:
     """Adjust perception's thresholds to the surface of SCENE in its light, seen without its dirt.
 
@@ -52,7 +66,7 @@ def command(
     setting = _scene_to_calibrate(scene)
     seed = setting.seed if seed is None else seed
     before = _calibration_to_replace(out)
-    frames = load_frames(recorded) if recorded else tuple(_photographed(setting, seed, count))
+    frames = _frames(recorded, reading, setting, seed, count)
     rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     try:
         with working("lowering the thresholds"):
@@ -86,6 +100,14 @@ def _calibration_to_replace(out: Path) -> str | None:
             message = f"`{out}` exists, and is no calibration: {error}"
             raise click.BadParameter(message, param_hint="--out") from error
     return read_source(out).text if out.exists() else None
+
+
+def _frames(
+    recorded: Path | None, reading: Mapping[str, Any], setting: Scene, seed: int, count: int
+) -> tuple[Frame, ...]:
+    if recorded is not None:
+        return open_frames(recorded, reading, count)
+    return tuple(_photographed(setting, seed, count))
 
 
 def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
-from cleancli.api.observations import SeenLook, described, photographed, recorded, told, understood
+from cleancli.api.observations import SeenLook, described, photographed, told, understood
 from cleancli.api.observations import drawn as drawn_picture
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
@@ -17,12 +18,19 @@ from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_loaded, open_scene
+from cleancli.cli.progress import counting
+from cleancli.cli.recordings import open_looks
+from cleancli.geometry.rgbd import Frame
 from cleancli.language.load import located_in
 from cleancli.perception.look import Look
 from cleancli.perception.pictures import contact_sheet
 from cleancli.perception.recorded import save_frames
 from cleancli.perception.rerun_file import MissingRerun, find_rerun, write_recording
+from cleancli.perception.sources import is_recording
+from cleancli.perception.tum import save_tum
 from cleancli.recording.pictures import write_png
+
+LAYOUTS = {"cleancli": save_frames, "tum": save_tum}
 
 
 class _Told:
@@ -55,12 +63,27 @@ class _Told:
     "--save-frames", "saved", type=options.FOLDER, help="Write the camera's frames into this folder."
 )
 @click.option(
+    "--layout",
+    type=click.Choice(list(LAYOUTS)),
+    default="cleancli",
+    show_default=True,
+    help="How --save-frames lays them out.",
+)
+@click.option(
+    "--every",
+    type=click.FloatRange(min=0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Seconds from one look to the next in a bag or a TUM folder.",
+)
+@options.recording()
+@click.option(
     "--scene",
     "setting_of",
     default="two_groups",
     show_default=True,
     shell_complete=problems,
-    help="Whose surface and thresholds a FOLDER is understood with.",
+    help="Whose surface and thresholds a RECORDING is understood with.",
 )
 @click.option("--domain", shell_complete=domains, help="Whose symbols are told. [default: the scene's]")
 @options.seed("where dirt lies")
@@ -71,43 +94,59 @@ def command(
     drawn: Path | None,
     recording: Path | None,
     saved: Path | None,
+    layout: str,
+    every: float,
+    reading: Mapping[str, Any],
     setting_of: str,
     domain: str | None,
     seed: int | None,
     as_data: bool,
 ) -> None:
-    """Say what perception sees of the table of SCENE, or in the frames of FOLDER.
+    """Say what perception sees of the table of SCENE, or in the frames of a RECORDING.
 
-    A FOLDER holds the frames of one look (camera.json and PNG pictures), or one such folder for each look:
-    then names go from each to the next, and pictures show the last.
+    A RECORDING is a folder with the frames of one look (camera.json and PNG pictures) or with one such folder
+    for each look, a folder in the layout of the TUM benchmark, or a bag of ROS (.bag, .mcap, .db3, or the
+    folder of one). Of several looks, names go from each to the next, and pictures show the last.
     """
     if recording is not None:
         _find_rerun()
-    folder = Path(scene_or_folder)
-    is_folder = folder.is_dir()
-    _, setting = open_scene(setting_of if is_folder else scene_or_folder)
+    path = Path(scene_or_folder)
+    is_recorded = is_recording(path)
+    _, setting = open_scene(setting_of if is_recorded else scene_or_folder)
     loaded = open_loaded(domain or setting.domain)
     seed = setting.seed if seed is None else seed
-    sets = recorded(folder) if is_folder else [(setting.name, photographed(setting, seed))]
+    sets: Iterator[tuple[str, tuple[Frame, ...]]]
+    notes: tuple[str, ...] = ()
+    if is_recorded:
+        sets, notes = open_looks(path, {**reading, "every": every})
+    else:
+        sets = iter([(setting.name, photographed(setting, seed))])
     shown = _Told(understood(sets, setting, loaded.model, seed), as_data)
-    with located_in(*loaded.sources):
+    with located_in(*loaded.sources), counting("{} looks", quiet=False) as count:
+        looks = _counted(shown.looks(), count)
         if recording is None:
-            deque(shown.looks(), maxlen=0)
+            deque(looks, maxlen=0)
         else:
-            write_recording(recording, shown.looks(), folder.name)
+            write_recording(recording, looks, path.name)
     last = shown.last
     for doubt in last.observation.doubts:
         echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
     if saved is not None:
-        save_frames(last.frames, saved)
+        LAYOUTS[layout](last.frames, saved)
     if out is not None:
         write_png(out, contact_sheet(last.frames[-1], last.observation, last.areas, last.state))
     if drawn is not None:
         write_png(drawn, drawn_picture(last))
     if as_data:
-        click.echo(json.dumps({"looks": shown.said}, indent=2))
+        click.echo(json.dumps({"looks": shown.said, "notes": notes}, indent=2))
     else:
         echo("\n".join(map(str, shown.said)))
+
+
+def _counted(looks: Iterator[Look], count: Callable[[], None]) -> Iterator[Look]:
+    for look in looks:
+        count()
+        yield look
 
 
 def _find_rerun() -> None:
