@@ -23,6 +23,7 @@ HEAVY = {
     "ompl",
     "pybullet",
     "rerun",
+    "rosbags",
     "toppra",
     "click",
     "rich",

@@ -12,6 +12,7 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 MESSAGES = {
+    "bags": "src/cleancli/perception/bag_file.py",
     "lsp": "src/cleancli/cli/commands/lsp.py",
     "physics": "src/cleancli/world/errors.py",
     "plot": "src/cleancli/cli/views/plan_picture.py",

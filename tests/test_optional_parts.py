@@ -12,12 +12,14 @@ import pytest
 from cleancli.cli.commands import lsp
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.views.plan_picture import check_picture
+from cleancli.perception.bag_file import MissingBags, find_rosbags
 from cleancli.perception.rerun_file import MissingRerun, find_rerun
 
 PARTS: dict[str, tuple[str, Callable[[], object], type[Exception]]] = {
     "matplotlib": ("matplotlib.figure", lambda: check_picture(Path("plan.png")), MissingPart),
     "pygls": ("cleancli.editor.server", lsp._server, MissingPart),
     "rerun": ("rerun", find_rerun, MissingRerun),
+    "rosbags": ("rosbags", find_rosbags, MissingBags),
 }
 
 

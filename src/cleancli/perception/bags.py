@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, TypeVar
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.sink import meant
@@ -36,6 +36,8 @@ MOST_MESSAGES = 2_000_000
 """Pictures or transforms whose stamps are kept in memory."""
 MOST_LISTED = 20
 """Topics or frames that a message names."""
+
+_Array = TypeVar("_Array")
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +101,8 @@ def _frame(
     way: Way | None,
 ) -> Frame:
     clock = stamp_of(messages[0])
-    try:
-        name, rgb = colour.name, colour_of(messages[0])
-        name, metres = depth.name, depth_of(messages[1])
-    except BadPicture as error:
-        raise BadRecording(f"{path}: {name} at {clock:.3f} s: {error}") from None
+    rgb = _decoded(path, colour, colour_of, messages[0])
+    metres = _decoded(path, depth, depth_of, messages[1])
     size = (colour.kind.height, colour.kind.width)
     if rgb.shape[:2] != size or metres.shape != size:
         raise BadRecording(f"{path}: at {clock:.3f} s pictures are of another size than before")
@@ -111,6 +110,13 @@ def _frame(
     if way is not None and pose is None:
         raise BadRecording(f"{path}: tf does not say where the camera was at {clock:.3f} s")
     return pinhole_frame(rgb, metres, seen_through, pose, clock)
+
+
+def _decoded(path: Path, topic: _Pictures, of: Callable[[Any], _Array], message: Any) -> _Array:
+    try:
+        return of(message)
+    except BadPicture as error:
+        raise BadRecording(f"{path}: {topic.name} at {stamp_of(message):.3f} s: {error}") from None
 
 
 def _chosen(path: Path, bag: Bag, reading: Reading) -> tuple[_Pictures, _Pictures]:

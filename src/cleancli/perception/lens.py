@@ -44,13 +44,13 @@ def lens(
     numbers = (*focal, *centre, *coefficients)
     if not all(map(math.isfinite, numbers)) or min(focal) <= 0:
         raise UnknownLens("focal lengths must be above 0, and all numbers of the lens finite")
-    if coefficients or model:
-        if model not in MODELS:
-            known = " or ".join(f"`{name}`" for name in MODELS)
-            raise UnknownLens(f"the model of distortion `{model}` is not known, only {known}: rectify first")
-        if coefficients and len(coefficients) not in MODELS[model]:
-            asked = " or ".join(map(str, MODELS[model]))
-            raise UnknownLens(f"`{model}` has {asked} coefficients, not {len(coefficients)}")
+    # Other models bend pictures even where their coefficients are 0.
+    if model not in MODELS and (model or any(coefficients)):
+        known = " or ".join(f"`{name}`" for name in MODELS)
+        raise UnknownLens(f"the model of distortion `{model}` is not known, only {known}: rectify first")
+    if any(coefficients) and len(coefficients) not in MODELS[model]:
+        asked = " or ".join(map(str, MODELS[model]))
+        raise UnknownLens(f"`{model}` has {asked} coefficients, not {len(coefficients)}")
     return Lens((focal[0], focal[1]), (centre[0], centre[1]), tuple(coefficients))
 
 

@@ -122,7 +122,7 @@ def lens_of(info: Any, is_rectified: bool) -> Lens:
             return lens((p[0], p[5]), (p[2], p[6]))
         if not k[0] > 0:
             raise BadPicture("its `K` is 0: the camera is not calibrated")
-        return lens((k[0], k[4]), (k[2], k[5]), info.distortion_model if any(d) else "", d)
+        return lens((k[0], k[4]), (k[2], k[5]), info.distortion_model, d)
     except UnknownLens as error:
         raise BadPicture(str(error)) from None
 
