@@ -67,6 +67,8 @@ def test_a_way_goes_up_to_the_shared_frame_and_down_again() -> None:
         ("hand", _matrix(rows["camera"])),
         ("camera", np.eye(4)),
     ):
-        np.testing.assert_allclose(tree.way(target, "camera").at(3.0), expected, atol=1e-12)
+        found = tree.way(target, "camera").at(3.0)
+        assert found is not None
+        np.testing.assert_allclose(found, np.asarray(expected), atol=1e-12)
     with pytest.raises(NoTransform, match="no way from `camera` to `moon`"):
         tree.way("moon", "camera")
