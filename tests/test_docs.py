@@ -31,6 +31,9 @@ def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: p
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "domains" / "cleaning.nid", tmp_path / "my_cleaning.nid")
     shutil.copytree(ROOT / "tests" / "conversion" / "kitchen", tmp_path / "kitchen")
+    if page.stem == "recording":
+        bags = pytest.importorskip("support.recorded_table", reason="rosbags is an extra")
+        bags.write(tmp_path / "table.mcap")
     for words in commands(page):
         assert run(words[1:]) == 0, shlex.join(words)
 
