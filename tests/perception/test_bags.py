@@ -17,11 +17,14 @@ import pytest
 
 pytest.importorskip("rosbags", reason="an extra")
 
+from rosbags.rosbag2 import CompressionMode
+
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.perception import bag_file
 from cleancli.perception.bags import open_bag
-from cleancli.perception.frame_source import BadRecording, Reading, looks, spread
+from cleancli.perception.frame_source import BadRecording, looks, spread
 from cleancli.perception.perceive import perceive
+from cleancli.perception.reading import Reading
 from cleancli.perception.sources import recorded_looks
 from support.bags import (
     CAMERA_INFO,
@@ -88,6 +91,9 @@ def test_a_bag_shows_the_same_areas_to_a_tenth_of_a_millimetre(
     frames: tuple[Frame, ...], tmp_path: Path, name: str
 ) -> None:
     path = _plain(tmp_path / name, frames)
+    if name != "table.bag":  # then it is a folder, with a file of what it holds
+        assert (path.parent / "metadata.yaml").exists()
+        path = path.parent
     (look,) = looks(open_bag(path, Reading(frame=SCENE)), every=1.0)
     (before,), (after,) = (
         perceive(given, scene(), np.random.default_rng(1)).areas for given in (frames, look)
@@ -432,6 +438,27 @@ def test_a_chunk_that_unpacks_to_more_than_memory_is_refused(
     changed = data[:head] + header + data[size_at : size_at + 4] + bomb.ljust(size, b"\0")
     path.write_bytes(changed + data[size_at + 4 + size :])
     with pytest.raises(BadRecording, match="unpacks to more than 1 MiB"):
+        _read(path)
+
+
+def test_chunks_of_mcap_are_unpacked_up_to_their_limit(
+    small: tuple[Frame, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ros = Ros(False)
+    path = write_bag(tmp_path / "table.mcap", told_messages(ros, small), ros, CompressionMode.STORAGE)
+    np.testing.assert_array_equal(_read(path)[3].colour, small[3].colour)
+    monkeypatch.setattr(bag_file, "LARGEST_CHUNK", 1 << 10)
+    with pytest.raises(BadRecording, match="a chunk of it is larger than 1 KiB"):
+        _read(path)
+
+
+@pytest.mark.parametrize("name", KINDS[1:])
+def test_messages_that_are_compressed_by_themselves_are_refused_with_the_mend(
+    small: tuple[Frame, ...], tmp_path: Path, name: str
+) -> None:
+    ros = Ros(False)
+    path = write_bag(tmp_path / name, told_messages(ros, small), ros, CompressionMode.MESSAGE)
+    with pytest.raises(BadRecording, match="compressed by itself: `ros2 bag convert` unpacks them"):
         _read(path)
 
 

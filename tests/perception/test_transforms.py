@@ -1,11 +1,14 @@
-"""Poses between stamps, and trees of coordinate frames, against scipy's rotations."""
+"""Poses between stamps, and trees of coordinate frames, against what quaternions are defined to do."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
+from cleancli.array_types import Floats
 from cleancli.perception.transforms import STALE, NoTransform, Transforms, track
 
 
@@ -45,9 +48,25 @@ def _random_row(rng: np.random.Generator) -> tuple[float, ...]:
     return (0.0, *rng.normal(size=3), *Rotation.random(random_state=int(rng.integers(1000))).as_quat())
 
 
-def _matrix(row: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = Rotation.from_quat(row[4:]).as_matrix(), row[1:4]
+def _product(p: Sequence[float], q: Sequence[float]) -> list[float]:
+    """Of two quaternions x y z w, by Hamilton's rule."""
+    a, b, c, d = p
+    e, f, g, h = q
+    return [
+        d * e + a * h + b * g - c * f,
+        d * f - a * g + b * h + c * e,
+        d * g + a * f - b * e + c * h,
+        d * h - a * e - b * f - c * g,
+    ]
+
+
+def _matrix(row: tuple[float, ...]) -> Floats:
+    """The pose whose rotation takes v to q v q*, q being the quaternion and q* its conjugate."""
+    pose, turn = np.eye(4), row[4:]
+    conjugate = [-turn[0], -turn[1], -turn[2], turn[3]]
+    for axis in range(3):
+        pose[:3, axis] = _product(_product(turn, [*np.eye(3)[axis], 0.0]), conjugate)[:3]
+    pose[:3, 3] = row[1:4]
     return pose
 
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.rosbag1 import Writer as FirstWriter
-from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as SecondWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from scipy.spatial.transform import Rotation
@@ -128,8 +128,14 @@ def told_messages(ros: Ros, frames: Sequence[Frame]) -> list[tuple[str, str, flo
     return told
 
 
-def write_bag(path: Path, messages: Iterable[tuple[str, str, float, Any]], ros: Ros) -> Path:
-    """A bag of the kind that the name says (.bag, .mcap, .db3); the path of its file."""
+def write_bag(
+    path: Path,
+    messages: Iterable[tuple[str, str, float, Any]],
+    ros: Ros,
+    packed: CompressionMode = CompressionMode.NONE,
+) -> Path:
+    """A bag of the kind that the name says (.bag, .mcap, .db3); the path of its file. One of ROS 1 has chunks
+    packed by LZ4; of ROS 2 `packed` says what is, by zstd."""
     if path.suffix == ".bag":
         writer: Any = FirstWriter(path)
         writer.set_compression(FirstWriter.CompressionFormat.LZ4)
@@ -137,6 +143,7 @@ def write_bag(path: Path, messages: Iterable[tuple[str, str, float, Any]], ros: 
     else:
         plugin = StoragePlugin.MCAP if path.suffix == ".mcap" else StoragePlugin.SQLITE3
         writer = SecondWriter(path.with_suffix(""), version=9, storage_plugin=plugin)
+        writer.set_compression(packed, CompressionFormat.ZSTD)
         encode = ros.types.serialize_cdr
     connections: dict[tuple[str, str], Any] = {}
     with writer:

@@ -20,10 +20,11 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, State
 from cleancli.perception.area import Area
-from cleancli.perception.frame_source import BadRecording, Reading
+from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
 from cleancli.perception.pictures import draw
+from cleancli.perception.reading import EVERY, MAX_DIFFERENCE, Reading
 from cleancli.perception.sources import is_recording, recorded_looks
 from cleancli.perception.surface import NoSurface
 from cleancli.recording.pictures import png_of
@@ -72,8 +73,8 @@ def perceive(
     colour_topic: str | None = None,
     depth_topic: str | None = None,
     info_topic: str | None = None,
-    max_difference: float = 0.02,
-    every: float = 1.0,
+    max_difference: float = MAX_DIFFERENCE,
+    every: float = EVERY,
 ) -> ObservationResult:
     """What perception sees of the table of a scene (a name, a path or a text), or in recorded frames (a
     folder or a bag), which are understood with the surface and the thresholds of `scene`; all after `seed`

@@ -13,6 +13,7 @@ from cleancli.api.checks import DISCOUNTING
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.method import DEFAULT, MATCHES
+from cleancli.perception.reading import MAX_DIFFERENCE, Reading
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -95,7 +96,7 @@ def learning() -> Option:
 
 
 def recording() -> Option:
-    """How a recording is read; the command gets all as `reading`, fields of a `Reading` by their names."""
+    """How a recording is read: the command gets all of it as `reading`."""
     given = (
         click.option("--frame", help="The frame of tf that is the scene's. [default: no place is known]"),
         click.option("--colour-topic", "--color-topic", "colour_topic", help="Of a bag. [default: found]"),
@@ -104,7 +105,7 @@ def recording() -> Option:
         click.option(
             "--max-difference",
             type=click.FloatRange(min=0),
-            default=0.02,
+            default=MAX_DIFFERENCE,
             show_default=True,
             help="Seconds by which colour and depth of one frame may differ.",
         ),
@@ -114,7 +115,7 @@ def recording() -> Option:
     def added(function: F) -> F:
         @wraps(function)
         def gathered(**values: Any) -> Any:
-            return function(reading={name: values.pop(name) for name in names}, **values)
+            return function(reading=Reading(**{name: values.pop(name) for name in names}), **values)
 
         for option in reversed(given):
             gathered = option(gathered)

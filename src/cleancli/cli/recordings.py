@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.progress import working
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.bag_file import MissingBags
-from cleancli.perception.frame_source import Reading
+from cleancli.perception.reading import Reading
 from cleancli.perception.sources import recorded_frames, recorded_looks
 
 
 def open_looks(
-    path: Path, reading: Mapping[str, Any]
+    path: Path, reading: Reading
 ) -> tuple[Iterator[tuple[str, tuple[Frame, ...]]], tuple[str, ...]]:
     """The looks of a recording, each with where it comes from, and what is left out. Raises MissingPart,
     OSError."""
     with _opening(path):
-        found, notes = recorded_looks(path, Reading(**reading))
+        found, notes = recorded_looks(path, reading)
     _warn(notes)
     return found, notes
 
 
-def open_frames(path: Path, reading: Mapping[str, Any], count: int) -> tuple[Frame, ...]:
+def open_frames(path: Path, reading: Reading, count: int) -> tuple[Frame, ...]:
     """Frames of a clean surface. Raises MissingPart, OSError."""
     with _opening(path):
-        found, notes = recorded_frames(path, Reading(**reading), count)
+        found, notes = recorded_frames(path, reading, count)
     _warn(notes)
     return found
 

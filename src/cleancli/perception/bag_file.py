@@ -134,7 +134,7 @@ def files_of(path: Path) -> tuple[Path, ...]:
     if not path.is_dir():
         return (path,)
     found = [each for each in path.iterdir() if each.suffix in KINDS]
-    return tuple(sorted(found, key=lambda each: [int(n) for n in re.findall(r"\d+", each.stem)] or [0]))
+    return tuple(sorted(found, key=lambda each: ([int(n) for n in re.findall(r"\d+", each.stem)], each)))
 
 
 @contextmanager

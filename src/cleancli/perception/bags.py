@@ -11,8 +11,9 @@ from typing import Any, TypeVar
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.sink import meant
 from cleancli.perception.bag_file import Bag, Message, Place, opened
-from cleancli.perception.frame_source import BadRecording, FrameSource, Reading, nearest_pairs, unpaired
+from cleancli.perception.frame_source import BadRecording, FrameSource, nearest_pairs, unpaired
 from cleancli.perception.lens import Lens, pinhole_frame
+from cleancli.perception.reading import Reading
 from cleancli.perception.ros_pictures import (
     INFO,
     PACKED,
@@ -32,8 +33,8 @@ TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 FIXED = "/tf_static"
 TRANSPORTS = ("compressed", "compressedDepth")
 """Last parts of the names of topics that are another topic's pictures, compressed."""
-MOST_MESSAGES = 2_000_000
-"""Pictures or transforms whose stamps are kept in memory."""
+MOST_PICTURES, MOST_TRANSFORMS = 1_000_000, 4_000_000
+"""Whose stamps are kept in memory, of a topic and of all of tf."""
 MOST_LISTED = 20
 """Topics or frames that a message names."""
 
@@ -246,8 +247,10 @@ def _index(
             one.stamps.append(stamp_of(message.content))
         else:
             _add(transforms, message)
-        if max(len(stamped[colour].stamps), len(stamped[depth].stamps), len(transforms)) > MOST_MESSAGES:
-            raise BadRecording(f"{path}: more than {MOST_MESSAGES} messages; cut it (`rosbag filter`)")
+        if max(len(one.stamps) for one in stamped.values()) > MOST_PICTURES:
+            raise BadRecording(f"{path}: more than {MOST_PICTURES} pictures; cut it (`rosbag filter`)")
+        if len(transforms) > MOST_TRANSFORMS:
+            raise BadRecording(f"{path}: more than {MOST_TRANSFORMS} transforms; cut it (`rosbag filter`)")
     return stamped, transforms
 
 

@@ -34,20 +34,6 @@ class BadRecording(OSError):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
-    """How a recording is read. `frame` is the frame of tf that is the scene's; topics are found where none is
-    named; `max_difference` is by how many seconds the stamps of a pair may differ, and `every` how many pass
-    from one look to the next."""
-
-    frame: str | None = None
-    colour_topic: str | None = None
-    depth_topic: str | None = None
-    info_topic: str | None = None
-    max_difference: float = 0.02
-    every: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
 class FrameSource:
     """Pairs of colour and depth in the order of their `clocks` (seconds); `take` reads those with some
     numbers, in rising order, and raises OSError. A frame has so many `pixels`; `notes` say what of the

@@ -18,6 +18,7 @@ from cleancli.array_types import Depth, Image
 from cleancli.files.untrusted import is_whole_jpeg, is_whole_png, jpeg_size, png_size
 from cleancli.perception.frame_source import MOST_PIXELS
 from cleancli.perception.lens import Lens, UnknownLens, lens
+from cleancli.perception.recorded import MILLIMETRES
 
 PICTURE, PACKED, INFO = (
     "sensor_msgs/msg/Image",
@@ -29,7 +30,6 @@ DEPTHS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
 COLOURS = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4, "mono8": 1, "8UC1": 1}
 """Encodings of colour, and how many channels each has."""
 GREYS = ("mono8", "8UC1")
-MILLIMETRES = 1000
 HEADER = struct.Struct("<iff")
 """Before compressed depth: its form, and two numbers of how distances were made whole."""
 

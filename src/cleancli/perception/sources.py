@@ -10,7 +10,8 @@ from cleancli.geometry.rgbd import Frame
 from cleancli.perception.bag_file import KINDS, files_of
 from cleancli.perception.bags import open_bag
 from cleancli.perception.camera_file import CAMERA
-from cleancli.perception.frame_source import BadRecording, FrameSource, Reading, looks, spread
+from cleancli.perception.frame_source import BadRecording, FrameSource, looks, spread
+from cleancli.perception.reading import Reading
 from cleancli.perception.recorded import load_frames
 from cleancli.perception.tum import is_tum, open_tum
 
@@ -50,7 +51,7 @@ def recorded_frames(path: Path, reading: Reading, count: int) -> tuple[tuple[Fra
 
 def _source(path: Path, reading: Reading) -> FrameSource | None:
     """None where frames lie as we write them."""
-    if files_of(path) and not is_tum(path):
+    if files_of(path) and not is_tum(path) and not (path / CAMERA).exists():
         return open_bag(path, reading)
     for field, option in OF_BAGS.items():
         if getattr(reading, field) is not None:

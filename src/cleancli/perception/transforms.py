@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cleancli.array_types import Floats
 
@@ -134,12 +134,6 @@ def _product(steps: tuple[Track, ...], stamp: float) -> Floats | None:
 
 def _matrix(row: Floats) -> Floats:
     """The pose (4, 4) of a place and a quaternion, which need not be of length 1."""
-    x, y, z, w = row[4:] / math.sqrt(float(row[4:] @ row[4:]))
     pose = np.eye(4)
-    pose[:3, 3] = row[1:4]
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
+    pose[:3, :3], pose[:3, 3] = Rotation.from_quat(row[4:]).as_matrix(), row[1:4]
     return pose

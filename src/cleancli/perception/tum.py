@@ -14,8 +14,8 @@ from pathlib import Path, PurePosixPath
 
 import cv2
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from cleancli.array_types import Floats
 from cleancli.files.plain import read_plain
 from cleancli.files.replace import replace_file
 from cleancli.geometry.rgbd import Frame
@@ -23,11 +23,11 @@ from cleancli.perception.camera_file import CAMERA, CameraFile, lens_of, read_ca
 from cleancli.perception.frame_source import (
     BadRecording,
     FrameSource,
-    Reading,
     nearest_pairs,
     unpaired,
 )
 from cleancli.perception.lens import pinhole_frame
+from cleancli.perception.reading import Reading
 from cleancli.perception.recorded import read_png
 from cleancli.perception.transforms import COLUMNS, Track, track
 
@@ -83,7 +83,7 @@ def save_tum(frames: Sequence[Frame], folder: Path) -> None:
             lists[name].append(f"{stamp} {file}")
         lists[PAIRS].append(f"{lists[COLOUR][-1]} {lists[DEPTH][-1]}")
         pose = frame.camera.pose
-        numbers = (*pose[:3, 3], *_quaternion(pose[:3, :3]))
+        numbers = (*pose[:3, 3], *Rotation.from_matrix(pose[:3, :3]).as_quat())
         lists[PATH].append(" ".join([stamp, *(f"{number:.9g}" for number in numbers)]))
     camera = frames[0].camera
     if not camera.located:
@@ -193,18 +193,3 @@ def _frame(folder: Path, described: CameraFile, colour: _Named, depth: str, path
     metres = (steps / (described.depth_scale or DEPTH_SCALE)).astype(np.float32)
     rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).astype(np.uint8)
     return pinhole_frame(rgb, metres, lens_of(described, folder / CAMERA), pose, colour[0])
-
-
-def _quaternion(turn: Floats) -> Floats:
-    """x y z w of a rotation (3, 3): the eigenvector of the greatest eigenvalue of a symmetric matrix
-    (Bar-Itzhack, New method for extracting the quaternion from a rotation matrix, 2000)."""
-    (a, b, c), (d, e, f), (g, h, i) = turn
-    matrix = np.array(
-        [
-            [a - e - i, b + d, c + g, h - f],
-            [b + d, e - a - i, f + h, c - g],
-            [c + g, f + h, i - a - e, d - b],
-            [h - f, c - g, d - b, a + e + i],
-        ]
-    )
-    return np.asarray(np.linalg.eigh(matrix)[1][:, -1], dtype=np.float64)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -28,6 +27,7 @@ from cleancli.language.syntax import SceneNode
 from cleancli.perception.calibrate import NotClean, calibrate
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.perceive import BadFrame
+from cleancli.perception.reading import Reading
 from cleancli.perception.surface import NoSurface
 from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
@@ -54,7 +54,7 @@ def command(
     out: Path,
     recorded: Path | None,
     count: int,
-    reading: Mapping[str, Any],
+    reading: Reading,
     seed: int | None,
     as_data: bool,
 ) -> None:
@@ -103,7 +103,7 @@ def _calibration_to_replace(out: Path) -> str | None:
 
 
 def _frames(
-    recorded: Path | None, reading: Mapping[str, Any], setting: Scene, seed: int, count: int
+    recorded: Path | None, reading: Reading, setting: Scene, seed: int, count: int
 ) -> tuple[Frame, ...]:
     if recorded is not None:
         return open_frames(recorded, reading, count)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -24,6 +24,7 @@ from cleancli.geometry.rgbd import Frame
 from cleancli.language.load import located_in
 from cleancli.perception.look import Look
 from cleancli.perception.pictures import contact_sheet
+from cleancli.perception.reading import EVERY, Reading
 from cleancli.perception.recorded import save_frames
 from cleancli.perception.rerun_file import MissingRerun, find_rerun, write_recording
 from cleancli.perception.sources import is_recording
@@ -72,7 +73,7 @@ class _Told:
 @click.option(
     "--every",
     type=click.FloatRange(min=0, min_open=True),
-    default=1.0,
+    default=EVERY,
     show_default=True,
     help="Seconds from one look to the next in a bag or a TUM folder.",
 )
@@ -96,7 +97,7 @@ def command(
     saved: Path | None,
     layout: str,
     every: float,
-    reading: Mapping[str, Any],
+    reading: Reading,
     setting_of: str,
     domain: str | None,
     seed: int | None,
@@ -118,7 +119,7 @@ def command(
     sets: Iterator[tuple[str, tuple[Frame, ...]]]
     notes: tuple[str, ...] = ()
     if is_recorded:
-        sets, notes = open_looks(path, {**reading, "every": every})
+        sets, notes = open_looks(path, replace(reading, every=every))
     else:
         sets = iter([(setting.name, photographed(setting, seed))])
     shown = _Told(understood(sets, setting, loaded.model, seed), as_data)
