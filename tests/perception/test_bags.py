@@ -421,6 +421,16 @@ def test_a_length_that_no_file_has_takes_no_memory(small: tuple[Frame, ...], tmp
         _read(path)
 
 
+def test_an_index_beyond_all_files_is_told_of_the_bag(small: tuple[Frame, ...], tmp_path: Path) -> None:
+    """Seeking there is an error of the system, which names no file."""
+    path = _plain(tmp_path / "table.bag", small)
+    data = path.read_bytes()
+    at = data.index(b"index_pos=") + 10
+    path.write_bytes(data[:at] + b"\xff" * 8 + data[at + 8 :])
+    with pytest.raises(BadRecording, match="the bag cannot be read"):
+        _read(path)
+
+
 def test_a_chunk_that_unpacks_to_more_than_memory_is_refused(
     small: tuple[Frame, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

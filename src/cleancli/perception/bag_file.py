@@ -168,12 +168,12 @@ def _part(file: Path, stack: ExitStack) -> _Part:
 @contextmanager
 def _told(path: Path) -> Iterator[None]:
     """Whatever goes wrong in a file that anybody may have written is told of that file: of damaged ones,
-    rosbags raises errors of any type."""
+    rosbags raises errors of any type, and those of the system without a name."""
     try:
         yield
-    except OSError:
-        raise
     except Exception as error:
+        if isinstance(error, BadRecording) or (isinstance(error, OSError) and error.filename is not None):
+            raise
         reason = str(error).rstrip(".") or type(error).__name__
         raise BadRecording(f"{path}: the bag cannot be read ({reason}); {_MENDS}") from error
 
