@@ -176,12 +176,12 @@ def test_depth_that_is_no_distance_is_unknown_and_rows_may_be_longer(
 ) -> None:
     ros = Ros(False)
     depth = small[0].depth.copy()
-    depth[0, :5] = (np.nan, np.inf, -np.inf, -1.0, 0.0)
+    depth[0, :7] = (np.nan, np.inf, -np.inf, -1.0, 0.0, 66.0, 1e38)
     message = ros.image(5.0, np.pad(depth, ((0, 0), (0, 3)), constant_values=7.0), "32FC1")
     message = replace(message, width=32)
     messages = [each for each in told_messages(ros, small[:1]) if each[0] != DEPTH]
     (read,) = _read(write_bag(tmp_path / "table.mcap", [*messages, (DEPTH, IMAGE, 5.0, message)], ros))
-    np.testing.assert_array_equal(read.depth[0, :5], 0)
+    np.testing.assert_array_equal(read.depth[0, :7], 0)
     np.testing.assert_array_equal(read.depth[1:], depth[1:])
 
 

@@ -72,7 +72,8 @@ def test_a_pinhole_camera_is_left_as_it_is() -> None:
         ("", (0.1,) * 5, "`` is not known"),
         ("plumb_bob", (0.1,) * 3, "`plumb_bob` has 4 or 5 coefficients, not 3"),
         ("rational_polynomial", (0.1,) * 5, "8 coefficients, not 5"),
-        ("plumb_bob", (float("nan"),) * 5, "finite"),
+        ("plumb_bob", (float("nan"),) * 5, "no number of the lens above"),
+        ("plumb_bob", (1e300,) * 5, "no number of the lens above"),
     ],
 )
 def test_a_distortion_is_used_or_refused(model: str, coefficients: tuple[float, ...], said: str) -> None:

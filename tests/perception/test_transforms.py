@@ -39,7 +39,10 @@ def test_a_track_holds_a_little_longer_than_it_reaches_and_a_fixed_one_always() 
     assert fixed.at(1e9) is not None
 
 
-@pytest.mark.parametrize("broken", [[np.nan, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 2, 0, 0, 1]])
+@pytest.mark.parametrize(
+    "broken",
+    [[np.nan, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 2, 0, 0, 1], [1e300, 0, 0, 0, 0, 0, 1]],
+)
 def test_what_is_no_pose_is_left_out(broken: list[float]) -> None:
     assert track(np.array([[1.0, *broken]])) is None
 

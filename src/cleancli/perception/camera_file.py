@@ -42,7 +42,7 @@ class CameraFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     distortion: Distortion | None = None
     pose: tuple[_Row, _Row, _Row, _Row] | None = None
     clocks: tuple[float, ...] | None = None
-    depth_scale: Annotated[float, _Above] | None = None
+    depth_scale: Annotated[float, msgspec.Meta(ge=1)] | None = None
 
     @property
     def size(self) -> str:

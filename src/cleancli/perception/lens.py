@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +14,11 @@ from cleancli.geometry.rgbd import Camera, Frame
 
 MODELS = {"plumb_bob": (4, 5), "rational_polynomial": (8,)}
 """Models of distortion by the names that ROS gives them, and how many coefficients each has."""
+
+LARGEST = 1e5
+"""Of all numbers of a lens: pixels, and coefficients."""
+FARTHEST = 65.535
+"""Metres: what 16 bits of millimetres can say. What is farther away is unknown."""
 
 
 class UnknownLens(Exception):
@@ -42,8 +46,8 @@ def lens(
     """A lens that can be used. Raises UnknownLens for a model of distortion that is none of `MODELS`, and for
     numbers that no lens has."""
     numbers = (*focal, *centre, *coefficients)
-    if not all(map(math.isfinite, numbers)) or min(focal) <= 0:
-        raise UnknownLens("focal lengths must be above 0, and all numbers of the lens finite")
+    if not all(abs(number) <= LARGEST for number in numbers) or min(focal) <= 0:
+        raise UnknownLens(f"focal lengths must be above 0, and no number of the lens above {LARGEST:g}")
     # Other models bend pictures even where their coefficients are 0.
     if model not in MODELS and (model or any(coefficients)):
         known = " or ".join(f"`{name}`" for name in MODELS)
@@ -70,10 +74,12 @@ def rectified(colour: Image, depth: Depth, seen_through: Lens) -> tuple[Image, D
 
 
 def pinhole_frame(
-    colour: Image, depth: Depth, seen_through: Lens, pose: Floats | None, clock: float
+    colour: Image, depth: Depth | Floats, seen_through: Lens, pose: Floats | None, clock: float
 ) -> Frame:
-    """A rectified frame; `pose` (4, 4) is the camera's in the scene, None where nobody knows."""
+    """A rectified frame; depth in metres is unknown where it is no distance up to `FARTHEST`; `pose` (4, 4)
+    is the camera's in the scene, None where nobody knows."""
     height, width = depth.shape
+    known = np.where((depth > 0) & (depth <= FARTHEST), depth, 0).astype(np.float32)
     camera = Camera(
         width,
         height,
@@ -82,7 +88,7 @@ def pinhole_frame(
         np.eye(4) if pose is None else pose,
         pose is not None,
     )
-    return Frame(*rectified(colour, depth, seen_through), camera, clock)
+    return Frame(*rectified(colour, known, seen_through), camera, clock)
 
 
 @lru_cache(maxsize=4)

@@ -19,14 +19,13 @@ from cleancli.files.untrusted import is_whole_png, png_size
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.camera_file import CAMERA, CameraFile, lens_of, read_camera_file
 from cleancli.perception.frame_source import MOST_IN_ALL, BadRecording
-from cleancli.perception.lens import pinhole_frame
+from cleancli.perception.lens import FARTHEST, pinhole_frame
 
 MILLIMETRES = 1000
 LARGEST_PICTURE = 64 << 20
 """Bytes of a file."""
 JPEG = b"\xff\xd8"
 JPEG_ENDS = (".jpg", ".jpeg")
-FARTHEST = 65.535  # metres; what is farther away is written as unknown
 
 
 def save_frames(frames: Sequence[Frame], folder: Path) -> None:
@@ -71,9 +70,7 @@ def _read_frame(folder: Path, number: int, read: CameraFile, clock: float) -> Fr
     depth = read_png(folder / _depth(number), (read.height, read.width), np.uint16)
     rgb = cv2.cvtColor(colour, cv2.COLOR_BGR2RGB).astype(np.uint8)
     pose = None if read.pose is None else np.array(read.pose)
-    return pinhole_frame(
-        rgb, (depth / MILLIMETRES).astype(np.float32), lens_of(read, folder / CAMERA), pose, clock
-    )
+    return pinhole_frame(rgb, depth / MILLIMETRES, lens_of(read, folder / CAMERA), pose, clock)
 
 
 def read_png(

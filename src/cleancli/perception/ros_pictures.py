@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cleancli.array_types import Depth, Image
+from cleancli.array_types import Depth, Floats, Image
 from cleancli.files.untrusted import is_whole_jpeg, is_whole_png, jpeg_size, png_size
 from cleancli.perception.frame_source import MOST_PIXELS
 from cleancli.perception.lens import Lens, UnknownLens, lens
@@ -94,15 +94,15 @@ def colour_of(message: Any) -> Image:
     return _rgb(_pixels(message, "u1", channels), message.encoding)
 
 
-def depth_of(message: Any) -> Depth:
-    """Metres (height, width), 0 where unknown. Raises BadPicture."""
+def depth_of(message: Any) -> Depth | Floats:
+    """Metres (height, width); what is no distance is unknown. Raises BadPicture."""
     if not hasattr(message, "encoding"):
         return _unpacked_depth(message)
     kind = DEPTHS.get(message.encoding)
     if kind is None:
         raise BadPicture(f"the encoding `{message.encoding}` is none of {', '.join(DEPTHS)}")
     steps = _pixels(message, kind, 1)[:, :, 0]
-    return _metres(steps if kind == "f4" else steps / MILLIMETRES)
+    return steps.astype("=f4") if kind == "f4" else steps / MILLIMETRES
 
 
 def lens_of(info: Any, is_rectified: bool) -> Lens:
@@ -163,11 +163,6 @@ def _rgb(pixels: NDArray[Any], encoding: str) -> Image:
     return np.ascontiguousarray(ordered)
 
 
-def _metres(metres: NDArray[Any]) -> Depth:
-    known = np.isfinite(metres) & (metres > 0)
-    return np.where(known, metres, 0).astype(np.float32)
-
-
 def _packed(message: Any) -> tuple[bool, bytes]:
     """Whether a CompressedImage is depth, and the PNG or JPEG in it. Raises BadPicture."""
     data, told = bytes(message.data), message.format
@@ -198,7 +193,7 @@ def _decoded(data: bytes) -> NDArray[Any]:
     return image
 
 
-def _unpacked_depth(message: Any) -> Depth:
+def _unpacked_depth(message: Any) -> Floats:
     """Millimetres as they are, or distances as compressed_depth_image_transport makes them whole: the
     distance is a / (step - b)."""
     is_depth, data = _packed(message)
@@ -208,7 +203,7 @@ def _unpacked_depth(message: Any) -> Depth:
     if steps.ndim != 2 or steps.dtype != np.uint16:
         raise BadPicture("compressed depth has 16 bits a pixel and one channel")
     if not message.format.startswith("32FC1"):
-        return _metres(steps / MILLIMETRES)
+        return steps / MILLIMETRES
     _, a, b = HEADER.unpack(bytes(message.data[: HEADER.size]))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return _metres(np.where(steps > 0, a / (steps.astype(np.float64) - b), 0))
+        return np.where(steps > 0, a / (steps.astype(np.float64) - b), 0)

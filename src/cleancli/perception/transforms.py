@@ -18,6 +18,9 @@ COLUMNS = 8
 ROUNDED = 0.01
 """By how much a quaternion's length may differ from 1."""
 
+FARTHEST = 1e6
+"""Metres: farther than what anything is measured by in which a table stands, and near enough to count in."""
+
 
 class NoTransform(Exception):
     """Nothing says where a coordinate frame is; the message is a sentence without a subject."""
@@ -48,10 +51,10 @@ class Track:
 
 
 def track(rows: Floats, is_fixed: bool = False) -> Track | None:
-    """A track of rows in any order; None where none of them is a pose: numbers that are not finite, or a
-    quaternion that is far from length 1."""
-    lengths = np.linalg.norm(rows[:, 4:], axis=1)
-    kept = rows[np.isfinite(rows).all(axis=1) & (np.abs(lengths - 1) < ROUNDED)]
+    """A track of rows in any order; None where none of them is a pose: numbers that are not finite, a place
+    beyond `FARTHEST`, or a quaternion that is far from length 1."""
+    possible = rows[(np.abs(rows[:, 1:]) < FARTHEST).all(axis=1) & np.isfinite(rows[:, 0])]
+    kept = possible[np.abs(np.linalg.norm(possible[:, 4:], axis=1) - 1) < ROUNDED]
     if not len(kept):
         return None
     return Track(kept[np.argsort(kept[:, 0], kind="stable")], is_fixed)

@@ -190,6 +190,6 @@ def _frame(folder: Path, described: CameraFile, colour: _Named, depth: str, path
     pose = None if path is None else path.at(colour[0])
     if path is not None and pose is None:
         raise BadRecording(f"{folder / PATH}: no place of the camera for {colour[1]}")
-    metres = (steps / (described.depth_scale or DEPTH_SCALE)).astype(np.float32)
+    metres = steps.astype(np.float64) / (described.depth_scale or DEPTH_SCALE)
     rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).astype(np.uint8)
     return pinhole_frame(rgb, metres, lens_of(described, folder / CAMERA), pose, colour[0])
