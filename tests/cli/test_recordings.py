@@ -17,6 +17,7 @@ import cleancli
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.geometry.rgbd import Frame
+from cleancli.perception.recorded import load_frames
 from support.bags import DEPTH, Ros, told_messages, write_bag
 from support.synthetic import frame, grouped
 
@@ -69,6 +70,26 @@ def test_a_bag_is_told_as_looks_and_written_as_a_tum_folder(
     result = cleancli.perceive(bag, scene=scene, frame="table", every=10)
     assert len(result.looks) == 1
     assert result.to_dict()["notes"] == []
+
+
+def test_simulated_frames_show_the_same_areas_from_a_bag(
+    scene: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """To a tenth of a millimetre, from a bag of each kind."""
+    folder = tmp_path / "frames"
+    assert run(["perceive", scene, "--save-frames", str(folder)]) == 0
+    capsys.readouterr()
+    (before,) = _seen([str(folder), "--scene", scene], capsys)["looks"]
+    assert before["areas"]
+    for kind in (".bag", ".mcap", ".db3"):
+        ros = Ros(kind == ".bag")
+        bag = write_bag(tmp_path / f"{kind[1:]}{kind}", told_messages(ros, load_frames(folder)), ros)
+        (after,) = _seen([str(bag), "--scene", scene, "--frame", "table", "--every", "10"], capsys)["looks"]
+        assert len(after["areas"]) == len(before["areas"])
+        for one, other in zip(before["areas"], after["areas"], strict=True):
+            for value in ("at", "diameters"):
+                assert other[value] == pytest.approx(one[value], abs=1.001e-4)
+        assert after["facts"] == before["facts"]
 
 
 def test_what_is_left_out_is_a_warning_and_a_note(

@@ -220,6 +220,21 @@ def test_pairs_are_the_nearest_stamps_in_whatever_order_they_come(
         _read(path, max_difference=0.01)
 
 
+def test_stamps_of_0_are_when_pictures_were_received(small: tuple[Frame, ...], tmp_path: Path) -> None:
+    ros = Ros(True)
+    unstamped = [
+        (topic, kind, received, told)
+        for one in small
+        for topic, kind, received, told in [
+            (topic, kind, one.clock, told)
+            for topic, kind, _, told in told_messages(ros, [replace(one, clock=0.0)])
+        ]
+    ]
+    read = _read(write_bag(tmp_path / "table.bag", unstamped, ros))
+    assert [frame.clock for frame in read] == pytest.approx([frame.clock for frame in small])
+    np.testing.assert_array_equal(read[2].colour, small[2].colour)
+
+
 def test_pictures_without_partner_are_told(small: tuple[Frame, ...], tmp_path: Path) -> None:
     ros = Ros(True)
     messages = [each for each in told_messages(ros, small) if each[0] != DEPTH or each[2] != 5.125]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any, TypeVar
+from typing import Any
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.sink import meant
@@ -37,8 +37,6 @@ MOST_PICTURES, MOST_TRANSFORMS = 1_000_000, 4_000_000
 """Whose stamps are kept in memory, of a topic and of all of tf."""
 MOST_LISTED = 20
 """Topics or frames that a message names."""
-
-_Array = TypeVar("_Array")
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +77,8 @@ def open_bag(path: Path, reading: Reading) -> FrameSource:
     pairs = nearest_pairs(one.stamps, other.stamps, reading.max_difference)
     notes = unpaired(path, one.stamps, other.stamps, len(pairs), reading.max_difference)
 
+    clocks = tuple(one.stamps[number] for number, _ in pairs)
+
     def take(numbers: Sequence[int]) -> Iterator[Frame]:
         with opened(path) as bag:
             for number in numbers:
@@ -87,9 +87,8 @@ def open_bag(path: Path, reading: Reading) -> FrameSource:
                     for topic, at in zip((colour, depth), pairs[number], strict=True)
                 )
                 messages = bag.message(colour.name, first), bag.message(depth.name, second)
-                yield _frame(path, colour, depth, messages, seen_through, way)
+                yield _frame(path, colour, depth, messages, seen_through, way, clocks[number])
 
-    clocks = tuple(one.stamps[number] for number, _ in pairs)
     return FrameSource(path, clocks, colour.kind.width * colour.kind.height, take, notes)
 
 
@@ -100,10 +99,12 @@ def _frame(
     messages: tuple[Any, Any],
     seen_through: Lens,
     way: Way | None,
+    clock: float,
 ) -> Frame:
-    clock = stamp_of(messages[0])
-    rgb = _decoded(path, colour, colour_of, messages[0])
-    metres = _decoded(path, depth, depth_of, messages[1])
+    try:
+        rgb, metres = colour_of(messages[0]), depth_of(messages[1])
+    except BadPicture as error:
+        raise BadRecording(f"{path}: {colour.name} or {depth.name} at {clock:.3f} s: {error}") from None
     size = (colour.kind.height, colour.kind.width)
     if rgb.shape[:2] != size or metres.shape != size:
         raise BadRecording(f"{path}: at {clock:.3f} s pictures are of another size than before")
@@ -111,13 +112,6 @@ def _frame(
     if way is not None and pose is None:
         raise BadRecording(f"{path}: tf does not say where the camera was at {clock:.3f} s")
     return pinhole_frame(rgb, metres, seen_through, pose, clock)
-
-
-def _decoded(path: Path, topic: _Pictures, of: Callable[[Any], _Array], message: Any) -> _Array:
-    try:
-        return of(message)
-    except BadPicture as error:
-        raise BadRecording(f"{path}: {topic.name} at {stamp_of(message):.3f} s: {error}") from None
 
 
 def _chosen(path: Path, bag: Bag, reading: Reading) -> tuple[_Pictures, _Pictures]:
@@ -244,7 +238,8 @@ def _index(
         if message.topic in stamped:
             one = stamped[message.topic]
             one.places.append(message.place)
-            one.stamps.append(stamp_of(message.content))
+            # A driver that knows no time leaves the stamp at 0.
+            one.stamps.append(stamp_of(message.content) or message.place.received / 1e9)
         else:
             _add(transforms, message)
         if max(len(one.stamps) for one in stamped.values()) > MOST_PICTURES:
