@@ -112,7 +112,6 @@ FILES_AND_FOLDERS = {
     "folder": (
         ("init", "folder"),
         ("execute", "--resume"),
-        ("calibrate", "--frames"),
         ("perceive", "--save-frames"),
         ("convert", "--out"),
     ),

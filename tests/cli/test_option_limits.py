@@ -83,7 +83,7 @@ def test_limits_can_be_asked_for_and_no_more(name: str, planner: str) -> None:
         return
     assert asked(name, planner, most) == float(most)
     with pytest.raises(BadOption):
-        asked(name, planner, str(int(most) + 1) if whole else "1.001")
+        asked(name, planner, str(int(most) + 1) if whole else str(float(most) + 0.001))
 
 
 @pytest.mark.parametrize("name", ROWS)
