@@ -39,6 +39,8 @@ def test_solving_takes_no_more_memory_than_there_is(wide: Prepared, monkeypatch:
     few = limits(wide, Options(), 1.0)
     assert few.transitions * solving.TRANSITION_BYTES <= 500_000
     assert few.states * solving.STATE_BYTES <= 500_000
+    long = limits(wide.at(wide.task.initial, 10_000), Options(), 1.0)
+    assert long.transitions * solving.TRANSITION_BYTES <= 2**30
     found = within_reach(wide, few)
     assert isinstance(found, GivenUp)
 

@@ -46,6 +46,9 @@ TRANSITION_BYTES, STATE_BYTES = 108, 156
 """What a transition with its choice takes at most while room for them grows, and a state without its values:
 each three times, in the old room and in twice as much. By planning/kernels/state_graph.py."""
 
+MOST_BYTES = 2 << 30
+"""Memory that solving takes at most, however long the horizon is. Chosen."""
+
 _GIVEN_UP = "given up"
 """What `GivenUp` is called among the solutions of a task."""
 
@@ -79,7 +82,7 @@ def limits(prepared: Prepared, options: Options, share: float) -> Limits:
     horizon = max(task.horizon if given_up is None else given_up.horizon, 0)
     limit = options.time_limit
     plan = PER_SAMPLE * options.samples if limit is None else PER_SECOND * limit
-    half, values = most_bytes() // 2, 12 * (len(task.variables) + horizon + 1)
+    half, values = min(most_bytes(), MOST_BYTES) // 2, 12 * (len(task.variables) + horizon + 1)
     transitions = int(min(max(share * plan * horizon, LEAST), half // TRANSITION_BYTES))
     states = min(transitions // STATE_WORTH, half // (STATE_BYTES + values))
     return Limits(states, transitions, int(min(GLANCE * max(share * plan, LEAST), transitions)))
