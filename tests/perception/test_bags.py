@@ -25,7 +25,7 @@ from cleancli.perception.bags import open_bag
 from cleancli.perception.frame_source import BadRecording, looks, spread
 from cleancli.perception.perceive import perceive
 from cleancli.perception.reading import Reading
-from cleancli.perception.sources import recorded_looks
+from cleancli.perception.sources import recorded_frames, recorded_looks
 from support.bags import (
     CAMERA_INFO,
     COLOUR,
@@ -544,6 +544,12 @@ def test_tf_that_says_nothing_is_told(small: tuple[Frame, ...], tmp_path: Path) 
         path = write_bag(tmp_path / f"{number}.mcap", [*bare, ("/tf", TREE, 5.0, told)], ros)
         with pytest.raises(BadRecording, match=said):
             _read(path, frame=SCENE)
+
+
+def test_a_file_of_another_kind_is_no_recording(tmp_path: Path) -> None:
+    (tmp_path / "table.png").touch()
+    with pytest.raises(BadRecording, match=r"neither a folder nor a bag \(\.bag, \.mcap, \.db3\)"):
+        recorded_frames(tmp_path / "table.png", Reading(), 3)
 
 
 def test_options_of_bags_are_not_passed_over_elsewhere(tmp_path: Path) -> None:

@@ -51,6 +51,8 @@ def recorded_frames(path: Path, reading: Reading, count: int) -> tuple[tuple[Fra
 
 def _source(path: Path, reading: Reading) -> FrameSource | None:
     """None where frames lie as we write them."""
+    if not is_recording(path):
+        raise BadRecording(f"{path}: no recording: neither a folder nor a bag ({', '.join(KINDS)})")
     if files_of(path) and not is_tum(path) and not (path / CAMERA).exists():
         return open_bag(path, reading)
     for field, option in OF_BAGS.items():
