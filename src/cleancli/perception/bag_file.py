@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import bz2
 import importlib
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cleancli.files.numbered import by_numbers
 from cleancli.files.plain import in_units, open_plain
 from cleancli.perception.frame_source import BadRecording
 
@@ -133,8 +133,7 @@ def files_of(path: Path) -> tuple[Path, ...]:
     """The files of a bag: itself, or those of its folder in the order of their numbers."""
     if not path.is_dir():
         return (path,)
-    found = [each for each in path.iterdir() if each.suffix in KINDS]
-    return tuple(sorted(found, key=lambda each: ([int(n) for n in re.findall(r"\d+", each.stem)], each)))
+    return tuple(sorted((each for each in path.iterdir() if each.suffix in KINDS), key=by_numbers))
 
 
 @contextmanager
