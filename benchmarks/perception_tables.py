@@ -145,7 +145,7 @@ def calibrated(scene: Scene, seed: int, extra: float, rng: np.random.Generator) 
         withdrawn(table)
         frames = look(table, scene, CALIBRATION_FRAMES, extra, rng)
     try:
-        return replace(scene, calibration=calibrate(frames, scene, "drawn", rng))
+        return replace(scene, calibration=calibrate(frames, scene, "drawn", rng).calibration)
     except NotClean:
         return scene
 

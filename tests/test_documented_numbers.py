@@ -86,7 +86,10 @@ perception.surface.MISPLACED * 100 | perception.md | a plane more than {:.0f} cm
 perception.surface.MOST_TILT | perception.md | at more than {:.0f} degrees
 perception.outline.FITS * 100 | perception.md | up to {:.0f} %
 perception.outline.FILLS * 100 | perception.md | holds {:.0f} % of the image
-perception.calibrate.MARGIN | perception.md | is {} times as large
+perception.calibrate.MARGIN["tolerance"] | perception.md | stores {}, 1.35 and 1.3 times as much
+perception.calibrate.MARGIN["gradient"] | perception.md | stores 1.25, {} and 1.3 times as much
+perception.calibrate.MARGIN["contrast"] | perception.md | stores 1.25, 1.35 and {} times as much
+perception.calibrate.EVEN * 100 | perception.md | regions take in {:.0f} % of what is trusted
 perception.fit.BRIGHTER * 100 | perception.md | surface is {:.0f} % brighter or darker
 perception.fit.UNEVEN * 100 | perception.md | that changed by {:.0f} % more or less
 perception.fit.RECOLOURED | perception.md | differ by more than {})

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
+from cleancli.files.untrusted import png_size
+from cleancli.geometry.rgbd import Frame
+from cleancli.perception.recorded import save_frames
+from support import real_camera
 
 SCENE = """scene wood {
   surface { colour = rgb(150, 110, 70)  texture = 0.02  grain = 2 cm }
@@ -84,3 +91,67 @@ def test_perceive_warns_where_the_calibration_fits_no_longer(
     (tmp_path / "wood.nid").write_text(SCENE.replace("rgb(150, 110, 70)", "rgb(205, 198, 184)"))
     assert run(["perceive", "wood.nid"]) == 0
     assert "brighter than when calibrated" in capsys.readouterr().err
+
+
+def frames_of(folder: Path, *frames: Frame) -> Path:
+    save_frames(frames, folder)
+    return folder
+
+
+TABLE = """scene table {
+  surface { width = 90 cm  depth = 70 cm }
+  dirt { group { count = 4  at = (0 cm, 0 cm)  radius = 2 cm } }
+}
+"""
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    (tmp_path / "table.nid").write_text(TABLE)
+    return tmp_path / "table.nid"
+
+
+def test_it_is_said_what_to_expect_and_a_picture_shows_the_margins(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    frames = frames_of(tmp_path / "clean", *(real_camera.taken(seed) for seed in range(3)))
+    picture, out = tmp_path / "margins.png", tmp_path / "table.json"
+    words = ["calibrate", str(table), "--frames", str(frames), "--out", str(out), "--drawn", str(picture)]
+    assert run(words) == 0
+    told = capsys.readouterr().out
+    assert "(each judged by the 2 others): 0 false patches in 3 frames, at least 99" in told
+    assert "what the worst needs" in told
+    assert png_size(picture.read_bytes()) == (640, 510)
+    assert run([*words, "--reference"]) == 0
+    assert "its texture taken away" in capsys.readouterr().out
+    assert "picture" in json.loads(out.read_text())["reference"]
+
+
+def test_what_is_not_clean_is_shown(table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    frame = real_camera.taken(1)
+    frame.depth[202:210, 304:312] -= np.float32(0.05)
+    frames, picture = frames_of(tmp_path / "odd", frame), tmp_path / "odd.png"
+    words = ["calibrate", str(table), "--frames", str(frames), "--out", str(tmp_path / "table.json")]
+    assert run(words) == ExitCode.FILES
+    assert "above it, most around column 308, row 205; --drawn PICTURE shows where" in capsys.readouterr().err
+    assert run([*words, "--drawn", str(picture)]) == ExitCode.FILES
+    assert f"{picture} shows where" in capsys.readouterr().err
+    shown = cv2.imread(str(picture))
+    assert shown is not None
+    assert tuple(shown[206, 308]) == (40, 30, 230), "red, as OpenCV orders it"
+    assert not (tmp_path / "table.json").exists()
+
+
+def test_doubts_are_warnings_and_stand_in_json_and_below_pictures(
+    table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    frame = real_camera.taken(1)
+    frames = frames_of(tmp_path / "black", replace(frame, colour=np.zeros_like(frame.colour)))
+    sheet, drawn = tmp_path / "sheet.png", tmp_path / "drawn.png"
+    words = ["--scene", str(table), "--json", "--out", str(sheet), "--drawn", str(drawn)]
+    assert run(["perceive", str(frames), *words]) == 0
+    told = capsys.readouterr()
+    (look,) = json.loads(told.out)["looks"]
+    assert "black all over" in look["doubts"][0]
+    assert f"warning: {look['doubts'][0]}" in " ".join(told.err.split())
+    assert [png_size(path.read_bytes()) for path in (sheet, drawn)] == [(1920, 1020 + 21), (640, 480 + 34)]

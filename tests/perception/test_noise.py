@@ -10,7 +10,7 @@ import pytest
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.dirt import believed, without_small_patches
 from cleancli.perception.geometry import Plane, view
-from cleancli.perception.surface import object_mask
+from cleancli.perception.surface import heights, object_mask
 from cleancli.scene.calibration import Thresholds
 from support import synthetic
 
@@ -80,4 +80,4 @@ def test_what_stands_out_of_the_noise_nearby_is_none_from_afar(distance: float, 
     depth = np.full((camera.height, camera.width), distance, np.float32)
     depth[200:240, 300:340] -= 0.025
     frame = Frame(np.zeros((*depth.shape, 3), np.uint8), depth, camera, 0.0)
-    assert object_mask(frame, seen_as, Thresholds()).any() == is_object
+    assert object_mask(heights(frame, seen_as, Thresholds()), Thresholds()).any() == is_object

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cleancli.geometry.rgbd import Frame
+from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.perception import geometry
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.surface import NoSurface
@@ -76,6 +76,36 @@ def test_a_surface_that_fills_the_view_is_found_without_an_outline() -> None:
     assert observation.hidden > 0.5, "most of the surface is outside the picture"
 
 
+@pytest.mark.parametrize("window", [np.s_[:, :400], np.s_[100:, 200:]])
+def test_a_table_that_leaves_the_image_is_placed_by_the_cameras_axis(window: tuple[slice, slice]) -> None:
+    """Its middle, where the axis meets it, is what is measured from; it is said so."""
+    frame = unlocated(synthetic.frame(LENTILS, 1))
+    top, left = window[0].start or 0, window[1].start or 0
+    colour, depth = np.ascontiguousarray(frame.colour[window]), np.ascontiguousarray(frame.depth[window])
+    centre = (320.0 - left, 239.0 - top)
+    camera = replace(frame.camera, width=depth.shape[1], height=depth.shape[0], centre=centre)
+    observation = see(Frame(colour, depth, camera, 0.0))
+    shown = np.array([place for place in LENTILS if _is_in(camera, place)])
+    assert len(shown) > 1
+    assert centres(observation) == pytest.approx(shown[np.argsort(shown[:, 0])], abs=0.003)
+    assert any("places are measured from where the camera's axis meets it" in d for d in observation.doubts)
+
+
+def _is_in(camera: Camera, place: np.ndarray) -> bool:
+    column = camera.centre[0] + place[0] / synthetic.HEIGHT * camera.focal
+    row = camera.centre[1] - place[1] / synthetic.HEIGHT * camera.focal
+    return bool(6 < column < camera.width - 6 and 6 < row < camera.height - 6)
+
+
+@pytest.mark.parametrize(
+    ("factor", "unit"), [(5, "1/5000 of a metre"), (10, "tenths of a milli"), (1e-3, "metres")]
+)
+def test_an_outline_of_another_unit(factor: float, unit: str) -> None:
+    frame = unlocated(synthetic.frame(LENTILS, 1))
+    with pytest.raises(NoSurface, match=f"is the unit of depth {unit}"):
+        see(replace(frame, depth=(frame.depth * factor).astype(np.float32)))
+
+
 def test_a_located_surface_that_fills_the_view_is_placed_by_the_scene() -> None:
     frame = synthetic.frame(LENTILS[2:3], 1)
     middle = np.s_[120:360, 160:480]
@@ -88,7 +118,8 @@ def test_a_plane_of_another_size_is_no_surface() -> None:
     frame = synthetic.frame(LENTILS, 1)
     depth = frame.depth.copy()
     depth[:, :320] = 1.6
-    with pytest.raises(NoSurface, match="no plane has an outline of about 90 x 70 cm"):
+    said = "no plane has an outline of about 90 x 70 cm, but .* give the camera's `pose`, or show all of"
+    with pytest.raises(NoSurface, match=said):
         see(unlocated(replace(frame, depth=depth)))
 
 

@@ -23,7 +23,7 @@ from cleancli.perception.area import Area
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.look import FRAMES_PER_LOOK, Look, look_at
 from cleancli.perception.perceive import BadFrame
-from cleancli.perception.pictures import draw
+from cleancli.perception.pictures import draw, with_doubts
 from cleancli.perception.reading import EVERY, MAX_DIFFERENCE, Reading
 from cleancli.perception.sources import is_recording, recorded_looks
 from cleancli.perception.surface import NoSurface
@@ -109,9 +109,9 @@ def perceive(
 
 
 def drawn(look: Look) -> Image:
-    """The colour image with ellipses, names and symbols; RGB."""
+    """The colour image with ellipses, names and symbols, and doubts below it; RGB."""
     frame = replace(look.frames[-1], camera=look.observation.camera)
-    return draw(frame, look.areas, look.state)
+    return with_doubts(draw(frame, look.areas, look.state), look.observation.doubts)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,6 @@ from cleancli.scene.calibration import Thresholds
 NEIGHBOURHOOD = 31
 """Pixels (width of a square) over which the background's colour is averaged."""
 
-DARKEST = 8.0
-"""Brightness, of 255, below which everything is noise: dividing by less would make gradients of nothing."""
-
 CORE = 5
 """Pixels (width of a square) of a region around each pixel that counts for its size. A line of ink may be
 long; the background is wide, too."""
@@ -38,7 +35,7 @@ class Subtraction:
 
     `left`: the pixels that no background region took in; `background`: those that one did. `contrast`: how
     far the colour of each pixel that is left is from that of the background around it, as a share of the
-    brightness (root of the mean square of the channels).
+    brightness (root of the mean square of the channels), which counts as `darkest` where it is less.
     """
 
     left: Mask
@@ -55,7 +52,7 @@ def subtract_background(
     """
     background = _background(colour, surface, pixel_areas, thresholds)
     left = surface & ~background
-    return Subtraction(left, _contrast(colour, background, left), background)
+    return Subtraction(left, _contrast(colour, background, left, thresholds.darkest), background)
 
 
 def without_specks(subtraction: Subtraction, thresholds: Thresholds) -> Mask:
@@ -94,12 +91,16 @@ def believed(
     return np.asarray(seen & (dirt >= np.array(needed, np.uint8)[shown])), np.asarray(seen)
 
 
+def squared_steepness(colour: Image, thresholds: Thresholds) -> Singles:
+    """The square of the change of colour at each pixel (height, width), as a share of the one up to which
+    regions grow on."""
+    limit = _limit(colour, thresholds)
+    return np.asarray(_squared_gradient(colour) / (limit * limit), np.float32)
+
+
 def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Thresholds) -> Mask:
-    squares = _squares(cv2.Sobel(colour, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8))
-    squares += _squares(cv2.Sobel(colour, cv2.CV_32F, 0, 1, ksize=3, scale=1 / 8))
-    brightness = np.maximum(cv2.blur(cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), (3, 3)), np.uint8(DARKEST))
-    limit = np.float32(thresholds.gradient) * brightness
-    smooth = surface & (squares < limit * limit)
+    limit = _limit(colour, thresholds)
+    smooth = surface & (_squared_gradient(colour) < limit * limit)
     number, found = cv2.connectedComponents(smooth.view(np.uint8), connectivity=4)
     labels = np.asarray(found, np.int32)
     core = cv2.erode(smooth.view(np.uint8), np.ones((CORE, CORE), np.uint8)).view(np.bool_)
@@ -108,12 +109,24 @@ def _background(colour: Image, surface: Mask, pixel_areas: Depth, thresholds: Th
     return np.asarray(large.take(labels))
 
 
-def _squares(channels: cv2.typing.MatLike) -> Singles:
-    """The mean square of three channels. Noise in it is as rare as in one channel's."""
-    return np.asarray(cv2.transform(cv2.multiply(channels, channels), _MEAN), np.float32)
+def _limit(colour: Image, thresholds: Thresholds) -> Singles:
+    """The change of colour from one pixel to the next up to which a region grows on, of 255."""
+    brightness = cv2.blur(cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), (3, 3))
+    darkest = np.uint8(min(255, round(thresholds.darkest)))
+    return np.asarray(np.float32(thresholds.gradient) * np.maximum(brightness, darkest))
 
 
-def _contrast(colour: Image, background: Mask, left: Mask) -> Singles:
+def _squared_gradient(colour: Image) -> Singles:
+    """The mean square over three channels: noise in it is as rare as in one channel's."""
+    across = cv2.Sobel(colour, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8)
+    down = cv2.Sobel(colour, cv2.CV_32F, 0, 1, ksize=3, scale=1 / 8)
+    # In place, for three times the pixels are most of the time that there is.
+    cv2.multiply(across, across, dst=across)
+    cv2.accumulateSquare(down, across)
+    return np.asarray(cv2.transform(across, _MEAN), np.float32)
+
+
+def _contrast(colour: Image, background: Mask, left: Mask, darkest: float) -> Singles:
     """Worked out around what is left alone, 0 elsewhere. Where no background is near, as in a corner that the
     arm cuts off, it is that to all background; without any, 1, the contrast of black."""
     size, weight = (NEIGHBOURHOOD, NEIGHBOURHOOD), background.view(np.uint8)
@@ -125,7 +138,7 @@ def _contrast(colour: Image, background: Mask, left: Mask) -> Singles:
     compared = number.ravel()[near]
     mean = total.reshape(-1, 3)[near] / np.maximum(compared, np.float32(1))[:, None]
     mean[compared < 1] = cv2.mean(colour, weight)[:3]
-    brightness = np.maximum(mean.mean(axis=1), np.float32(DARKEST))
+    brightness = np.maximum(mean.mean(axis=1), np.float32(darkest))
     differences = colour.reshape(-1, 3)[near] - mean
     found = np.sqrt((differences * differences).mean(axis=1)) / brightness
     contrast = np.zeros(left.shape, np.float32)

@@ -5,8 +5,9 @@ The frames have been checked. The camera's own coordinates stand for the scene's
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, radians, sin, sqrt
 
 import cv2
 import numpy as np
@@ -15,15 +16,18 @@ from cleancli.array_types import Mask, Points
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
 from cleancli.perception.geometry import Plane
-from cleancli.perception.surface import NoSurface, known_depth, largest_plane, sampled_points
+from cleancli.perception.misread import LEAVES, unit_of
+from cleancli.perception.surface import (
+    LEAST_PART,
+    LEAST_POINTS,
+    PLANES,
+    NoSurface,
+    known_depth,
+    largest_plane,
+    sampled_points,
+)
 from cleancli.scene.calibration import Thresholds
 from cleancli.scene.model import Surface
-
-PLANES = 4
-"""Planes to look at, the largest first: the floor may be larger than the table."""
-
-LEAST_PART = 0.05
-"""Share of the points that a plane must hold to be looked at."""
 
 FILLS = 0.8
 """Share of the image that a plane must hold to fill the view: a floor with a table on it holds less."""
@@ -41,6 +45,7 @@ class _Outline:
     sides: tuple[float, float]
     angle: float
     fills_view: bool
+    leaves_view: bool
 
 
 def find_by_outline(
@@ -49,26 +54,48 @@ def find_by_outline(
     """The plane whose outline has the size of `surface`, with its origin in the outline's middle.
 
     x runs along the side of the surface's width, as far to the right of the image as that can be. Where no
-    outline fits, but one plane goes beyond the image on all sides, that is the surface: its origin is then
-    where the camera's axis meets it, and x runs to the right of the image. Raises NoSurface.
+    outline fits, but one plane goes beyond the image on all sides, or leaves it and is seen no larger than
+    the surface is, that is the surface: its origin is then where the camera's axis meets it, and x runs to
+    the right of the image. Raises NoSurface.
     """
     outlines = list(_outlines(frame, thresholds, rng))
     if not outlines:
-        raise NoSurface("there is no plane in what is seen")
+        # Tables are about a metre away.
+        known = frame.depth[known_depth(frame)]
+        unit = unit_of(float(np.median(known))) if len(known) else None
+        mend = f"; is the unit of depth {unit}?" if unit else ""
+        raise NoSurface(f"there is no plane in what is seen{mend}")
     best = min(outlines, key=lambda outline: _misfit(outline, surface))
     if _misfit(best, surface) <= FITS:
         return _placed(best, surface)
-    filling = next((outline for outline in outlines if outline.fills_view), None)
-    if filling is None:
-        seen = ", ".join(f"{100 * a:.0f} x {100 * b:.0f} cm" for a, b in (o.sides for o in outlines))
-        wanted = f"{100 * surface.width:.0f} x {100 * surface.depth:.0f} cm"
-        raise NoSurface(f"no plane has an outline of about {wanted}, but {seen}")
-    return filling.plane
+    part = next((o for o in outlines if o.fills_view or _may_be_part(o, surface)), None)
+    if part is None:
+        raise NoSurface(_unlike(outlines, surface))
+    return part.plane
+
+
+def _may_be_part(outline: _Outline, surface: Surface) -> bool:
+    """Whether it goes on outside the image, and what is seen of it is no larger than the surface."""
+    most, least = max(surface.width, surface.depth), min(surface.width, surface.depth)
+    fits = max(outline.sides) <= most * (1 + FITS) and min(outline.sides) <= least * (1 + FITS)
+    return outline.leaves_view and fits
+
+
+def _unlike(outlines: Sequence[_Outline], surface: Surface) -> str:
+    """What planes there are instead, and what would help."""
+    seen = ", ".join(f"{100 * a:.0f} x {100 * b:.0f} cm" for a, b in (o.sides for o in outlines))
+    wanted = f"{100 * surface.width:.0f} x {100 * surface.depth:.0f} cm"
+    told = f"no plane has an outline of about {wanted}, but {seen}"
+    ratios = [sqrt(o.sides[0] * o.sides[1] / (surface.width * surface.depth)) for o in outlines]
+    units = (unit_of(ratio) for ratio in ratios)
+    unit = next((unit for unit in units if unit is not None), None)
+    mend = f"is the unit of depth {unit}?" if unit else "give the camera's `pose`, or show all of the surface"
+    return f"{told}; {mend}"
 
 
 def _outlines(frame: Frame, thresholds: Thresholds, rng: np.random.Generator) -> list[_Outline]:
     points, eye = sampled_points(frame), frame.camera.pose[:3, 3]
-    least = max(100.0, LEAST_PART * len(points))
+    least = max(LEAST_POINTS, LEAST_PART * len(points))
     found: list[_Outline] = []
     while len(points) >= least and len(found) < PLANES:
         normal, offset, close = largest_plane(points, eye, thresholds.tolerance, rng)
@@ -92,7 +119,9 @@ def _outline(frame: Frame, normal: Points, offset: float, thresholds: Thresholds
     (x, y), sides, angle = cv2.minAreaRect(corners.astype(np.float32))
     borders = (largest[0], largest[-1], largest[:, 0], largest[:, -1])
     fills = bool(largest.mean() > FILLS) and all(border.mean() > 0.5 for border in borders)
-    return _Outline(plane, (float(x), float(y)), (float(sides[0]), float(sides[1])), radians(angle), fills)
+    leaves = any(border.mean() > LEAVES for border in borders)
+    long, wide = float(sides[0]), float(sides[1])
+    return _Outline(plane, (float(x), float(y)), (long, wide), radians(angle), fills, leaves)
 
 
 def _largest_part(frame: Frame, plane: Plane, thresholds: Thresholds) -> Mask:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from textwrap import wrap
 
 import cv2
 import numpy as np
 
-from cleancli.array_types import Image, Ints, Mask
+from cleancli.array_types import Depth, Image, Ints, Mask
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.language.diagnostics.plural import plural
@@ -17,7 +18,7 @@ from cleancli.perception.area import Area
 from cleancli.perception.geometry import project
 from cleancli.perception.perceive import Observation
 
-__all__ = ["contact_sheet", "draw", "outline", "project", "words"]
+__all__ = ["contact_sheet", "draw", "margins", "not_clean", "outline", "project", "with_doubts", "words"]
 
 _Box = tuple[int, int, int, int]  # left, top, right, bottom
 
@@ -25,9 +26,11 @@ _INK = (15, 15, 15)
 _ELLIPSE = (200, 30, 40)
 _PAPER = (255, 255, 255)
 _REMOVED = (40, 44, 60)
+_REACHED = (230, 30, 40)
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _FONT_SCALE = 0.38
 _LINE = 13  # pixels from one line of a label to the next
+_LETTER = 7  # pixels that a letter is wide
 _CAPTION = 30  # height of a caption's strip in pixels
 
 
@@ -63,7 +66,47 @@ def contact_sheet(
         _captioned(_marked(steps.believed, steps.without_edges), "(e) noise removed"),
         _captioned(draw(replace(frame, camera=observation.camera), areas, state), f"(f) ellipses: {counted}"),
     ]
-    return np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])])
+    return with_doubts(np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])]), observation.doubts)
+
+
+def with_doubts(picture: Image, doubts: Sequence[str]) -> Image:
+    """The picture, and below it a line for each doubt, broken where it is longer than the picture is wide."""
+    letters = max(20, picture.shape[1] // _LETTER)
+    lines = [line for doubt in doubts for line in wrap(f"doubt: {doubt}", letters)]
+    if not lines:
+        return picture
+    strip = np.full((_LINE * len(lines) + 8, picture.shape[1], 3), 255, np.uint8)
+    for number, line in enumerate(lines, start=1):
+        cv2.putText(strip, line, (4, _LINE * number), _FONT, _FONT_SCALE, _ELLIPSE, 1, cv2.LINE_AA)
+    return np.vstack([picture, strip])
+
+
+def margins(frame: Frame, steepness: Depth) -> Image:
+    """How near each pixel of a clean surface comes to the threshold of the gradient; RGB.
+
+    `steepness` (height, width): 1 at the threshold, NaN where the surface was not judged. From dark blue far
+    below the threshold over green to yellow at it; red where it is reached.
+    """
+    judged = np.isfinite(steepness)
+    scaled = np.where(judged, np.clip(steepness, 0, 1) * 255, 0).astype(np.uint8)
+    coloured = cv2.cvtColor(cv2.applyColorMap(scaled, cv2.COLORMAP_VIRIDIS), cv2.COLOR_BGR2RGB)
+    picture = np.where(judged[:, :, None], coloured, frame.colour // 3).astype(np.uint8)
+    picture[judged & (steepness >= 1)] = _REACHED
+    known = steepness[judged]
+    share = float((known < 1).mean()) if len(known) else 0.0
+    middle = float(np.median(known)) if len(known) else 0.0
+    caption = f"change of colour: {share:.2%} below the threshold, the median at {middle:.0%} of it"
+    return _captioned(picture, caption)
+
+
+def not_clean(frame: Frame, where: Mask, reason: str) -> Image:
+    """The frame with what keeps its surface from being clean in red, and the reason below; RGB."""
+    picture = np.ascontiguousarray(frame.colour).copy()
+    around = cv2.dilate(where.view(np.uint8), np.ones((9, 9), np.uint8))
+    lines, _ = cv2.findContours(around, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    picture[where] = _REACHED
+    cv2.drawContours(picture, lines, -1, _REACHED, 1)
+    return with_doubts(picture, [reason])
 
 
 def outline(ellipse: Ellipse, camera: Camera) -> Ints:

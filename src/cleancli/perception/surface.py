@@ -6,12 +6,13 @@ that neither the floor nor the inside of the container is searched for dirt.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, degrees
 
 import cv2
 import numpy as np
 
-from cleancli.array_types import Mask, Points
+from cleancli.array_types import Depth, Mask, Points
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception import geometry
 from cleancli.perception.geometry import Plane, PlaneView
@@ -27,8 +28,18 @@ TRIPLES = 150
 JUDGES = 1000
 """Points, drawn at random, that tell which of the planes is best."""
 
+PLANES = 4
+"""Planes to look at, the largest first: the floor may be larger than the table."""
+
+LEAST_PART = 0.05
+"""Share of the points that a plane must hold to be looked at."""
+
+LEAST_POINTS = 100
+"""Points without which no plane is looked for."""
+
 LEAST_SHARE = 0.3
-"""The plane must hold this share of the points within the surface's extent."""
+"""The plane must hold this share of the points within the surface's extent that are as near to it as
+`MISPLACED`: a floor seen beside a small table is no reason to doubt the table."""
 
 MISPLACED = 0.3
 """Metres at the scene's origin by which the plane found may be off the place that the scene states."""
@@ -50,6 +61,10 @@ class NoSurface(Exception):
         super().__init__(f"no surface found: {reason}")
 
 
+class NoBackground(NoSurface):
+    """Most of the surface has no even colour, so that nothing tells dirt from it."""
+
+
 def find_plane(
     frame: Frame, extent: scene_model.Surface, thresholds: Thresholds, rng: np.random.Generator
 ) -> Plane:
@@ -61,18 +76,32 @@ def find_plane(
     points = sampled_points(frame)
     inside = (np.abs(points[:, 0]) < extent.width / 2) & (np.abs(points[:, 1]) < extent.depth / 2)
     points = points[inside]
-    if len(points) < 100:
-        raise NoSurface(f"depth is known at {len(points)} of the pixels sampled where it should be")
-    normal, offset, close = largest_plane(points, frame.camera.pose[:3, 3], thresholds.tolerance, rng)
-    if close.mean() < LEAST_SHARE:
-        raise NoSurface(f"the largest plane holds {close.mean():.0%} of what is seen there")
+    reasons: list[str] = []
+    least = max(LEAST_POINTS, int(LEAST_PART * len(points)))
+    while len(points) >= least and len(reasons) < PLANES:
+        normal, offset, close = largest_plane(points, frame.camera.pose[:3, 3], thresholds.tolerance, rng)
+        reason = _unfit(points, normal, offset, close)
+        if reason is None:
+            return Plane.below(np.zeros(3), normal, offset, np.array([1.0, 0.0, 0.0]))
+        reasons.append(reason)
+        points = points[~close]
+    # What is said of the largest plane counts: of smaller ones nobody expected anything.
+    first = f"depth is known at {len(points)} of the pixels sampled where it should be"
+    raise NoSurface(reasons[0] if reasons else first)
+
+
+def _unfit(points: Points, normal: Points, offset: float, close: Mask) -> str | None:
+    """Why a plane is not that of the surface, None if it can be."""
+    share = close.sum() / max(int((np.abs(points @ normal - offset) < MISPLACED).sum()), 1)
+    if share < LEAST_SHARE:
+        return f"the largest plane holds {share:.0%} of what is seen there"
     tilt = degrees(acos(min(1.0, float(normal @ _UP))))
     if tilt > MOST_TILT:
-        raise NoSurface(f"the largest plane slants by {tilt:.0f} degrees against what the scene says")
+        return f"the largest plane slants by {tilt:.0f} degrees against what the scene says"
     height = offset / normal[2]
     if abs(height) > MISPLACED:
-        raise NoSurface(f"the largest plane passes {100 * height:.0f} cm from where the surface should be")
-    return Plane.below(np.zeros(3), normal, offset, np.array([1.0, 0.0, 0.0]))
+        return f"the largest plane passes {100 * height:.0f} cm from where the surface should be"
+    return None
 
 
 def sampled_points(frame: Frame) -> Points:
@@ -113,29 +142,51 @@ def extent_mask(seen_as: PlaneView, extent: scene_model.Surface, inset: float = 
     return np.asarray((np.abs(seen_as.x) < wide) & (np.abs(seen_as.y) < deep) & (seen_as.depth > 0))
 
 
-def surface_mask(frame: Frame, seen_as: PlaneView, extent: Mask, thresholds: Thresholds) -> Mask:
-    """The pixels whose depth lies on the plane, within the surface's extent; small holes are closed."""
-    known = known_depth(frame)
-    height = seen_as.height_of(frame.depth)
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """What depth says of each pixel, (height, width): metres above the plane, those below which it `reach`es
+    the plane within the error of depth, and whether it is known and believed."""
+
+    above: Depth
+    reach: Depth
+    known: Mask
+
+
+def heights(frame: Frame, seen_as: PlaneView, thresholds: Thresholds) -> Heights:
+    """How high what each pixel shows lies.
+
+    A value above the plane in no square of 2 x 2 pixels that are all above it is an error of the camera's,
+    and as good as none; below it likewise.
+    """
+    above = seen_as.height_of(frame.depth)
     reach = np.float32(thresholds.tolerance) * seen_as.depth * seen_as.depth
-    on_plane = known & (height > -reach) & (height < np.maximum(reach, np.float32(thresholds.heap))) & extent
+    known = known_depth(frame)
+    limit = np.maximum(reach, np.float32(thresholds.heap))
+    square = np.ones((2, 2), np.uint8)
+    for off in (known & (above >= limit), known & (above <= -limit)):
+        thick = cv2.morphologyEx(off.view(np.uint8), cv2.MORPH_OPEN, square).view(np.bool_)
+        known &= thick | ~off
+    return Heights(above, reach, known)
+
+
+def surface_mask(height: Heights, extent: Mask, thresholds: Thresholds) -> Mask:
+    """The pixels whose depth lies on the plane, within the surface's extent; small holes are closed."""
+    above, reach, known = height.above, height.reach, height.known
+    on_plane = known & (above > -reach) & (above < np.maximum(reach, np.float32(thresholds.heap))) & extent
     # A dropout of a few pixels must not blind its whole neighbourhood when edges are removed.
     closed = cv2.morphologyEx(on_plane.view(np.uint8), cv2.MORPH_CLOSE, np.ones((HOLE, HOLE), np.uint8))
     return np.asarray(on_plane | (closed.view(np.bool_) & ~known & extent))
 
 
-def object_mask(frame: Frame, seen_as: PlaneView, thresholds: Thresholds) -> Mask:
+def object_mask(height: Heights, thresholds: Thresholds) -> Mask:
     """The pixels that show something standing on the surface, the tool or a hand, down to its foot.
 
     What is higher than a heap of dirt is an object; what is raised at all, and adjoins one, is its foot.
     """
-    height = seen_as.height_of(frame.depth)
-    known = known_depth(frame)
-    reach = np.float32(thresholds.tolerance) * seen_as.depth * seen_as.depth
-    tall = known & (height >= np.maximum(reach, np.float32(thresholds.heap)))
+    tall = height.known & (height.above >= np.maximum(height.reach, np.float32(thresholds.heap)))
     if not tall.any():
         return np.asarray(tall)
-    raised = known & (height >= np.minimum(reach, np.float32(thresholds.heap)))
+    raised = height.known & (height.above >= np.minimum(height.reach, np.float32(thresholds.heap)))
     _, labels = cv2.connectedComponents(raised.view(np.uint8), connectivity=8)
     objects = np.zeros(int(labels.max()) + 1, np.bool_)
     objects[labels[tall]] = True

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from base64 import b64encode
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 from msgspec import structs
 
 from cleancli.files.plain import read_plain
+from cleancli.files.untrusted import is_whole_png
 
-FORMAT = "cleancli calibration 1"
+FORMAT = "cleancli calibration 2"
 """What the file's key `format` says; another number means other keys."""
 
-LARGEST = 1 << 20
+LARGEST = 32 << 20
 """Bytes of such a file."""
 
 
@@ -33,11 +35,14 @@ class Thresholds:
     """Height above the plane up to which a point still belongs to it: dirt lies in heaps."""
     surface_edge: int = 2
     """Pixels beside the surface's outline whose colour may be another thing's."""
-    object_edge: int = 4
+    object_edge: int = 8
     """Pixels around what stands on the surface whose colour may be that thing's."""
     gradient: float = 0.045
     """Change of colour from one pixel to the next, as a share of the brightness, below which a region grows
     on."""
+    darkest: float = 100.0
+    """Brightness, of 255, that darker places count as having, for `gradient` and `contrast`: the noise of a
+    camera does not become less with the light, so that its share of the brightness grows."""
     background: float = 1.2e-3
     """Area above which a region is background."""
     contrast: float = 0.10
@@ -65,12 +70,22 @@ class Appearance:
 
 
 @dataclass(frozen=True, slots=True)
+class Reference:
+    """A picture of the clean surface (PNG), and the thresholds to use where it takes the texture away."""
+
+    thresholds: Thresholds
+    picture: bytes = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Calibration:
-    """`path` as the scene writes it, the thresholds to use, and what the surface looked like."""
+    """`path` as the scene writes it, the thresholds to use, what the surface looked like, and a picture of
+    it, if there is one."""
 
     path: str
     thresholds: Thresholds
     appearance: Appearance
+    reference: Reference | None = None
 
 
 class BadCalibration(Exception):
@@ -79,9 +94,13 @@ class BadCalibration(Exception):
 
 def as_text(calibration: Calibration) -> str:
     """The file's text, JSON."""
-    described = {"format": FORMAT} | {
+    described: dict[str, Any] = {"format": FORMAT} | {
         part: asdict(getattr(calibration, part)) for part in ("thresholds", "appearance")
     }
+    kept = calibration.reference
+    if kept is not None:
+        picture = b64encode(kept.picture).decode("ascii")
+        described["reference"] = {"thresholds": asdict(kept.thresholds), "picture": picture}
     return json.dumps(described, indent=2) + "\n"
 
 
@@ -110,10 +129,16 @@ _Thresholds = msgspec.defstruct(
 """All thresholds: what a file leaves out is not taken to be as usual."""
 
 
+class _Reference(msgspec.Struct):
+    thresholds: _Thresholds  # type: ignore[valid-type]  # mypy knows no types that are made while running
+    picture: bytes
+
+
 class _File(msgspec.Struct):
     format: str
-    thresholds: _Thresholds  # type: ignore[valid-type]  # mypy knows no types that are made while running
+    thresholds: _Thresholds  # type: ignore[valid-type]
     appearance: _Appearance
+    reference: _Reference | None = None
 
 
 def decode(content: bytes, path: str) -> Calibration:
@@ -132,4 +157,12 @@ def decode(content: bytes, path: str) -> Calibration:
     if len(looked.colours) != looked.columns * looked.rows:
         raise BadCalibration(f"`colours` must list {looked.columns * looked.rows} colours")
     appearance = Appearance(looked.columns, looked.rows, looked.colours, looked.tilt)
-    return Calibration(path, Thresholds(**structs.asdict(read.thresholds)), appearance)
+    kept = read.reference
+    if kept is not None and not is_whole_png(kept.picture):
+        raise BadCalibration("the `picture` of its `reference` is no PNG picture")
+    picture = None if kept is None else Reference(_read(kept.thresholds), kept.picture)
+    return Calibration(path, _read(read.thresholds), appearance, picture)
+
+
+def _read(thresholds: msgspec.Struct) -> Thresholds:
+    return Thresholds(**structs.asdict(thresholds))

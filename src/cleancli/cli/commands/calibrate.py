@@ -24,12 +24,14 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import parse_as, read_source
 from cleancli.language.syntax import SceneNode
-from cleancli.perception.calibrate import NotClean, calibrate
+from cleancli.perception.calibrate import Adjusted, NotClean, calibrate
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.perceive import BadFrame
+from cleancli.perception.pictures import margins, not_clean
 from cleancli.perception.reading import Reading
 from cleancli.perception.surface import NoSurface
-from cleancli.scene.calibration import BadCalibration, Calibration, Thresholds, as_text, read_calibration
+from cleancli.recording.pictures import write_png
+from cleancli.scene.calibration import BadCalibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene
 
@@ -47,6 +49,17 @@ _RECORDING = click.Path(path_type=Path, exists=True)
     help="Frames, simulated or spread evenly over a bag or a TUM folder.",
 )
 @options.recording()
+@click.option(
+    "--reference",
+    "keeps_picture",
+    is_flag=True,
+    help="Keep a picture of the surface, to take its texture away: for a camera that stands still.",
+)
+@click.option(
+    "--drawn",
+    type=options.FILE,
+    help="Write a PNG of how near the surface comes to the threshold, or of what is not clean.",
+)
 @options.seed("the frames' noise")
 @options.as_json("Print the calibration as JSON.")
 def command(
@@ -55,13 +68,16 @@ def command(
     recorded: Path | None,
     count: int,
     reading: Reading,
+    keeps_picture: bool,
+    drawn: Path | None,
     seed: int | None,
     as_data: bool,
 ) -> None:
     """Adjust perception's thresholds to the surface of SCENE in its light, seen without its dirt.
 
-    Each is set to the smallest value for which the whole surface is seen as clean, and a quarter more. Scenes
-    refer to the file with `camera { calibration = "FILE" }`.
+    Each is set to the smallest value for which the whole surface is seen as clean, and a margin. What stands
+    on the surface teaches how far its shadow reaches. Scenes refer to the file with
+    `camera { calibration = "FILE" }`.
     """
     setting = _scene_to_calibrate(scene)
     seed = setting.seed if seed is None else seed
@@ -70,11 +86,19 @@ def command(
     rng = np.random.default_rng(derived(seed, Stream.PERCEPTION))
     try:
         with working("lowering the thresholds"):
-            found = calibrate(frames, setting, str(out), rng)
-    except (BadFrame, NoSurface, NotClean) as error:
+            found = calibrate(frames, setting, str(out), rng, keeps_picture)
+    except NotClean as error:
+        if drawn is not None:
+            write_png(drawn, not_clean(error.frame, error.where, str(error)))
+        seen_in = f"; {drawn} shows where" if drawn else "; --drawn PICTURE shows where"
+        raise BadRecording(f"{recorded or 'the camera'}: {error}{seen_in}") from error
+    except (BadFrame, NoSurface) as error:
         raise BadRecording(f"{recorded or 'the camera'}: {error}") from error
-    write_atomically(out, as_text(found), before)
-    echo(as_text(found).rstrip() if as_data else _printed(found, len(frames), out))
+    text = as_text(found.calibration)
+    write_atomically(out, text, before)
+    if drawn is not None:
+        write_png(drawn, margins(frames[0], found.steepness))
+    echo(text.rstrip() if as_data else _printed(found, len(frames), out))
 
 
 def _scene_to_calibrate(name_or_path: str) -> Scene:
@@ -121,11 +145,36 @@ def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
         yield from counted("frames", (table.observe() for _ in range(count)), count)
 
 
-def _printed(found: Calibration, frames: int, out: Path) -> str:
-    default, thresholds = asdict(Thresholds()), asdict(found.thresholds)
+def _printed(found: Adjusted, frames: int, out: Path) -> str:
+    kept = found.calibration.reference
+    used = found.calibration.thresholds if kept is None else kept.thresholds
+    default, thresholds = asdict(Thresholds()), asdict(used)
+    flat = "" if kept is None else ", its texture taken away,"
     lines = [
-        f"{out}: the surface is clean in {plural(frames, 'frame')} with",
+        f"{out}: the surface is clean in {plural(frames, 'frame')}{flat} with",
         "threshold        value  default",
     ]
     lines += [f"{name:14} {value:7.3g}  {default[name]:7.3g}" for name, value in thresholds.items()]
+    lines += _expected(found)
+    if found.objects:
+        lines.append(f"objects on {found.objects:.1%} of it taught `object_edge`")
+    if thresholds["contrast"] > 2 * default["contrast"]:
+        lines.append(
+            f"dirt that differs by less than {thresholds['contrast']:.0%} from the surface will not be seen"
+        )
     return "\n".join([*lines, f'refer to it in a scene: camera {{ calibration = "{out.name}" }}'])
+
+
+def _expected(found: Adjusted) -> list[str]:
+    """What other frames will show, as far as these tell."""
+    each = found.left_out
+    if not each:
+        return ["one frame tells nothing about others: with several it is said what to expect of them"]
+    false = sum(one.false for one in each)
+    room = min(one.gradient for one in each), min(one.contrast for one in each)
+    return [
+        f"expected of unseen frames (each judged by the {plural(len(each) - 1, 'other')}): "
+        f"{plural(false, 'false patch', 'false patches')} in {plural(len(each), 'frame')}, at least "
+        f"{min(one.background for one in each):.2%} background,",
+        f"thresholds {room[0]:.2f} times (gradient) and {room[1]:.2f} times (contrast) what the worst needs",
+    ]

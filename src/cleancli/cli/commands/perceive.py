@@ -131,7 +131,7 @@ def command(
             write_recording(recording, looks, path.name)
     last = shown.last
     for doubt in last.observation.doubts:
-        echo(f"warning: {doubt}; `cleancli calibrate` adjusts to it", err=True)
+        echo(f"warning: {doubt}", err=True)
     if saved is not None:
         LAYOUTS[layout](last.frames, saved)
     if out is not None:
