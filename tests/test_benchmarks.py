@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 
 from cleancli.cli.main import run
+from cleancli.perception.recorded import save_frames
+from support import real_camera
 
 ROOT = Path(__file__).parent.parent
 
@@ -35,7 +37,7 @@ def _main(name: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Any:
 BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
-DRAWS_NOTHING = {"language.py", "reaching.py", "structure.py"}
+DRAWS_NOTHING = {"camera_noise.py", "language.py", "reaching.py", "structure.py"}
 LONG = {
     "bound.py",
     "chance.py",
@@ -392,6 +394,38 @@ def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
     assert precision > 0.9
     assert "clean surfaces: 0 areas in 2 frames" in result.stdout
     assert len(list((tmp_path / "worst").glob("*.png"))) == 2
+
+
+def test_calibrated_on_one_frame_others_of_the_camera_are_clean_and_their_dirt_is_found(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Fewer pairs than docs/real_tables.md tells of, other ones, and the same limits."""
+    _main("real_tables", monkeypatch, "--pairs", "3", "--seed", "70")
+    told = capsys.readouterr().out
+    assert "clean frames: 3, with false dirt 0, false patches 0, whole tables 0, refused 0" in told
+    rows = dict(re.findall(r"^(\w+) +all +\d+ +([\d.]+ +[\d.]+)$", told, re.M))
+    for kind, least in (("brown", 0.99), ("pale", 0.98), ("dim", 0.9)):
+        recall, precision = map(float, rows[kind].split())
+        assert recall >= least
+        assert precision >= 0.99
+
+
+def test_perception_is_measured_on_frames_of_a_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in range(2):
+        save_frames([real_camera.taken(number)], tmp_path / f"look-{number}")
+    _main("real_frames", monkeypatch, str(tmp_path), "--pictures", str(tmp_path / "pasted"))
+    told = capsys.readouterr().out
+    assert "2 frames, of which 2 show the surface" in told
+    rows = re.findall(r"^(\w+) +(\w[\w ]*\w) +(\d+) +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+)$", told, re.M)
+    assert len(rows) == 3 * 5
+    for _, way, particles, recall, precision, false, _ in rows:
+        assert int(particles) >= 30
+        if way in ("perception", "calibrated"):
+            assert (float(recall), float(precision), float(false)) == (1, 1, 0)
+    pictures = sorted(path.name for path in (tmp_path / "pasted").iterdir())
+    assert pictures == ["000-brown.png", "000-dim.png", "000-pale.png"]
 
 
 @pytest.mark.needs_pybullet
