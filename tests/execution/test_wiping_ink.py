@@ -64,7 +64,8 @@ def test_a_board_ends_clean_with_few_actions_and_hardly_any_ink(scene: Scene) ->
         truth = session.truth()
     assert isinstance(ended, Ended)
     assert ended.clean
-    assert ended.actions <= 3, "a stroke that comes down too high is repeated"
+    # A rim of 8 pixels around the rag is 3 cm wide on pictures of half the usual size.
+    assert ended.actions <= 4, "a stroke that comes down too high is repeated, and what its rim hid is wiped"
     assert isinstance(truth["ink_left"], float)
     assert truth["ink_left"] <= 0.02
     assert truth["particles"] == 0
