@@ -208,7 +208,7 @@ def _tolerance_of(view: _View, number: int, default: Thresholds) -> float:
 
     def off(thresholds: Thresholds) -> Mask:
         height = surface.heights(frame, view.seen_as, thresholds)
-        return known & ~surface.surface_mask(height, view.extent, thresholds)
+        return known & ~surface.surface_mask(height, view.extent)
 
     least = _smallest("tolerance", default, lambda t: off(t).sum() <= OFF * max(int(known.sum()), 1))
     if least is None:
@@ -317,7 +317,7 @@ def _dirty(frame: Frame, view: _View, thresholds: Thresholds) -> Mask:
 
 def _trusted(frame: Frame, view: _View, thresholds: Thresholds) -> Mask:
     height = surface.heights(frame, view.seen_as, thresholds)
-    on_surface = surface.surface_mask(height, view.extent, thresholds)
+    on_surface = surface.surface_mask(height, view.extent)
     objects = surface.object_mask(height, thresholds)
     return surface.without_edges(on_surface, objects, thresholds)
 

@@ -202,7 +202,7 @@ def _segmented(
 ) -> tuple[Steps, Mask]:
     """One frame's masks, of which the last is believed as it is, and which pixels show the background."""
     height = surface.heights(frame, seen_as, thresholds)
-    on_surface = surface.surface_mask(height, extent, thresholds)
+    on_surface = surface.surface_mask(height, extent)
     watch.lap("surface")
     objects = surface.object_mask(height, thresholds)
     trusted = surface.without_edges(on_surface, objects, thresholds)

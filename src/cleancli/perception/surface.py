@@ -145,10 +145,12 @@ def extent_mask(seen_as: PlaneView, extent: scene_model.Surface, inset: float = 
 @dataclass(frozen=True, slots=True)
 class Heights:
     """What depth says of each pixel, (height, width): metres above the plane, those below which it `reach`es
-    the plane within the error of depth, and whether it is known and believed."""
+    the plane within the error of depth, those from which on it is `higher` than that and than a heap of dirt,
+    and whether it is known and believed."""
 
     above: Depth
     reach: Depth
+    higher: Depth
     known: Mask
 
 
@@ -161,18 +163,18 @@ def heights(frame: Frame, seen_as: PlaneView, thresholds: Thresholds) -> Heights
     above = seen_as.height_of(frame.depth)
     reach = np.float32(thresholds.tolerance) * seen_as.depth * seen_as.depth
     known = known_depth(frame)
-    limit = np.maximum(reach, np.float32(thresholds.heap))
+    higher = np.maximum(reach, np.float32(thresholds.heap))
     square = np.ones((2, 2), np.uint8)
-    for off in (known & (above >= limit), known & (above <= -limit)):
+    for off in (known & (above >= higher), known & (above <= -higher)):
         thick = cv2.morphologyEx(off.view(np.uint8), cv2.MORPH_OPEN, square).view(np.bool_)
         known &= thick | ~off
-    return Heights(above, reach, known)
+    return Heights(above, reach, higher, known)
 
 
-def surface_mask(height: Heights, extent: Mask, thresholds: Thresholds) -> Mask:
+def surface_mask(height: Heights, extent: Mask) -> Mask:
     """The pixels whose depth lies on the plane, within the surface's extent; small holes are closed."""
-    above, reach, known = height.above, height.reach, height.known
-    on_plane = known & (above > -reach) & (above < np.maximum(reach, np.float32(thresholds.heap))) & extent
+    known = height.known
+    on_plane = known & (height.above > -height.reach) & (height.above < height.higher) & extent
     # A dropout of a few pixels must not blind its whole neighbourhood when edges are removed.
     closed = cv2.morphologyEx(on_plane.view(np.uint8), cv2.MORPH_CLOSE, np.ones((HOLE, HOLE), np.uint8))
     return np.asarray(on_plane | (closed.view(np.bool_) & ~known & extent))
@@ -183,7 +185,7 @@ def object_mask(height: Heights, thresholds: Thresholds) -> Mask:
 
     What is higher than a heap of dirt is an object; what is raised at all, and adjoins one, is its foot.
     """
-    tall = height.known & (height.above >= np.maximum(height.reach, np.float32(thresholds.heap)))
+    tall = height.known & (height.above >= height.higher)
     if not tall.any():
         return np.asarray(tall)
     raised = height.known & (height.above >= np.minimum(height.reach, np.float32(thresholds.heap)))
