@@ -162,6 +162,18 @@ def test_what_a_kill_left_in_an_episode_that_has_ended_is_removed(own: Path) -> 
     assert [path for path in ours if path.exists()] == []
 
 
+def test_what_a_kill_left_is_removed_also_where_nothing_is_left_to_write(own: Path) -> None:
+    """A kill right after the last lesson took its place leaves what it replaced beside the domain; one in the
+    page that follows leaves half a page."""
+    whole()
+    ours = [Path(folder, ".cleancli-0123456789abcdef.part") for folder in ("", Path("runs", NAME))]
+    for path in ours:
+        path.write_text("half")
+    with pytest.raises(ValueError, match="has ended"):
+        resume_series(Path("runs") / NAME)
+    assert [path for path in ours if path.exists()] == []
+
+
 def test_the_command_goes_on_with_a_series_also_where_its_run_is_named(
     own: Path, undisturbed: tuple[str, SeriesResult], capsys: pytest.CaptureFixture[str]
 ) -> None:

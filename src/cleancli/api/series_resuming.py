@@ -22,6 +22,7 @@ from cleancli.api.series import (
     with_run,
     write,
 )
+from cleancli.files.exchange import remove_leftovers
 from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
 from cleancli.recording.checkpoint import tidy
@@ -42,8 +43,8 @@ def resumed(folder: Path, note: Note, carry_out: CarryOut) -> Iterator[SeriesRes
         return
     with alone_in(folder):
         begun = read_series(folder)
-        for run in begun.runs:
-            tidy(run.folder)
+        for each in (folder, *(run.folder for run in begun.runs)):
+            tidy(each)
         series, so_far = _opened(begun)
         rest = begun.runs[len(so_far.runs) :]
         if not rest and len(so_far.runs) >= series.episodes:
@@ -82,6 +83,9 @@ def _opened(begun: Begun) -> tuple[Series, SeriesResult]:
             before, so_far = so_far, with_run(series, so_far, ended_result(run, inputs))
     so_far = with_lesson(series, so_far)
     if series.writes and so_far.learned is not None:
+        # A kill may have come after the last lesson was written, so that nothing is left to write.
+        for change in so_far.learned.changes:
+            remove_leftovers(Path(change.path).resolve().parent)
         write(so_far, _as_it_stands(so_far.learned, with_lesson(series, before).learned))
     return series, so_far
 

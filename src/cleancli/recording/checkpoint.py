@@ -107,8 +107,8 @@ def refused(path: Path, why: str) -> Refused:
 
 
 def tidy(folder: Path) -> None:
-    """Remove what a process that was killed has left beside the files of a run, also of one that has ended:
-    the last thing that a run writes is its end."""
+    """Remove what a process that was killed has left beside the files of a run or series, also of one that
+    has ended: the last thing that it writes is its end, or its page."""
     for where in (folder, folder / STATE):
         remove_leftovers(where)
 
