@@ -6,7 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from cleancli.execution.events import Checkpoint, Event
 from cleancli.execution.kinematic_cell import KinematicCell
+from cleancli.execution.loop import clean
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, discounts_time, usual_job, within_reach
 from cleancli.execution.strategies import STRATEGIES
@@ -58,6 +60,22 @@ def placed(
         return setup, KinematicCell(model, place, table), table
     physics = PybulletTable(place, drawn)
     return setup, TableCell(model, place, physics, options.seed), physics
+
+
+def carried_out(opened: Opened) -> Iterator[Event]:
+    """What happens in an episode, bit for bit as in `execute`: that saves the table after each action, which
+    then goes on from what was saved, built anew."""
+    setup, cell, table = opened
+    saved = -1
+    for event in clean(setup, cell):
+        yield event
+        if (
+            isinstance(event, Checkpoint)
+            and isinstance(table, PybulletTable)
+            and event.state.actions != saved
+        ):
+            saved = event.state.actions
+            table.save()
 
 
 @contextmanager

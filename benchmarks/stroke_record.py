@@ -8,12 +8,11 @@ from itertools import pairwise
 from math import dist
 
 import numpy as np
-from episodes import Job, opened
+from episodes import Job, carried_out, opened
 
 from cleancli.array_types import Bools, Floats, Points
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import Acted, Ended, Looked, Started
-from cleancli.execution.loop import clean
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.table import Truth
@@ -117,13 +116,14 @@ class Silliness:
 
 def recorded(job: Job, stand_in: bool) -> Episode:
     """Carry out an episode, and write down its strokes."""
-    setup, cell, table = opened(job, KinematicTable if stand_in else None)
+    episode = opened(job, KinematicTable if stand_in else None)
+    _, cell, table = episode
     strokes: list[Stroke] = []
     truth = table.truth()
     begun: Started | None = None
     situation: Situation | None = None
     seen, came = situation, cell.tool
-    for event in clean(setup, cell):
+    for event in carried_out(episode):
         match event:
             case Looked():
                 situation = event.situation

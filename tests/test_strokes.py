@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+import cleancli
+
 ROOT = Path(__file__).parent.parent
 
 
@@ -111,3 +113,17 @@ def test_without_matplotlib_it_says_what_is_missing(
     assert benchmark("strokes").main() == 1
     assert "pip install 'matplotlib>=3.8'" in capsys.readouterr().err
     assert not (tmp_path / "pictures").exists()
+
+
+def test_an_episode_of_strokes_is_the_one_that_execute_carries_out(
+    benchmark: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Executing saves the table after each action, which then goes on built anew: so must whoever watches."""
+    monkeypatch.chdir(tmp_path)
+    recorded = benchmark("stroke_record").recorded(("cleaning", "two_groups", "wipe", 3), False)
+    run = cleancli.execute("cleaning", "two_groups", strategy="wipe", seed=3, video=False)
+    assert len(recorded.strokes) == run.actions
+    assert (recorded.spent["transits"], recorded.spent["actions"]) == (
+        run.seconds["transits"],
+        run.seconds["actions"],
+    )
