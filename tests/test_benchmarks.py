@@ -97,6 +97,19 @@ def test_the_structure_of_a_checkout_is_measured_and_its_functions_are_short(
     assert int(most[1]) <= 60
 
 
+def test_the_environments_say_how_many_steps_a_second_to_expect(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _main("gym_speed", monkeypatch, "--quick")
+    rows = re.findall(r"^\| (\w+), \w+ \| (\d+) \| ([\d,.]+) \|$", capsys.readouterr().out, re.M)
+    assert [row[:2] for row in rows] == [
+        *(("Symbolic", batch) for batch in ("1", "16", "256", "4096")),
+        ("CleanTable", "1"),
+    ]
+    rates = [float(row[2].replace(",", "")) for row in rows]
+    assert rates[2] > 100_000 > rates[0] > rates[4] > 0
+
+
 def test_goals_without_a_horizon_are_solved_and_written_for_another_solver(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from cleancli.array_types import Image
+from cleancli.array_types import Bools, Image
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import holds
 from cleancli.environment.observation import Arrays, observation_space, observed
@@ -109,6 +109,14 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         after = self._sight.situation
         reward = float(len(before.areas) - len(after.areas))
         return self._observation(), reward, not after.areas, False, self._info(started, failure)
+
+    def action_masks(self) -> Bools:
+        """Which of `choices` a rule covers now, (A,): what sb3-contrib's MaskablePPO asks for. Raises
+        ValueError where actions are physical: then none is forbidden."""
+        if not self.choices:
+            raise ValueError("physical actions have no mask: none is forbidden")
+        self._running()
+        return np.asarray(self._mask() == 1)
 
     def render(self) -> Image | None:
         """The table as an onlooker sees it now, (480, 640, 3) RGB; None without `render_mode`."""
