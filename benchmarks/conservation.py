@@ -29,7 +29,7 @@ from cleancli.array_types import Bools, Points
 from cleancli.execution.seeds import Stream, derived
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import ARITIES, PICK_UPS, can_execute, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UPS, TO_ZONE, can_execute, tool_path
 from cleancli.motion.pace import FAST_SPEED
 from cleancli.scene.check import load_scene
 from cleancli.scene.grasps import WIDE
@@ -59,7 +59,7 @@ FASTEST_FALL = 1.1 * float(np.sqrt(2 * 9.81 * (par.TABLE_HEIGHT + 0.05)))
 LOWEST = -par.TABLE_HEIGHT - 0.02  # whoever falls on the floor at 3.7 m/s is within it for a step
 # How deep a rag or a dustpan may press a particle's middle into the table while it goes over it: half of the
 # thickest one, below an edge that is pressed in itself.
-PRESSED = max(particle.size[2] for particle in par.PARTICLES.values()) / 2 + par.PRESS
+PRESSED = max(par.PARTICLES[kind].size[2] for kind in KINDS) / 2 + par.PRESS
 HIGHEST = 0.06  # metres above the surface: what is higher, and not on the dustpan, flies
 CARRIED = 0.30  # how high, and
 FASTEST_CARRIED = 3.0  # how fast (m/s) a particle may be that a dustpan carries, or that falls off it
@@ -131,7 +131,8 @@ def faults(before: Points, now: Points, half: Points, pressed: float, carried: b
 
 def random_action(rng: np.random.Generator, scene: Scene) -> tuple[str, tuple[Ellipse, ...]]:
     """An action that the robot has, and its ellipses, up to 10 cm off the table."""
-    action = str(rng.choice(sorted(a for a, areas in ARITIES.items() if can_execute(a, areas, scene.robot))))
+    able = [a for a, areas in ARITIES.items() if a not in TO_ZONE and can_execute(a, areas, scene.robot)]
+    action = str(rng.choice(sorted(able)))
     corner = np.array((scene.surface.width, scene.surface.depth)) / 2 + OFF
     ellipses = []
     for _ in range(ARITIES[action]):

@@ -31,7 +31,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.trials import TrialResult, attempt
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.motion.actions import ARITIES, PICK_UP, PICK_UPS, WIPES, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UP, PICK_UPS, TO_ZONE, WIPES, tool_path
 from cleancli.motion.arm import forward
 from cleancli.motion.joint_path import nearest_pose, stroke
 from cleancli.motion.legs import legs
@@ -306,7 +306,8 @@ def main() -> None:
     run = Run(repeat, options.seed, options.jobs, Kept(options.keep))
     grasps = options.grasp or (("wide", "corner") if options.quick else tuple(SHIPPED))
     kinds = ("compact",) if options.quick else tuple(LAYOUTS)
-    names = ("moveToContainerFast", PICK_UP) if options.quick else tuple(a for a in ARITIES if a not in WIPES)
+    every = tuple(a for a in ARITIES if a not in (*WIPES, *TO_ZONE))
+    names = ("moveToContainerFast", PICK_UP) if options.quick else every
     names = (options.action,) if options.action else names
     parts = {
         "actions": lambda: actions(run, names, kinds, grasps),

@@ -75,9 +75,11 @@ def folder(tmp_path: Path) -> Path:
 def test_what_is_offered(line: str, offered: list[str] | None, folder: Path) -> None:
     found = completed(line, folder)
     if offered is None:
-        places = ("reem_pick_up", "rim", "scattered_40", "sweeping", "three_areas", "two_groups")
-        shipped = (*places, "wam_bow", "wam_groups", "whiteboard", "wiping_ink")
-        offered = ["clean_kitchen.nid", "cleaning", *shipped, "more/"]
+        layouts = {f"{robot}layout_{letter}" for robot in ("", "wam_", "reem_") for letter in "abcdef"}
+        places = {"piles", "reem_pick_up", "rim", "scattered_40", "three_areas", "two_groups", "wam_bow"}
+        domains = {"cleaning", "sweeping", "wiping_ink"}
+        shipped = domains | places | layouts | {"wam_groups", "whiteboard"}
+        offered = [*sorted([*shipped, "clean_kitchen.nid"]), "more/"]
     assert found == offered
 
 

@@ -81,7 +81,7 @@ def test_between_sections() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("= tables", "= |", ["cleaning", "sweeping", "tables", "wiping_ink"]),
+        ("= tables", "= |", ["cleaning", "piles", "sweeping", "tables", "wiping_ink"]),
         ("a1 a2 - area", "a1 a2 - |", ["place", "area", "container"]),
         ("near(a1, a2)", "near(a1, |)", ["a1", "a2"]),
         ("near(a1, a2)", "|", SYMBOLS),

@@ -546,7 +546,7 @@ def _dirt(rng: Random) -> list[str]:
         points = [token for _ in range(rng.randint(1, 4)) for token in (*_point(rng, -200, 200), ",")]
         return ["ink", "{", "along", "=", "(", *points[:-1], ")", "}"]
     count = ["count", "=", str(rng.randint(1, 40))]
-    count += rng.choice(([], ["of", "=", rng.choice(("lentils", "rice", "peas"))]))
+    count += rng.choice(([], ["of", "=", rng.choice(("lentils", "rice", "peas", "blocks"))]))
     if rng.random() < 0.5:
         place = ["at", "=", *_point(rng, -200, 200), "radius", "=", *_length(rng, 10, 40)]
         return ["group", "{", *count, *place, "}"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.motion.actions import ARITIES, PICK_UPS, tool_path
+from cleancli.motion.actions import ARITIES, PICK_UPS, TO_ZONE, tool_path
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import Unreachable
 from cleancli.world import constants as par
@@ -27,7 +27,7 @@ def test_what_is_expected_is_about_what_the_robot_takes(name: str, least: float,
     with closing(PybulletTable(scene, 1)) as table:
         x, y, *_ = table._drive.tool().tolist()
         for action, arity in ARITIES.items():
-            for _ in range(0 if action in PICK_UPS else 3):
+            for _ in range(0 if action in (*PICK_UPS, *TO_ZONE) else 3):
                 middles = rng.uniform(-half, half, (arity, 2))
                 areas = tuple(Ellipse((float(a), float(b)), (0.03, 0.02), 0.3) for a, b in middles)
                 path = tool_path(action, areas, scene)

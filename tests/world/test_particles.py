@@ -1,4 +1,4 @@
-"""Lentils, rice and peas: they lie where they are dropped, and move as their kind does."""
+"""Lentils, rice, peas and blocks: they lie where they are dropped, and move as their kind does."""
 
 from __future__ import annotations
 
@@ -52,7 +52,9 @@ def test_particles_lie_on_the_surface_and_stay(kind: str) -> None:
 
 
 def test_a_group_of_several_kinds_is_all_there() -> None:
-    setting = scene(*(Group(6, (0.0, 0.0), 0.01, kind) for kind in sorted(par.PARTICLES)))
+    """Blocks, ten times as heavy, throw others about that they fall upon (docs/world.md)."""
+    kinds = sorted(par.PARTICLES.keys() - {"blocks"})
+    setting = scene(*(Group(6, (0.0, 0.0), 0.01, kind) for kind in kinds))
     with closing(PybulletTable(setting, 1)) as table:
         truth = table.truth()
     assert truth.on_table == truth.total == 18
@@ -66,6 +68,7 @@ def test_peas_roll_and_come_to_rest_where_lentils_and_rice_slide() -> None:
     assert 0.02 < ways["peas"].min() <= ways["peas"].max() < 0.08
     assert ways["lentils"].max() < 0.005
     assert ways["rice"].max() < 0.005
+    assert ways["blocks"].max() < 0.005
     longer = way(scene(Scattered(5, (-0.1, -0.2), (0.1, 0.2), "peas")), 0.1, 6.0)
     np.testing.assert_allclose(longer, ways["peas"], atol=5e-4)
 

@@ -157,6 +157,7 @@ def described(seen: SeenLook) -> dict[str, object]:
         "clock": seen.look.frames[-1].clock,
         "areas": [_area(area, seen) for area in seen.look.areas],
         "left_out": seen.look.left_out,
+        "in_zone": None if (arrived := seen.look.observation.arrived) is None else round(arrived, 4),
         "facts": _facts(seen.look.state),
         "doubts": list(seen.look.observation.doubts),
         "changes": [str(change) for change in seen.look.known.changes],
@@ -198,6 +199,8 @@ def told(seen: SeenLook) -> Iterator[str]:
     yield f"{seen.source}: {plural(len(areas), 'area')}{hidden}"
     yield from (f"  {change}" for change in seen.look.known.changes)
     yield from (f"  {_line(area, seen)}" for area in areas)
+    if seen.look.observation.arrived is not None:
+        yield f"  in the zone: {seen.look.observation.arrived:.0%} of the dirt that is seen"
     if seen.look.left_out:
         yield f"  left out of plans: {', '.join(seen.look.left_out)}"
     for symbol, holds in _facts(seen.look.state).items():

@@ -356,9 +356,15 @@ def _left(truth: Mapping[str, object]) -> Iterator[str]:
         yield f"truly: {truth['ink_left']:.1%} of the ink left"
     if not truth["particles"] and truth["ink_left"] is not None:
         return
+    total, zone = truth["particles"], truth.get("in_zone")
+    arrived = (
+        f"{truth['in_container']} of {total} particles in the container"
+        if zone is None
+        else f"{zone} of {total} particles in the zone, {truth['in_container']} in the container"
+    )
     yield (
-        f"truly: {truth['in_container']} of {truth['particles']} particles in the container,"
-        f" {truth['on_table']} on the table, {truth['on_floor']} on the floor"
+        f"truly: {arrived}, {truth['on_table']} {'' if zone is None else 'elsewhere '}on the table,"
+        f" {truth['on_floor']} on the floor"
         + (f", {truth['in_dustpan']} in the dustpan" if truth["in_dustpan"] else "")
     )
     if truth["on_table"]:

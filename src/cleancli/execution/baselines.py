@@ -10,18 +10,22 @@ from math import ceil, dist
 
 import numpy as np
 
-from cleancli.array_types import Floats
+from cleancli.array_types import Floats, Points
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions, Job
 from cleancli.execution.tsp import shortest_path
 from cleancli.geometry.ellipse import Ellipse, boundary
-from cleancli.motion.actions import gathering, into_container, path_along
+from cleancli.motion.actions import TO_ZONE, gathering, into_container, path_along, tool_path
+from cleancli.motion.corners import direction
 from cleancli.motion.path import ToolPath
 from cleancli.motion.pick_up import pick_up
 from cleancli.motion.wiping import up_and_down, wiping
 from cleancli.perception.area import Area
 from cleancli.perception.symbols import place_at_mouth
 from cleancli.scene.model import Scene
+
+SPECK = 1e-3
+"""Metres of half the size of dirt that stands for the beginning of a line into the zone."""
 
 OVERLAP = 0.02
 """Metres by which neighbouring lines of the wipe overlap: more than the tool's error. Chosen."""
@@ -34,7 +38,7 @@ def nearest_first(now: DecisionContext, options: EpisodeOptions) -> Decision:
     for action in now.job.cleaning:
         left = [area for area in now.situation.areas if (action, (area.name,)) not in now.excluded]
         if left and now.number == 0 and now.job is not Job.WIPE:
-            return _clean(action, max(left, key=lambda area: _to_goal(area, scene)))
+            return _clean(action, max(left, key=lambda area: _to_goal(area, now.job, scene)))
         if left:
             here = now.tool or (0.0, 0.0)
             return _clean(action, min(left, key=lambda area: dist(area.ellipse.centre, here)))
@@ -51,7 +55,7 @@ def gather_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     areas = now.situation.areas
     if len(areas) > 1:
         points = np.array([area.ellipse.centre for area in areas])
-        end = min(range(len(areas)), key=lambda index: _to_goal(areas[index], scene))
+        end = min(range(len(areas)), key=lambda index: _to_goal(areas[index], now.job, scene))
         order = tuple(areas[index] for index in shortest_path(points, end, now.seed))
         names, ellipses = tuple(area.name for area in order), tuple(area.ellipse for area in order)
         if ("gather", names) not in now.excluded:
@@ -68,14 +72,14 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
     To the container each line leads from the far end of the box; lines beside the mouth bend before the edge.
     The first is the one on the right of the robot, which looks at the surface from behind the container. With
     a dustpan, each line leads from right to left, where the dustpan waits; the first is the farthest. Ink is
-    wiped up and down each line.
+    wiped up and down each line. To a zone each leads from the side of the box that is away from it.
     """
     if not now.situation.areas:
         return Decision(())
     scene = _scene(now)
-    out = np.array(scene.outwards())
-    left = np.array((out[1], -out[0]))
     points = np.concatenate([boundary(area.ellipse) for area in now.situation.areas])
+    out = _goal_ahead(points, now.job, scene)
+    left = np.array((out[1], -out[0]))
     ahead, aside = points @ out, points @ left
     if now.job is Job.DUSTPAN:
         begin, end = aside.min() * left, aside.max() * left
@@ -86,6 +90,14 @@ def wipe_all(now: DecisionContext, options: EpisodeOptions) -> Decision:
         rows = [row * left for row in _rows(aside, scene.rag.width)]
         paths = [_line(far + row, near + row, row, now.job, scene) for row in rows]
     return Decision(tuple(Move("wipe", (), path) for path in paths))
+
+
+def _goal_ahead(points: Points, job: Job, scene: Scene) -> Floats:
+    """The unit vector (2,) in which the goal of dirt at points (n, 2) lies."""
+    if job is not Job.ZONE or scene.zone is None:
+        return np.array(scene.outwards())
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    return np.array(direction(_pair(middle), scene.zone.centre))
 
 
 def _rows(places: Floats, width: float) -> list[float]:
@@ -100,7 +112,10 @@ def _rows(places: Floats, width: float) -> list[float]:
 
 
 def _line(far: Floats, near: Floats, row: Floats, job: Job, scene: Scene) -> ToolPath:
-    """Up and down between both ends of a line where ink is wiped away; otherwise from the far one out."""
+    """Up and down between both ends of a line where ink is wiped away; otherwise from the far one out, or
+    into the zone."""
+    if job is Job.ZONE:
+        return tool_path(TO_ZONE[0], (Ellipse(_pair(far + row), (SPECK, SPECK), 0.0),), scene)
     if job is Job.WIPE:
         return up_and_down(((_pair(far), _pair(near)),), scene)
     return _line_out(far, row, scene)
@@ -124,7 +139,9 @@ def _clean(action: str, area: Area) -> Decision:
     return Decision((Move(action, (area.name,)),))
 
 
-def _to_goal(area: Area, scene: Scene) -> float:
+def _to_goal(area: Area, job: Job, scene: Scene) -> float:
+    if job is Job.ZONE and scene.zone is not None:
+        return dist(area.ellipse.centre, scene.zone.centre)
     return dist(area.ellipse.centre, place_at_mouth(area.ellipse.centre, scene))
 
 

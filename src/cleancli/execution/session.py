@@ -115,6 +115,7 @@ def truth_of(truth: Truth) -> Mapping[str, object]:
     return {
         "particles": truth.total,
         "in_container": truth.in_container,
+        "in_zone": truth.in_zone,
         "on_table": truth.on_table,
         "in_dustpan": truth.in_dustpan,
         "on_floor": truth.on_floor,

@@ -11,7 +11,7 @@ from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem, RewardKind, weight_of
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.method import Method
-from cleancli.motion.actions import PICK_UP, PICK_UPS, SWEEPS, WIPES, can_execute
+from cleancli.motion.actions import PICK_UP, PICK_UPS, SWEEPS, TO_ZONE, WIPES, can_execute
 from cleancli.planning.plan import Plan
 from cleancli.scene.model import Scene
 
@@ -23,11 +23,12 @@ Seconds = Callable[[Iterable[GroundAction]], Mapping[ActionKey, float]]
 
 
 class Job(enum.Enum):
-    """How dirt leaves the table: §6's two tasks, and the whiteboard's."""
+    """What becomes of dirt: §6's two tasks, the whiteboard's, and piling it up."""
 
     CONTAINER = "container"  # moved to the container with the rag (§6.1)
     DUSTPAN = "dustpan"  # picked up with rag and dustpan (§6.2)
     WIPE = "wipe"  # wiped away where it is, as ink
+    ZONE = "zone"  # pushed into the scene's zone, where it may lie
 
     @property
     def cleaning(self) -> tuple[str, ...]:
@@ -36,7 +37,7 @@ class Job(enum.Enum):
 
     @property
     def own(self) -> tuple[str, ...]:
-        """All actions by which dirt leaves the table in this way."""
+        """All actions by which dirt is cleaned away so."""
         match self:
             case Job.CONTAINER:
                 return (*TO_CONTAINER, *SWEEPS)
@@ -44,6 +45,8 @@ class Job(enum.Enum):
                 return PICK_UPS
             case Job.WIPE:
                 return WIPES
+            case Job.ZONE:
+                return TO_ZONE
 
 
 def discounts_time(domain: Domain) -> bool:
@@ -124,11 +127,13 @@ class Decision:
 
 
 def usual_job(domain: Domain, robot: str) -> Job:
-    """What a robot of that name does unless told otherwise: it picks dirt up if it can, and wipes where the
-    domain knows no other way."""
+    """What a robot of that name does unless told otherwise: it picks dirt up if it can, and wipes or pushes
+    into a zone where the domain knows no other way."""
     known = {action.name for action in domain.actions}
-    if known.isdisjoint((*Job.CONTAINER.own, *Job.DUSTPAN.own)) and not known.isdisjoint(Job.WIPE.own):
-        return Job.WIPE
+    if known.isdisjoint((*Job.CONTAINER.own, *Job.DUSTPAN.own)):
+        for job in (Job.WIPE, Job.ZONE):
+            if not known.isdisjoint(job.own):
+                return job
     return Job.DUSTPAN if can_execute(PICK_UP, 1, robot) else Job.CONTAINER
 
 

@@ -16,7 +16,7 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.model import Domain, Problem, usual_discount, without_objects
-from cleancli.motion.actions import WIPES, tool_paths
+from cleancli.motion.actions import TO_ZONE, WIPES, tool_paths
 from cleancli.motion.duration import expected_seconds
 from cleancli.motion.path import ToolPath, pressed
 from cleancli.perception.look import FRAMES_PER_LOOK, understood
@@ -104,9 +104,11 @@ class DrivenCell:
 
     def _start(self, action: str) -> tuple[float, float]:
         """Where an action is expected to find the tool: above the container, where most actions end, or, as
-        wiping ends anywhere, above the middle of the surface."""
+        wiping ends anywhere, above the middle of the surface; pushes into a zone end there."""
         if action in WIPES:
             return 0.0, 0.0
+        if action in TO_ZONE and self._scene.zone is not None:
+            return self._scene.zone.centre
         (x0, y0), (x1, y1) = self._scene.mouth()
         return (x0 + x1) / 2, (y0 + y1) / 2
 

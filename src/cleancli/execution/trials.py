@@ -148,7 +148,7 @@ def _within(points: Points, ellipses: Sequence[Ellipse]) -> Bools:
 
 
 def _on_table(truth: Truth) -> Bools:
-    """Which particles are still on the table, (total,)."""
+    """Which particles are still on the table, and not in its zone, (total,)."""
     same = (truth.positions[:, None] == truth.left[None]).all(axis=2)
     return np.asarray(same.any(axis=1))
 

@@ -19,6 +19,7 @@ from cleancli.motion.path import Interpolation, ToolPath, along
 from cleancli.motion.pick_up import pick_ups
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
+from cleancli.motion.zone import way_in
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import ARMS
 
@@ -59,7 +60,8 @@ def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse]
     """The path of an action upon these ellipses, in scene coordinates (§3.2.1, §3.2.3); pushes and wiping
     take along what they can of the `others` that are dirty.
 
-    Raises `NoSkill` for an action that the scene's robot doesn't have.
+    Raises `NoSkill` for an action that the scene's robot doesn't have, ValueError for a push into the zone of
+    a scene that has none.
     """
     return next(tool_paths(action, areas, scene, others))
 
@@ -78,6 +80,9 @@ def tool_paths(
         return
     if action in WIPES:
         yield wiping(areas, scene, others)
+        return
+    if action in TO_ZONE:
+        yield _to_zone(areas[0], scene, others)
         return
     skill = SKILLS[action]
     corners = skill.stroke(areas, scene, tuple(others))
@@ -143,6 +148,12 @@ def _sweep(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     return behind_middle(first, areas[1].centre), *(area.centre for area in inner), *on
 
 
+def _to_zone(area: Ellipse, scene: Scene, dirt: Iterable[Ellipse]) -> ToolPath:
+    """From behind the area over its middle into the zone."""
+    way = way_in(area, scene, dirt)
+    return along(turning((way.begin, way.end)), STRAIGHT_SPEED, Interpolation.STRAIGHT)
+
+
 def _group_scattered(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
     """From an end of the longer axis to the middle (§3.2.3): the end farther from the container, chosen
     because the dirt then comes nearer to it."""
@@ -169,6 +180,9 @@ SKILLS: Mapping[str, Skill] = MappingProxyType(
 SWEEPS = ("sweep1", "sweep2", "sweep3")
 """Strokes that go over several areas and on into the container."""
 
+TO_ZONE = ("pushToZone",)
+"""Strokes that end within a zone of the surface."""
+
 WIPES = ("wipe", "wipe2", "wipe3")
 """Wiping areas away where they are, one after the other without lifting the rag."""
 
@@ -177,9 +191,11 @@ ARITIES: Mapping[str, int] = MappingProxyType(
         **{name: skill.arity for name, skill in SKILLS.items()},
         **{name: number for number, name in enumerate(PICK_UPS, 1)},
         **{name: number for number, name in enumerate(WIPES, 1)},
+        **dict.fromkeys(TO_ZONE, 1),
     }
 )
-"""How many areas each action takes: the six of §3.2, sweeps, which collect more in one stroke, and wiping."""
+"""How many areas each action takes: the six of §3.2, sweeps, which collect more in one stroke, wiping, and
+pushing into a zone."""
 
 
 def past_edge(start: Point, crossing: Point, scene: Scene) -> Point:

@@ -10,12 +10,13 @@ import numpy as np
 
 from cleancli.array_types import Mask
 from cleancli.geometry.rgbd import Camera, Frame
+from cleancli.motion.zone import inwards
 from cleancli.perception import areas, dirt, fit, geometry, misread, outline, reference, surface
 from cleancli.perception.area import Area
 from cleancli.perception.geometry import Plane, PlaneView
 from cleancli.perception.surface import NoBackground, NoSurface
 from cleancli.scene.calibration import Thresholds
-from cleancli.scene.model import Scene
+from cleancli.scene.model import Scene, Zone
 
 RIM = 0.010
 """Metres along the surface's rim that are never seen well, and do not count as hidden."""
@@ -26,6 +27,9 @@ LEAST_BACKGROUND = 1 / 3
 
 USUAL_BACKGROUND = 0.8
 """Share below which that is worth a doubt; no table that is worth cleaning has so much dirt."""
+
+BORDER = 0.002
+"""Metres around the zone in which dirt counts as within it: about a pixel. Chosen."""
 
 FLAT = 0.97
 """Share of background that a fitting picture of the clean surface leaves; three pixels beside its place it is
@@ -57,7 +61,8 @@ class Observation:
     `hidden`: share of the surface, its outermost centimetre aside, about which nothing is known;
     `hidden_mask` shows where in the image. `seconds` of computing, by step. `camera`: the frames' camera with
     its pose in the coordinates of the surface, as those of the areas are. `doubts`: what speaks against how
-    the frames were read or described, and against the scene's calibration, for people.
+    the frames were read or described, and against the scene's calibration, for people. `arrived`: the
+    share of the dirt seen that lies in the scene's zone, and so in no area; None without a zone, or dirt.
     """
 
     areas: tuple[Area, ...]
@@ -68,6 +73,7 @@ class Observation:
     seconds: Mapping[str, float]
     camera: Camera
     doubts: tuple[str, ...] = field(default=())
+    arrived: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +122,12 @@ def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) ->
     )
     believed = dirt.without_small_patches(believed, seen_as.pixel_areas, thresholds)
     watch.lap("belief")
+    arrived = None
+    if scene.zone is not None:
+        inside = in_zone(believed, frames, seen_as, plane, scene.zone)
+        arrived = _share_of(inside, believed, seen_as)
+        believed = dirt.without_small_patches(believed & ~inside, seen_as.pixel_areas, thresholds)
+        watch.lap("zone")
     found = areas.group(believed, camera, plane, seen_as, scene.symbols.link)
     watch.lap("ellipses")
     hidden, hidden_mask = _hidden(seen, seen_as, scene)
@@ -124,7 +136,33 @@ def perceive(frames: Sequence[Frame], scene: Scene, rng: np.random.Generator) ->
     watch.lap("doubts")
     shown = replace(steps[-1], believed=believed)
     relative = geometry.relative_to(plane, camera)
-    return Observation(found, plane, shown, hidden, hidden_mask, watch.seconds, relative, tuple(doubts))
+    return Observation(
+        found, plane, shown, hidden, hidden_mask, watch.seconds, relative, tuple(doubts), arrived
+    )
+
+
+def in_zone(believed: Mask, frames: Sequence[Frame], seen_as: PlaneView, plane: Plane, zone: Zone) -> Mask:
+    """The dirty pixels that show something in the zone, `BORDER` around it included.
+
+    What stands above the surface is seen beside its place, so each pixel's own depth tells where it is.
+    """
+    rows, columns = np.nonzero(believed)
+    depths = np.stack([frame.depth[rows, columns] for frame in frames])
+    known = np.isfinite(depths) & (depths > 0)
+    on_plane = seen_as.depth[rows, columns]
+    depth = np.median(np.where(known, depths, on_plane), axis=0)
+    nadir = (frames[0].camera.pose[:3, 3] - plane.origin) @ np.column_stack((plane.east, plane.north))
+    places = np.column_stack((seen_as.x[rows, columns], seen_as.y[rows, columns])).astype(np.float64)
+    places = nadir + (places - nadir) * (depth / on_plane)[:, None]
+    inside = np.zeros_like(believed)
+    inside[rows, columns] = inwards(zone, places) >= -BORDER
+    return inside
+
+
+def _share_of(part: Mask, whole: Mask, seen_as: PlaneView) -> float | None:
+    """The share of the surface behind some pixels that is behind a part of them."""
+    total = float(seen_as.pixel_areas[whole].sum())
+    return float(seen_as.pixel_areas[part].sum()) / total if total > 0 else None
 
 
 def checked_camera(frames: Sequence[Frame]) -> Camera:

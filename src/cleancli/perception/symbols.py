@@ -6,7 +6,7 @@ declare, or declares for other types, is left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from itertools import chain, combinations, permutations
 from math import atan2, dist, hypot, radians, remainder, tau
 
@@ -14,15 +14,17 @@ from cleancli.geometry.ellipse import Ellipse, extent, gap, reach
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Object, State, Symbol
-from cleancli.motion.actions import PICK_UP, can_execute
+from cleancli.motion.actions import PICK_UP, TO_ZONE, can_execute
 from cleancli.motion.pick_up import to_pan
 from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import strokes_over
+from cleancli.motion.zone import way_in
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene, SymbolThresholds
 
 AREA = "area"
 CONTAINER = "container"
+ZONE = "zone"
 SIZES = ("small", "medium", "big")
 GREATEST_TURN = 90.0
 """Degrees by which a stroke may turn at an area on its way: measured, up to that the rag loses nothing there
@@ -34,9 +36,9 @@ Point = tuple[float, float]
 def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tuple[Object, ...], State]:
     """One object per named area, and all that is true of them.
 
-    Raises Refused (E514, E515) for a domain that perception cannot tell what it needs.
+    Raises Refused (E514, E515, E518) for a domain that perception cannot tell what it needs.
     """
-    _refuse_what_is_not_seen(domain)
+    _refuse_what_is_not_seen(domain, scene)
     facts = chain(
         (Fact("dirt", (area.name,)) for area in areas),
         _scattered(areas, domain, scene.symbols),
@@ -44,6 +46,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
         _near(areas, domain, scene.symbols),
         _traversal(areas, domain, scene.symbols),
         _traversal_to_container(areas, domain, scene),
+        _traversal_to_zone(areas, domain, scene),
         _onward(areas, domain, scene),
         _to_dustpan(areas, domain, scene),
         _at_rim(areas, domain, scene),
@@ -52,7 +55,7 @@ def symbolize(areas: Sequence[Area], scene: Scene, domain: Domain) -> tuple[tupl
     return tuple(Object(name, AREA) for name in sorted(area.name for area in areas)), frozenset(facts)
 
 
-def _refuse_what_is_not_seen(domain: Domain) -> None:
+def _refuse_what_is_not_seen(domain: Domain, scene: Scene) -> None:
     """A state gives every function a value for every area, and cleaning is about dirt."""
     mistakes = []
     if not _declared(domain, "dirt", AREA):
@@ -64,6 +67,10 @@ def _refuse_what_is_not_seen(domain: Domain) -> None:
             message = f"perception gives the function `{symbol.name}` of the domain `{domain.name}` no value"
             advice = "a scene can tell `size(?a - area): small < medium < big`, and no other function"
             mistakes.append(Diagnostic("E515", message, None, help=advice))
+    if scene.zone is None and any(action.name in TO_ZONE for action in domain.actions):
+        message = f"the domain `{domain.name}` pushes into a zone, and the scene `{scene.name}` has none"
+        advice = "add `zone { at = (0 cm, 0 cm) }` to the scene"
+        mistakes.append(Diagnostic("E518", message, None, help=advice))
     if mistakes:
         raise Refused(mistakes)
 
@@ -186,12 +193,27 @@ def _traversal_to_container(areas: Sequence[Area], domain: Domain, scene: Scene)
     one container, so every container constant means that one."""
     if not _declared(domain, "traversal", AREA, CONTAINER, AREA):
         return
-    containers = [constant.name for constant in domain.constants if domain.is_a(constant.type, CONTAINER)]
     for area in areas:
         others = {other.ellipse: other.name for other in areas if other is not area}
         taken = way_out(area.ellipse.centre, scene, others).takes
-        for middle in sorted(others[each] for each in taken):
-            yield from (Fact("traversal", (area.name, name, middle)) for name in containers)
+        yield from _taken_along(area, CONTAINER, (others[each] for each in taken), domain)
+
+
+def _traversal_to_zone(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
+    """The same of pushes into the zone (motion/zone.py), which a scene has one of at most."""
+    if scene.zone is None or not _declared(domain, "traversal", AREA, ZONE, AREA):
+        return
+    for area in areas:
+        others = {other.ellipse: other.name for other in areas if other is not area}
+        taken = way_in(area.ellipse, scene, others).takes
+        yield from _taken_along(area, ZONE, (others[each] for each in taken), domain)
+
+
+def _taken_along(area: Area, kind: str, taken: Iterable[str], domain: Domain) -> Iterator[Fact]:
+    """That areas lie between one and each constant of a type."""
+    ends = [constant.name for constant in domain.constants if domain.is_a(constant.type, kind)]
+    for middle in sorted(taken):
+        yield from (Fact("traversal", (area.name, name, middle)) for name in ends)
 
 
 def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:

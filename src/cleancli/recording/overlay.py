@@ -9,11 +9,13 @@ import numpy as np
 
 from cleancli.array_types import Bools, Image, Points
 from cleancli.execution.trials import Trial
+from cleancli.motion.zone import corners as corners_of
 from cleancli.scene.model import Scene
 
 SCALE = 800  # pixels per metre
 BORDER = 30  # pixels around the surface
 REACHED, UNREACHED = (150, 205, 150), (235, 150, 140)
+ZONE = (60, 170, 90)
 BEFORE, AFTER = (70, 110, 200), (200, 60, 50)
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 
@@ -46,7 +48,7 @@ def _panel(scene: Scene, title: str, trials: Sequence[Trial]) -> Image:
 
 
 def _surface(scene: Scene) -> Image:
-    """The outline of the surface, and the mouth of the container."""
+    """The outline of the surface, the mouth of the container, and the zone, if there is one."""
     size = np.array((scene.surface.width, scene.surface.depth))
     wide, high = (np.ceil(size * SCALE).astype(int) + 2 * BORDER).tolist()
     picture = np.full((high, wide, 3), 255, np.uint8)
@@ -54,6 +56,8 @@ def _surface(scene: Scene) -> Image:
     cv2.rectangle(picture, corners[0], corners[1], (120, 120, 120), 1)
     mouth = _pixels(np.array(scene.mouth()), scene)
     cv2.line(picture, mouth[0], mouth[1], (62, 96, 150), 5)
+    if scene.zone is not None:
+        cv2.polylines(picture, [np.array(_pixels(corners_of(scene.zone), scene))], True, ZONE, 1, cv2.LINE_AA)
     return picture
 
 

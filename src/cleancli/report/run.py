@@ -53,6 +53,7 @@ class Truth:
 
     particles: Count | None = None
     in_container: Count | None = None
+    in_zone: Count | None = None
     on_table: Count | None = None
     in_dustpan: Count | None = None
     on_floor: Count | None = None

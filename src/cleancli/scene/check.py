@@ -4,6 +4,7 @@ given."""
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import cos, sin
 
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
@@ -12,7 +13,7 @@ from cleancli.language.load import parse_as
 from cleancli.language.syntax import SceneNode, Section
 from cleancli.scene.calibration import file_content
 from cleancli.scene.check_camera import Read, check_camera
-from cleancli.scene.check_dirt import check_dirt
+from cleancli.scene.check_dirt import check_dirt, on_surface, refuse_off
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.kinds import SLACK, centimetres
 from cleancli.scene.model import (
@@ -23,6 +24,7 @@ from cleancli.scene.model import (
     Scene,
     Surface,
     SymbolThresholds,
+    Zone,
 )
 from cleancli.scene.schema import SECTIONS, TOP
 from cleancli.scene.settings import Settings
@@ -59,6 +61,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     top = Settings(TOP, node.name, node.entries, findings)
     surface = Surface(**settings("surface").given())
     container = _container(settings("container"), surface, findings)
+    zone = _zone(settings("zone"), surface, findings) if "zone" in sections else None
     robot = settings("robot")["drive"]
     grasps = _grasps(node, findings)
     known = named((*SHIPPED.values(), *grasps))
@@ -82,6 +85,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
         grasps=grasps,
         light=Light(azimuth, elevation, light["ambient"], light["gradient"]),
         calibration=calibration,
+        zone=zone,
     )
 
 
@@ -121,6 +125,15 @@ def _container(settings: Settings, surface: Surface, findings: Findings) -> Cont
             f"|offset| + width / 2 may be {centimetres(edge / 2)} at most",
         )
     return container
+
+
+def _zone(settings: Settings, surface: Surface, findings: Findings) -> Zone:
+    """The zone of a scene that has one; it must lie on the surface whole."""
+    zone = Zone(settings["at"] or (0.0, 0.0), settings["side"], settings["turn"])
+    reach = zone.side / 2 * (abs(cos(zone.turn)) + abs(sin(zone.turn)))
+    if not on_surface(zone.centre, reach, surface):
+        refuse_off("zone", "at", settings, surface, findings)
+    return zone
 
 
 def _grasps(node: SceneNode, findings: Findings) -> tuple[Grasp, ...]:

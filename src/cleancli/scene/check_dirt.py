@@ -40,16 +40,16 @@ def check_dirt(section: Section | None, name: Name, surface: Surface, findings: 
 
 def _group(settings: Settings, surface: Surface, findings: Findings) -> Group:
     centre, radius = settings["at"] or _MIDDLE, settings["radius"] or 0.0
-    if not _on_surface(centre, radius, surface):
-        _refuse_off("dirt", "at", settings, surface, findings)
+    if not on_surface(centre, radius, surface):
+        refuse_off("dirt", "at", settings, surface, findings)
     return Group(settings["count"], centre, radius, settings["of"], settings["colour"])
 
 
 def _scattered(settings: Settings, surface: Surface, findings: Findings) -> Scattered:
     low, high = settings["from"] or _MIDDLE, settings["to"] or _MIDDLE
     for key, corner in (("from", low), ("to", high)):
-        if not _on_surface(corner, 0.0, surface):
-            _refuse_off("dirt", key, settings, surface, findings)
+        if not on_surface(corner, 0.0, surface):
+            refuse_off("dirt", key, settings, surface, findings)
     if low[0] >= high[0] or low[1] >= high[1]:
         findings.error("E511", "`to` must lie north-east of `from`", settings.span("to"))
     return Scattered(settings["count"], low, high, settings["of"], settings["colour"])
@@ -57,8 +57,8 @@ def _scattered(settings: Settings, surface: Surface, findings: Findings) -> Scat
 
 def _ink(settings: Settings, surface: Surface, findings: Findings) -> Ink:
     ink = Ink(settings["along"] or (), settings["width"], settings["colour"])
-    if not all(_on_surface(point, ink.width / 2, surface) for point in ink.along):
-        _refuse_off("ink", "along", settings, surface, findings)
+    if not all(on_surface(point, ink.width / 2, surface) for point in ink.along):
+        refuse_off("ink", "along", settings, surface, findings)
     return ink
 
 
@@ -69,12 +69,14 @@ _READERS: Mapping[str, Callable[[Settings, Surface, Findings], Dirt]] = {
 }
 
 
-def _on_surface(centre: tuple[float, float], radius: float, surface: Surface) -> bool:
+def on_surface(centre: tuple[float, float], radius: float, surface: Surface) -> bool:
+    """Whether what reaches so far from its middle, along x and along y, lies on the surface."""
     x, y = centre
     return abs(x) + radius <= surface.width / 2 + SLACK and abs(y) + radius <= surface.depth / 2 + SLACK
 
 
-def _refuse_off(what: str, key: str, settings: Settings, surface: Surface, findings: Findings) -> None:
+def refuse_off(what: str, key: str, settings: Settings, surface: Surface, findings: Findings) -> None:
+    """Report something that lies off the surface, at the key that says where it lies (E508)."""
     x, y = centimetres(surface.width / 2), centimetres(surface.depth / 2)
     help = f"the surface reaches from -{x} to {x} in x and from -{y} to {y} in y"
     findings.error("E508", f"this {what} lies off the surface", settings.span(key), help=help)

@@ -12,11 +12,13 @@ from cleancli.scene.schema import KEYS, TOP
 def print_scene(scene: Scene) -> str:
     """A scene as a .nid text, with every setting written out."""
     camera, light, rag, calibration = scene.camera, scene.light, scene.rag, scene.calibration
+    zone = scene.zone
     image, path = (camera.image_width, camera.image_height), None if calibration is None else calibration.path
     lines = [
         *_settings(TOP, {"domain": scene.domain, "seed": scene.seed}),
         _section("surface", _named("surface", scene.surface)),
         _section("container", _named("container", scene.container)),
+        *([] if zone is None else [_section("zone", _named("zone", zone) | {"at": zone.centre})]),
         _section("robot", {"drive": scene.robot}),
         *(_section("grasp", _named("grasp", grasp), grasp.name) for grasp in scene.grasps),
         _section("rag", {"grasp": rag.grasp.name, "width": rag.width}),

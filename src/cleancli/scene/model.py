@@ -44,6 +44,16 @@ class Container:
 
 
 @dataclass(frozen=True, slots=True)
+class Zone:
+    """A square of the surface into which dirt is pushed, and where it may lie: its middle, its side, and by
+    how much it is turned, counter-clockwise."""
+
+    centre: tuple[float, float]
+    side: float
+    turn: float
+
+
+@dataclass(frozen=True, slots=True)
 class Grasp:
     """How a rag is held. It hangs as a row of flaps on springs; this is what they differ in.
 
@@ -182,7 +192,7 @@ class SymbolThresholds:
 class Scene:
     """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
     that of the domain whose actions clean it, `grasps` are those that the scene itself defines. Without a
-    `calibration`, perception works with the default thresholds."""
+    `calibration`, perception works with the default thresholds. `zone`: where dirt may lie, if anywhere."""
 
     name: str
     surface: Surface
@@ -197,6 +207,7 @@ class Scene:
     grasps: tuple[Grasp, ...] = ()
     light: Light = LIGHT
     calibration: Calibration | None = None
+    zone: Zone | None = None
 
     def outwards(self) -> tuple[float, float]:
         """The unit vector from the surface over the container's edge."""

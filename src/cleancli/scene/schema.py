@@ -32,7 +32,7 @@ from cleancli.scene.robots import ARMS
 
 EDGES = ("north", "east", "south", "west")
 LEFT_OUT = ("smallest", "farthest")
-PARTICLES = ("lentils", "rice", "peas")
+PARTICLES = ("lentils", "rice", "peas", "blocks")
 MOST_PARTICLES = 500
 """Of one group: far more than any table of the paper has (40), few enough to simulate."""
 MOST_POINTS = 200
@@ -108,6 +108,11 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             ),
             "width": Key(Length(0.01, 5.0), 0.32, "its extent along the edge"),
             "depth": Key(Length(0.01, 5.0), 0.16, "its extent away from the edge"),
+        },
+        "zone": {
+            "at": Key(Point(), NEEDED, "the middle of the square that dirt is pushed into", "(0 cm, 0 cm)"),
+            "side": Key(Length(0.02, 5.0), 0.12, "the square's side"),
+            "turn": Key(Angle(-360, 360), 0.0, "how far it is turned, counter-clockwise"),
         },
         "robot": {"drive": Key(Choice(tuple(ARMS)), "gantry", "what moves the rag")},
         "grasp": {

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
@@ -19,29 +20,39 @@ GRAVITY = -9.81
 STEPS_PER_PERIOD = 4  # chosen: the drive is commanded, and polled, 60 times a second
 
 
+class Shape(enum.Enum):
+    """What a particle is like, stretched to its size. A round one of one size is a ball, which rolls."""
+
+    LENS = "lens"
+    ROUND = "round"
+    BOX = "box"
+
+
 @dataclass(frozen=True, slots=True)
 class Particle:
     """One kind of particle: full extents `size` (along, across, up), mass, friction and its rolling and
-    spinning friction, colours that are drawn evenly, `flat` for the shape of a lens instead of an egg."""
+    spinning friction, colours that are drawn evenly, and its shape."""
 
     size: tuple[float, float, float]
     mass: float
     friction: float
     rolling: float
     colours: tuple[tuple[int, int, int], ...]
-    flat: bool = False
+    shape: Shape = Shape.ROUND
 
 
 # Lentils: size and contact measured. Rice: a long grain of about 6.5 x 2.2 mm, a thousand weigh 20-25 g.
 # Peas: dried, 6-8 mm, a thousand weigh 200-250 g. Both are common figures; colours and friction are chosen,
 # and so is the rolling friction of peas: one that is let go at 0.1 m/s rolls about 4 cm (tests/world).
+# Blocks: size, mass, friction and colour as in the sweeping task of Zeng et al. (2020), Transporter Networks.
 PARTICLES: Mapping[str, Particle] = MappingProxyType(
     {
         "lentils": Particle(
-            (6e-3, 6e-3, 2.5e-3), 1e-4, 0.45, 3e-4, ((112, 74, 38), (92, 84, 34), (128, 92, 48)), flat=True
+            (6e-3, 6e-3, 2.5e-3), 1e-4, 0.45, 3e-4, ((112, 74, 38), (92, 84, 34), (128, 92, 48)), Shape.LENS
         ),
         "rice": Particle((6.5e-3, 2.2e-3, 2.2e-3), 2.2e-5, 0.45, 2e-4, ((150, 120, 70), (140, 108, 62))),
         "peas": Particle((6.6e-3, 6.6e-3, 6.6e-3), 2.2e-4, 0.40, 8e-5, ((86, 120, 40), (104, 132, 52))),
+        "blocks": Particle((1e-2, 1e-2, 1e-2), 1e-3, 0.50, 1e-4, ((255, 87, 89),), Shape.BOX),
     }
 )
 PARTICLE_MARGIN = 1e-4  # measured: with the engine's own 1 mm margin they float and drift
@@ -58,6 +69,10 @@ INK_BAND = 6e-3  # how far along its way a flap's lower edge touches the surface
 INK_FORCE = 0.02  # newtons on a flap from which on it takes no more
 INK_HEIGHT = 3e-4  # what the renderer shows within this of z = 0 is the surface
 INK_SEEN = 0.15  # amount of ink in a cell below which perception can't tell it from the surface
+
+# A zone in pictures for people, chosen: its colour, and how much of it is laid over the surface's.
+ZONE_COLOUR = (60, 170, 90)
+ZONE_PAINT = 0.5
 
 # The surface's texture, chosen.
 TEXTURE_CELL = 1e-3

@@ -7,22 +7,25 @@ from math import cos, sin
 import numpy as np
 
 from cleancli.array_types import Floats, Image, Longs
-from cleancli.scene.model import Light, Scene, Surface
+from cleancli.motion.zone import inwards
+from cleancli.scene.model import Light, Scene, Surface, Zone
 from cleancli.world import constants as par
 from cleancli.world.ink import InkLayer
 
 
 class Finish:
-    """Puts it into a picture, of which every pixel's place is known. `ink` may change meanwhile."""
+    """Puts it into a picture, of which every pixel's place is known. `ink` may change meanwhile. A `zone` is
+    painted for people: no camera of a robot sees any."""
 
-    def __init__(self, scene: Scene, ink: InkLayer | None) -> None:
-        self._surface, self._light, self._ink = scene.surface, scene.light, ink
+    def __init__(self, scene: Scene, ink: InkLayer | None, zone: Zone | None = None) -> None:
+        self._surface, self._light, self._ink, self._zone = scene.surface, scene.light, ink, zone
         self._texture = texture(scene.surface) if scene.surface.texture > 0 else None
 
     @property
     def changes(self) -> bool:
         """Whether there is anything that the renderer leaves out."""
-        return self._ink is not None or self._texture is not None or self._light.gradient > 0
+        parts = self._ink, self._texture, self._zone
+        return any(part is not None for part in parts) or self._light.gradient > 0
 
     def put_on(self, image: Image, x: Floats, y: Floats, z: Floats) -> None:
         """Change `image` (height, width, 3), of which (height, width) pixels show the places (x, y, z)."""
@@ -42,6 +45,11 @@ class Finish:
             # Ink takes as much light as the surface around it, whose brightness isn't known here: it is dark.
             ink = self._ink.colour_at(x[covered], y[covered])
             painted[covered] += share[covered, None] * (ink - painted[covered])
+        if self._zone is not None:
+            deep = inwards(self._zone, np.column_stack((x[top], y[top])))
+            painted[top] += np.where(deep >= 0, par.ZONE_PAINT, 0.0)[:, None] * (
+                np.array(par.ZONE_COLOUR) - painted[top]
+            )
         if self._light.gradient > 0:
             painted *= brightness(self._light, self._surface, x, y)[:, :, None]
         image[:] = np.clip(np.round(painted), 0, 255).astype(np.uint8)

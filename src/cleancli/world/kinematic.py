@@ -37,12 +37,13 @@ class KinematicTable:
     """A `Mover`: motions take their time at once, and `dirt` is where the particles lie.
 
     Everything random comes from `seed`, in the order in which `PybulletTable` draws it. Raises ValueError for
-    a scene that it cannot stand in for: another robot, or ink.
+    a scene that it cannot stand in for: another robot, ink, or a zone, where dirt lies in heaps.
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
-        if scene.robot != "gantry" or any(isinstance(dirt, Ink) for dirt in scene.dirt):
-            raise ValueError("only tables with a gantry and without ink have a fast stand-in")
+        no_ink = not any(isinstance(dirt, Ink) for dirt in scene.dirt)
+        if scene.robot != "gantry" or not no_ink or scene.zone is not None:
+            raise ValueError("only tables with a gantry and without ink or a zone have a fast stand-in")
         layout, tool, strokes, _ = np.random.default_rng(seed).spawn(4)
         self._scene, self._noise = scene, strokes
         self._places = places(scene.dirt, layout).spots
@@ -109,6 +110,7 @@ class KinematicTable:
         return Truth(
             on_table=remaining,
             in_container=contained,
+            in_zone=None,
             in_dustpan=0,
             on_floor=len(positions) - remaining - contained,
             total=len(positions),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, hypot
 
 import numpy as np
 
@@ -12,7 +13,12 @@ from cleancli.scene.model import Colour, Dirt, Group, Ink, Scattered
 from cleancli.world import constants as par
 from cleancli.world.physics import Engine
 
+_TRIES = 1000
+"""Places that are drawn for a block at most until one is free."""
+
 _CORNERS = 8
+Pair = tuple[float, float]
+
 _LENTIL_RINGS = ((0.4, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.4, -1.0))
 _ROUND_RINGS = tuple((float(np.cos(a)), float(np.sin(a))) for a in np.radians((65, 35, 0, -35, -65)))
 """(radius, height) of the rings of corners, as shares of half the width and half the height."""
@@ -63,24 +69,49 @@ def drop(engine: Engine, drops: Drops, rng: np.random.Generator) -> tuple[int, .
 
 
 def places(dirt: tuple[Dirt, ...], rng: np.random.Generator) -> Drops:
-    """Where to drop particles, evenly drawn in each group's disc or each rectangle; ink is none."""
+    """Where to drop particles, evenly drawn in each group's disc or each rectangle; ink is none.
+
+    Blocks lie beside each other, as one that lay on another would be no dirt on the surface but a thing that
+    stands there: one that is drawn too close to an earlier one is drawn again.
+    """
     drawn, kinds, colours = [np.empty((0, 2))], list[str](), list[Colour | None]()
     for source in dirt:
         match source:
             case Group(count, centre, radius, of, colour):
-                angle = rng.uniform(0, 2 * np.pi, count)
-                distance = radius * np.sqrt(rng.uniform(0, 1, count))
-                step = np.stack((distance * np.cos(angle), distance * np.sin(angle)), axis=1)
-                drawn.append(np.array(centre) + step)
+
+                def in_disc(number: int, centre: Pair = centre, radius: float = radius) -> Floats:
+                    angle = rng.uniform(0, 2 * np.pi, number)
+                    distance = radius * np.sqrt(rng.uniform(0, 1, number))
+                    step = np.stack((distance * np.cos(angle), distance * np.sin(angle)), axis=1)
+                    return np.array(centre) + step
+
+                drawn.append(_spots(in_disc, count, par.PARTICLES[of]))
                 kinds += [of] * count
                 colours += [colour] * count
             case Scattered(count, low, high, of, colour):
-                drawn.append(rng.uniform(low, high, (count, 2)))
+
+                def in_rectangle(number: int, low: Pair = low, high: Pair = high) -> Floats:
+                    return rng.uniform(low, high, (number, 2))
+
+                drawn.append(_spots(in_rectangle, count, par.PARTICLES[of]))
                 kinds += [of] * count
                 colours += [colour] * count
             case Ink():
                 pass
     return Drops(np.concatenate(drawn), tuple(kinds), tuple(colours))
+
+
+def _spots(draw: Callable[[int], Floats], count: int, particle: par.Particle) -> Floats:
+    """(count, 2) drawn places; those of boxes leave room for each other, however they are turned."""
+    spots = draw(count)
+    if particle.shape is par.Shape.BOX:
+        room = 2 * _room(particle)
+        for index in range(1, count):
+            for _ in range(_TRIES):
+                if np.linalg.norm(spots[:index] - spots[index], axis=1).min() > room:
+                    break
+                spots[index] = draw(1)[0]
+    return spots
 
 
 def positions(engine: Engine, bodies: tuple[int, ...]) -> Floats:
@@ -112,7 +143,9 @@ def settle(engine: Engine, bodies: tuple[int, ...]) -> None:
 
 def _shapes(engine: Engine, particle: par.Particle, own: Colour | None) -> _Shapes:
     """What the engine lets collide is the convex hull of the corners; what it shows is their mesh."""
-    rings = _LENTIL_RINGS if particle.flat else _ROUND_RINGS
+    if particle.shape is par.Shape.BOX:
+        return _box_shapes(engine, particle, own)
+    rings = _LENTIL_RINGS if particle.shape is par.Shape.LENS else _ROUND_RINGS
     corners, faces = _mesh(rings, particle)
     if particle.size[0] == particle.size[2]:
         # A ball rolls; a hull of corners would come to rest on a face.
@@ -131,15 +164,32 @@ def _shapes(engine: Engine, particle: par.Particle, own: Colour | None) -> _Shap
     return _Shapes(touched, seen)
 
 
+def _box_shapes(engine: Engine, particle: par.Particle, own: Colour | None) -> _Shapes:
+    half = [side / 2 for side in particle.size]
+    seen = tuple(
+        engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=[*(c / 255 for c in colour), 1])
+        for colour in (particle.colours if own is None else (own,))
+    )
+    return _Shapes(engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half), seen)
+
+
 def _heights(drops: Drops) -> Floats:
     """(n,) heights to drop from, so that no two particles start inside each other."""
-    sizes = np.array([par.PARTICLES[kind].size for kind in drops.kinds]).reshape(-1, 3)
+    kinds = [par.PARTICLES[kind] for kind in drops.kinds]
+    room, high = np.array([(_room(kind), 1.2 * kind.size[2]) for kind in kinds]).reshape(-1, 2).T
     tops = np.zeros(len(drops.spots))
-    for index, (wide, _, high) in enumerate(sizes):
+    for index in range(len(drops.spots)):
         apart = np.linalg.norm(drops.spots[:index] - drops.spots[index], axis=1)
-        below = tops[:index][apart < 0.55 * (sizes[:index, 0] + wide)]
-        tops[index] = (below.max() if below.size else 0) + 1.2 * high
-    return par.DROP_HEIGHT + tops - 1.2 * sizes[:, 2]
+        below = tops[:index][apart < room[:index] + room[index]]
+        tops[index] = (below.max() if below.size else 0) + high[index]
+    heights: Floats = par.DROP_HEIGHT + tops - high
+    return heights
+
+
+def _room(particle: par.Particle) -> float:
+    """Metres around its middle that a particle needs, however it is turned; a round one a bit more."""
+    wide, deep, _ = particle.size
+    return hypot(wide, deep) / 2 if particle.shape is par.Shape.BOX else 0.55 * wide
 
 
 def _mesh(rings: tuple[tuple[float, float], ...], particle: par.Particle) -> tuple[Floats, list[int]]:

@@ -11,9 +11,10 @@ from typing import Self
 
 import numpy as np
 
-from cleancli.array_types import Floats, Image
+from cleancli.array_types import Bools, Floats, Image, Points
 from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath, Unreachable
+from cleancli.motion.zone import inwards
 from cleancli.scene.model import Ink, Scene
 from cleancli.world import camera, furniture, particles
 from cleancli.world import constants as par
@@ -34,12 +35,15 @@ class Truth:
     """Where all dirt really is; for reports and tests, never for planning.
 
     `positions` (total, 3) of all particles, and `left` (on_table, 3) of those still on the table, in metres.
+    `in_zone`: those whose middle lies in the scene's zone, and which do not count as on the table; None
+    without a zone.
     `ink` (n, 3): x, y and amount of the cells whose ink can be seen; `ink_left`: the share of all ink,
     None where there was none.
     """
 
     on_table: int
     in_container: int
+    in_zone: int | None
     in_dustpan: int
     on_floor: int
     total: int
@@ -62,6 +66,7 @@ class PybulletTable:
     _drive: Drive
     _ink: InkLayer | None
     _finish: Finish
+    _shown: Finish
     _top: int
     _particles: tuple[int, ...]
     _stroke_noise: np.random.Generator
@@ -199,12 +204,15 @@ class PybulletTable:
         above = np.all(np.abs(places[:, :2]) <= half, axis=1) & (places[:, 2] > -par.TABLE_THICKNESS / 2)
         held = self._drive.holds(places) & ~inside
         above &= ~held
+        arrived = above & _in_zone(places[:, :2], self._scene)
+        above &= ~arrived
         contained, carried, remaining = int(inside.sum()), int(held.sum()), int(above.sum())
         return Truth(
             on_table=remaining,
             in_container=contained,
+            in_zone=None if self._scene.zone is None else int(arrived.sum()),
             in_dustpan=carried,
-            on_floor=len(places) - remaining - carried - contained,
+            on_floor=len(places) - remaining - carried - contained - int(arrived.sum()),
             total=len(places),
             positions=places,
             left=places[above],
@@ -219,10 +227,9 @@ class PybulletTable:
             time.sleep(par.STEP)
 
     def picture(self, width: int = 640, height: int = 480) -> Image:
-        """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise."""
-        return camera.onlook(
-            self._engine, self._scene.surface, self._scene.light, self._finish, width, height
-        )
+        """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise, and
+        with the scene's zone painted on it."""
+        return camera.onlook(self._engine, self._scene.surface, self._scene.light, self._shown, width, height)
 
     def _build(self) -> None:
         """Everything in its place, dirt just above the surface, with what the seed draws first."""
@@ -233,6 +240,7 @@ class PybulletTable:
         self._top = furniture.build(self._engine, scene)
         self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
         self._finish = Finish(scene, self._ink)
+        self._shown = Finish(scene, self._ink, scene.zone)
         self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
         self._drive.place()
         self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
@@ -296,6 +304,13 @@ def _error(path: ToolPath, side: float, height: float, yaw: float) -> Floats:
     aside = side * par.SIDE_NOISE
     lift, turn = height * par.HEIGHT_NOISE - press, yaw * par.YAW_NOISE
     return np.array((aside * np.cos(across), aside * np.sin(across), lift, turn))
+
+
+def _in_zone(places: Points, scene: Scene) -> Bools:
+    """(n,) which of places (n, 2) lie in the scene's zone."""
+    if scene.zone is None:
+        return np.zeros(len(places), np.bool_)
+    return np.asarray(inwards(scene.zone, places) >= 0)
 
 
 def _refuse_unknown(scene: Scene) -> None:

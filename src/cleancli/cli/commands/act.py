@@ -24,7 +24,7 @@ from cleancli.cli.progress import counting
 from cleancli.execution.trials import Trial, TrialResult, attempt
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import meant
-from cleancli.motion.actions import ARITIES, can_execute
+from cleancli.motion.actions import ARITIES, TO_ZONE, can_execute
 from cleancli.recording.overlay import overlay
 from cleancli.recording.pictures import write_png
 from cleancli.scene.grasps import SHIPPED, named
@@ -151,6 +151,10 @@ def _arity(action: str, setting: Scene) -> int:
         able = [drive for drive in ARMS if can_execute(action, ARITIES[action], drive)]
         raise click.BadParameter(
             f"`{setting.robot}` can't {action}; it takes --robot {' or '.join(able)}", param_hint="ACTION"
+        )
+    if action in TO_ZONE and setting.zone is None:
+        raise click.BadParameter(
+            f"{action} takes a scene with a zone, which `{setting.name}` has not", param_hint="ACTION"
         )
     return ARITIES[action]
 

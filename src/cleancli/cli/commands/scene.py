@@ -105,6 +105,9 @@ def _described(setting: Scene, found: Reached) -> dict[str, object]:
             "tilt": list(surface.tilt),
         },
         "container": {"edge": container.edge, "offset": container.offset, "width": container.width},
+        "zone": None
+        if setting.zone is None
+        else {"at": list(setting.zone.centre), "side": setting.zone.side, "turn": setting.zone.turn},
         "robot": {
             "drive": setting.robot,
             "reaches": found.share,
@@ -134,6 +137,9 @@ def _printed(setting: Scene, found: Reached) -> str:
         f" rag: {_cm(setting.rag.width)} cm wide, grasp {setting.rag.grasp.name}",
         f"dirt: {', '.join(_named(setting.dirt))}",
     ]
+    if setting.zone is not None:
+        x, y = setting.zone.centre
+        lines.append(f"zone: {_cm(setting.zone.side)} cm wide, its middle at ({_cm(x)}, {_cm(y)}) cm")
     if found.missed_particles:
         lines.append(f"out of reach: {found.missed_particles} of {found.particles} pieces of dirt")
     if found.missed_ink:

@@ -1,4 +1,5 @@
-"""The table as characters: where the areas are, where the tool is and goes, where the container stands."""
+"""The table as characters: where the areas are, where the tool is and goes, where the container stands and
+the zone lies."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from rich.text import Text
 from cleancli.execution.episode_state import Situation
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.path import ToolPath
+from cleancli.motion.zone import corners
 from cleancli.scene.model import Scene
 
 Place = tuple[float, float]
@@ -33,15 +35,22 @@ class Marks:
 
 
 FANCY = Marks(
-    ("┌", "┐", "└", "┘"), ("─", "│"), ("━", "┃"), {"dirt": "▒", "unseen": "░", "way": "·", "tool": "█"}
+    ("┌", "┐", "└", "┘"),
+    ("─", "│"),
+    ("━", "┃"),
+    {"dirt": "▒", "unseen": "░", "way": "·", "zone": "▫", "tool": "█"},
 )
 PLAIN = Marks(
-    ("+", "+", "+", "+"), ("-", "|"), ("=", "#"), {"dirt": "*", "unseen": "?", "way": ".", "tool": "@"}
+    ("+", "+", "+", "+"),
+    ("-", "|"),
+    ("=", "#"),
+    {"dirt": "*", "unseen": "?", "way": ".", "zone": "o", "tool": "@"},
 )
 STYLES = {
     "dirt": "red",
     "unseen": "dim red",
     "way": "blue",
+    "zone": "green",
     "tool": "bold green",
     "name": "bold",
     "mouth": "bold blue",
@@ -83,6 +92,10 @@ def _layers(
     scene: Scene, situation: Situation | None, path: ToolPath | None, size: Cell
 ) -> Iterator[tuple[str, Cell]]:
     """What stands in which cell; what comes later lies on top."""
+    if scene.zone is not None:
+        outline = corners(scene.zone).tolist()
+        for begin, end in zip(outline, outline[1:] + outline[:1], strict=True):
+            yield from (("zone", cell) for cell in _line(begin, end, scene, size))
     if situation is not None:
         for area in situation.areas:
             kind = "unseen" if area.name in situation.unseen else "dirt"
@@ -108,12 +121,17 @@ def _covered(ellipse: Ellipse, scene: Scene, size: Cell) -> Iterator[Cell]:
 
 def _way(path: ToolPath, scene: Scene, size: Cell) -> Iterator[Cell]:
     """The cells that the stroke goes over."""
+    for begin, end in pairwise((w.x, w.y) for w in path.waypoints if w.z <= 0):
+        yield from _line(begin, end, scene, size)
+
+
+def _line(begin: Place, end: Place, scene: Scene, size: Cell) -> Iterator[Cell]:
+    """The cells of the surface on the line between two places."""
     finest = scene.surface.width / size[0] / 2
-    stroke = [(w.x, w.y) for w in path.waypoints if w.z <= 0]
-    for (x0, y0), (x1, y1) in pairwise(stroke):
-        number = max(1, int(hypot(x1 - x0, y1 - y0) / finest))
-        places = ((x0 + (x1 - x0) * n / number, y0 + (y1 - y0) * n / number) for n in range(number + 1))
-        yield from (_cell(place, scene, size) for place in places if _on_surface(place, scene))
+    (x0, y0), (x1, y1) = begin, end
+    number = max(1, int(hypot(x1 - x0, y1 - y0) / finest))
+    places = ((x0 + (x1 - x0) * n / number, y0 + (y1 - y0) * n / number) for n in range(number + 1))
+    yield from (_cell(place, scene, size) for place in places if _on_surface(place, scene))
 
 
 def _on_surface(place: Place, scene: Scene) -> bool:
