@@ -1,0 +1,67 @@
+"""The checked study: products of axes, and comparisons of what they come to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Value = str | int | float
+"""What an axis may have: names as options have them (`plan-2`), lengths in metres, angles in radians."""
+
+Selection = Mapping[str, tuple[Value, ...]]
+"""For some axes the values that are meant; with `part` and `episode`, those of rows as well."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """All combinations of the values of these axes, in the order in which they are written; a setting of the
+    scene is an axis by its section and key (`rag.width`). `name`: empty where there is but one."""
+
+    name: str
+    axes: Mapping[str, tuple[Value, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When an episode is given up (`execution.setup.EpisodeOptions`)."""
+
+    max_actions: int = 60
+    max_seconds: float = 1800.0
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What is expected of a measure, in rows that `where` selects, paired by run: of those that are `first`
+    too it is `expect` ("less", "more", "equal") than `factor` times that of those that are `second`; where
+    there is no second, than `limit`. `margin`: up to which share of the second both are equal. `claim`: the
+    number of the paper's claim (1 to 9) that it tests, if any; `says`: in words.
+    """
+
+    name: str
+    says: str
+    measure: str
+    expect: str
+    first: Selection
+    second: Selection
+    where: Selection = field(default_factory=dict)
+    claim: int | None = None
+    factor: float = 1.0
+    limit: float | None = None
+    margin: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """`runs` of each cell, each a series of `episodes`, the first with `seed`. `measure`: what its figure
+    shows. `studies`: those that it consists of, by name; then it has no parts of its own."""
+
+    name: str
+    about: str
+    parts: tuple[Part, ...]
+    comparisons: tuple[Comparison, ...]
+    measure: str = "seconds"
+    runs: int = 5
+    episodes: int = 1
+    seed: int = 1
+    limits: Limits = field(default_factory=Limits)
+    studies: tuple[str, ...] = ()

@@ -1,0 +1,110 @@
+"""What an episode came to: one tidy row, and what can be measured in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from cleancli.study.model import Selection, Value
+
+REAL = ("planning", "perceiving", "extra_perceptions", "learning")
+"""Kinds of seconds that hold real time, and differ from one machine to the next (`Account`)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """An episode of a study.
+
+    `axes` has the values of its cell by the names of axes. `run` counts the repetitions of a cell, `episode`
+    those of its series, both from 1; cells are paired by run, whose `seed`s they share. `seconds` by kind, as
+    in `Account`, and their `total`. `left` and `on_floor`: pieces of dirt that truly lie there, of all
+    `pieces`; `ink_left`: a share. `score`: the share of the pieces that are where they belong; None where
+    there are none. `cpu`: seconds of the process, and `real` ones, for all of the episode. `versions` of what
+    results depend on. `files`: the SHA-256 of each text that went in, in order. `key`: the SHA-256 of all
+    that decides how it goes.
+    """
+
+    study: str
+    part: str
+    axes: Mapping[str, Value]
+    run: int
+    episode: int
+    seed: int
+    clean: bool
+    reason: str
+    actions: int
+    seconds: Mapping[str, float]
+    total: float
+    pieces: int
+    left: int
+    on_floor: int
+    ink_left: float | None
+    score: float | None
+    cpu: float
+    real: float
+    versions: Mapping[str, str]
+    files: tuple[str, ...]
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A number that a row tells, and what it means. `is_real`: it holds real time."""
+
+    of: Callable[[Row], float]
+    meaning: str
+    is_real: bool = False
+
+
+def moving(row: Row) -> float:
+    """Seconds of the robot's own in transits and actions, which do not depend on the machine."""
+    return row.seconds["transits"] + row.seconds["actions"]
+
+
+def _kind(name: str, meaning: str) -> Measure:
+    return Measure(lambda row: row.seconds[name], meaning, name in REAL)
+
+
+def _thinking(row: Row) -> float:
+    spent = sum(row.seconds[kind] for kind in ("planning", "perceiving", "extra_perceptions"))
+    return spent / row.total if row.total else 0.0
+
+
+MEASURES: Mapping[str, Measure] = MappingProxyType(
+    {
+        "seconds": Measure(lambda row: row.total, "seconds until the episode is over", True),
+        "moving": Measure(moving, "seconds of the robot's moving, in transits and actions"),
+        "actions": Measure(lambda row: float(row.actions), "actions until the episode is over"),
+        "planning": _kind("planning", "seconds of planning"),
+        "perceiving": _kind("perceiving", "seconds of looking"),
+        "extra_perceptions": _kind("extra_perceptions", "seconds of looking with the arm moved away"),
+        "transits": _kind("transits", "seconds on the way to where an action begins"),
+        "acting": Measure(lambda row: row.seconds["actions"], "seconds of actions themselves"),
+        "learning": _kind("learning", "seconds of looking in order to learn"),
+        "thinking": Measure(_thinking, "the share of all seconds that planning and looking take", True),
+        "score": Measure(
+            lambda row: 0.0 if row.score is None else row.score, "the share of dirt that is where it belongs"
+        ),
+        "left": Measure(lambda row: float(row.left + row.on_floor), "pieces of dirt that are left or lost"),
+        "clean": Measure(lambda row: float(row.clean), "1 where the episode ended clean, else 0"),
+    }
+)
+"""By name."""
+
+
+def matches(row: Row, selection: Selection) -> bool:
+    """Whether a row is of the values that are meant; an axis that it does not have is of none."""
+    own: Mapping[str, Value] = {**row.axes, "part": row.part, "episode": row.episode}
+    return all(own.get(axis) in values for axis, values in selection.items())
+
+
+def chosen(rows: Iterable[Row], *selections: Selection) -> Iterator[Row]:
+    """The rows that all selections mean."""
+    return (row for row in rows if all(matches(row, each) for each in selections))
+
+
+def comparable(row: Row) -> Row:
+    """The row without what differs each time that the same episode is carried out: real time."""
+    kept = {kind: 0.0 if kind in REAL else spent for kind, spent in row.seconds.items()}
+    return replace(row, seconds=kept, total=0.0, cpu=0.0, real=0.0)
