@@ -217,5 +217,6 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         "environment/clean_table.py",
         "execution/session.py",
         "execution/trials.py",
+        "experiment/episode.py",
         "report/account.py",  # of run.json, after the run
     }

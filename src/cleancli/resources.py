@@ -8,7 +8,7 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def shipped(kind: str) -> Path:
-    """The folder of shipped files of one kind: "grammar", "domains" or "problems".
+    """The folder of shipped files of one kind: "grammar", "domains", "problems" or "studies".
 
     Raises FileNotFoundError where an installation lacks it.
     """

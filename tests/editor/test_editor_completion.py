@@ -139,4 +139,4 @@ def test_marks_are_those_that_the_checker_takes() -> None:
 def test_context_of_an_empty_text() -> None:
     place = context("", 0)
     assert place is not None
-    assert place.accepted == frozenset({"DOMAIN", "PROBLEM", "SCENE"})
+    assert place.accepted == frozenset({"DOMAIN", "PROBLEM", "SCENE", "STUDY"})

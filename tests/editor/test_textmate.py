@@ -47,8 +47,8 @@ def sample(word: str) -> str:
     """A word as the grammar lets it stand: what it puts behind it is part of the sample."""
     if word in KINDS and f'"{word}" NAME "{{"' in LARK:
         return f"{word} name {{"
-    if word == "grasp":
-        return "  grasp name {"
+    if word in ("grasp", "part", "compare"):
+        return f"  {word} name {{"
     if word == "rule":
         return "rule name: action(?a)"
     if word == "x":

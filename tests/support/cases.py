@@ -9,6 +9,7 @@ from pathlib import Path
 from cleancli.cli.inputs import open_loaded
 from cleancli.cli.unreached import warnings_of
 from cleancli.compiler.ground import ground
+from cleancli.experiment.series import open_studies
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.render import render
@@ -73,9 +74,11 @@ def _file(name: str, sources: list[Source]) -> tuple[Diagnostic, ...]:
             return checked_problem(
                 source, load_domain(read_source(own if own.exists() else SMALL))
             ).diagnostics
-        case _:
+        case "scene":
             load_scene(source)
-            return ()
+        case _:
+            open_studies(source)
+    return ()
 
 
 def _folder(sources: list[Source]) -> tuple[Diagnostic, ...]:

@@ -77,12 +77,7 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
     Raises BadOption for what it has not, OtherWorld where the checkpoint is another one's.
     """
     given, options, job = inputs.given, inputs.options, inputs.job
-    if isinstance(given, Problem) and STRATEGIES[options.strategy].needs_places:
-        raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
-    if inputs.world is not None:
-        _check_world(inputs, inputs.world)
-    if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
-        raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
+    refuse_impossible(inputs)
     with located_in(*inputs.sources), planning_refused(inputs.sources):
         try:
             if isinstance(given, Scene):
@@ -96,6 +91,17 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
                 raise
             reason = f"it has no {error}" if isinstance(error, KeyError) else str(error)
             raise OtherWorld(f"it is not one of this world: {reason}") from None
+
+
+def refuse_impossible(inputs: Inputs) -> None:
+    """Raises BadOption for what a scene or a problem has not, Refused for a world of other things."""
+    given, options, job = inputs.given, inputs.options, inputs.job
+    if isinstance(given, Problem) and STRATEGIES[options.strategy].needs_places:
+        raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
+    if inputs.world is not None:
+        _check_world(inputs, inputs.world)
+    if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+        raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
 
 
 def _check_world(inputs: Inputs, world: World) -> None:

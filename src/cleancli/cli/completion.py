@@ -49,7 +49,8 @@ def _paths(incomplete: str) -> tuple[list[str], list[str]]:
 nid_files = _shipped_or_file()
 domains = _shipped_or_file("domains")
 problems = _shipped_or_file("problems")
-check_files = _shipped_or_file("domains", "problems")
+studies = _shipped_or_file("studies")
+check_files = _shipped_or_file("domains", "problems", "studies")
 
 
 def actions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

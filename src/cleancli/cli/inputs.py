@@ -66,7 +66,7 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
     where the file, or the domain of a problem, cannot be read at all.
     """
     is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
-    path = find(name_or_path, "domains", "problems") if is_named else Path(name_or_path)
+    path = find(name_or_path, "domains", "problems", "studies") if is_named else Path(name_or_path)
     source = read(str(path))
     match kind_of(source):
         case "domain":
@@ -75,11 +75,25 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
         case "scene":
             _load_scene(source)
             return (), (source,)
+        case "study":
+            return _check_study(source)
         case _:
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
             domain = open_loaded(str(beside) if beside.exists() else name)
             return _check_problem(source, domain.model)
+
+
+def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """Nothing, where a study and all files that it names hold no mistake; raises Refused else.
+
+    Imported here because most files are no studies.
+    """
+    from cleancli.experiment.series import open_studies
+
+    open_studies(source)
+    open_studies(source, quick=True)
+    return (), (source,)
 
 
 def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

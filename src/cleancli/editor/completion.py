@@ -16,7 +16,10 @@ from cleancli.language.parsing.grammar import keywords
 from cleancli.language.parsing.lexemes import Lexeme, LexemeKind
 from cleancli.language.refactoring.name_index import Kind, Occurrence
 from cleancli.scene.kinds import LENGTH_UNITS
-from cleancli.scene.schema import INNER, KEYS, TOP
+from cleancli.scene.schema import INNER, KEYS, TOP, Key
+from cleancli.study.kinds import Named
+from cleancli.study.schema import INNER as OF_STUDY
+from cleancli.study.schema import keys_of
 
 MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actions": ("cost", "duration")}
 """What declarations of a section may be marked with; the words beside a probability are the grammar's."""
@@ -50,7 +53,8 @@ def completions(asked: Document, offset: int, library: Library) -> tuple[Complet
     place = context(asked.source.text, offset)
     if place is None or before.endswith("/"):  # behind which a number goes on
         return ()
-    names = _scene(place, library, asked) if place.kind == "scene" else _names(place, asked, library)
+    is_tabled = place.kind in ("scene", "study")
+    names = _scene(place, library, asked) if is_tabled else _names(place, asked, library)
     found: dict[str, Completion] = {}
     for completion in (*names, *_keywords(place)):
         found.setdefault(completion.text, completion)
@@ -292,12 +296,13 @@ def _function_before(words: tuple[Lexeme, ...]) -> str | None:
     return None if call is None else call[0]
 
 
-# ---- scenes
+# ---- scenes and studies
 
 
 def _scene(place: Context, library: Library, asked: Document) -> Iterable[Completion]:
     """Keys and sections where an entry may begin; values behind `=`; units behind a number."""
-    if place.last == "=":
+    goes_on = place.kind == "study" and place.last == "," and not _open_pair(place.texts)
+    if place.last == "=" or goes_on:
         return _values(place, asked, library)
     return (*_units(place), *_entries(place))
 
@@ -305,9 +310,12 @@ def _scene(place: Context, library: Library, asked: Document) -> Iterable[Comple
 def _values(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
     """What a setting may be set to, where that is one of some words."""
     key = _key(place.words)
-    known = KEYS.get(place.section, {}).get(key)
-    if (place.section, key) == (TOP, "domain"):
+    known = _keys(place).get(key)
+    if key == "domain" and (place.kind == "study" or place.section == TOP):
         yield from _domains(place, asked, library)
+    elif known is not None and isinstance(known.kind, Named):
+        for name in library.names_of(asked, key):
+            yield Completion(name, Kind.WORD, place.start, known.meaning)
     elif known is not None:
         for value in known.values:
             yield Completion(value, Kind.WORD, place.start, known.meaning)
@@ -316,20 +324,30 @@ def _values(place: Context, asked: Document, library: Library) -> Iterator[Compl
 def _units(place: Context) -> Iterator[Completion]:
     if not place.words or place.words[-1].kind is not LexemeKind.NUMBER or not place.takes("UNIT"):
         return
-    known = KEYS.get(place.section, {}).get(_key(place.words))
+    known = _keys(place).get(_key(place.words))
     for unit in LENGTH_UNITS if known is None else known.units:
         yield Completion(unit, None, place.start, "unit")
 
 
 def _entries(place: Context) -> Iterator[Completion]:
     """Keys and sections, where the name of one may stand."""
-    is_in_scene = place.kind and (place.words or place.path or place.accepted is not None)
-    if not is_in_scene or not place.takes("NAME"):
+    is_inside = place.kind and (place.words or place.path or place.accepted is not None)
+    if not is_inside or not place.takes("NAME"):
         return
-    for name, known in KEYS.get(place.section, {}).items():
+    for name, known in _keys(place).items():
         yield Completion(name, Kind.KEY, place.start, known.meaning)
-    for name in INNER.get(place.section, ()):
+    for name in (INNER if place.kind == "scene" else OF_STUDY).get(place.section, ()):
         yield Completion(name, Kind.SECTION, place.start, "section")
+
+
+def _keys(place: Context) -> Mapping[str, Key]:
+    """The settings of the section that a place is in."""
+    return KEYS.get(place.section, {}) if place.kind == "scene" else keys_of(place.section)
+
+
+def _open_pair(texts: tuple[str, ...]) -> bool:
+    """Whether a place is within parentheses."""
+    return texts.count("(") > texts.count(")")
 
 
 def _key(words: tuple[Lexeme, ...]) -> str:

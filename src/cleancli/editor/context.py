@@ -14,6 +14,9 @@ from lark import UnexpectedInput
 from cleancli.language.parsing.grammar import grammar
 from cleancli.language.parsing.lexemes import WORD, Lexeme, LexemeKind, lexemes
 
+TITLED = frozenset({"grasp", "part", "compare"})
+"""Sections that have a title."""
+
 _PREFIX = re.compile(rf"(?:\?[A-Za-z_0-9]*|{WORD})?\Z")
 
 
@@ -90,13 +93,13 @@ def _blocks(words: tuple[Lexeme, ...]) -> tuple[tuple[str, ...], tuple[Lexeme, .
 
 
 def _header(words: tuple[Lexeme, ...]) -> str:
-    """The name of the block that opens behind these words: `rule`, `grasp`, else the last word."""
+    """The name of the block that opens behind these words: `rule`, what has a title, else the last word."""
     for word in words:
         if word.text == "rule":
             return "rule"
     named = [word.text for word in words if word.kind is LexemeKind.WORD]
-    if named[-2:-1] == ["grasp"]:
-        return "grasp"
+    if len(named) > 1 and named[-2] in TITLED and words[-1].text == named[-1] and words[-2].text == named[-2]:
+        return named[-2]
     return named[-1] if named else ""
 
 

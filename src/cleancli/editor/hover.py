@@ -20,6 +20,7 @@ from cleancli.language.model import Rule
 from cleancli.language.printing.printer import print_fraction
 from cleancli.language.refactoring.name_index import Kind, Occurrence, children
 from cleancli.scene.schema import KEYS, TOP
+from cleancli.study.schema import keys_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +164,10 @@ def _first_comment(text: str) -> Iterator[str]:
 def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
     name = found.meaning.name
     match asked.root:
-        case syntax.SceneNode():
-            known = KEYS.get(_section_around(asked.root, found.span.start), {}).get(name)
+        case syntax.SceneNode() | syntax.StudyNode():
+            section = _section_around(asked.root, found.span.start)
+            is_scene = isinstance(asked.root, syntax.SceneNode)
+            known = (KEYS.get(section, {}) if is_scene else keys_of(section)).get(name)
             meaning, values = ("", ()) if known is None else (known.meaning, known.values)
         case syntax.DomainNode():
             meaning, values = LEARNED.get(name, ""), LEARNED_WORDS.get(name, ())
@@ -176,7 +179,7 @@ def _about_key(asked: Document, found: Occurrence) -> Iterator[str]:
 
 
 def _section_around(node: syntax.Node | None, offset: int) -> str:
-    """The name of the innermost section of a scene around an offset."""
+    """The name of the innermost section of a scene or study around an offset."""
     name = TOP
     entries = getattr(node, "entries", ())
     while inner := [

@@ -231,12 +231,24 @@ class Library:
 
     def domain_names(self, near: Path) -> tuple[str, ...]:
         """What a problem may name as its domain."""
-        domains = (
-            found
-            for path in self._files(near.parent)
-            if (found := self.document(path)) and found.kind == "domain"
-        )
-        return tuple(sorted({d.path.stem for d in domains} | set(shipped_names("domains"))))
+        return self._names(near, ("domain",), "domains")
+
+    def names_of(self, asked: Document, key: str) -> tuple[str, ...]:
+        """What a study may name under a key: files beside it and shipped ones, or its own parts."""
+        match key:
+            case "world":
+                return self.domain_names(asked.path)
+            case "scene":
+                return self._names(asked.path, ("scene", "problem"), "problems")
+            case "studies":
+                return self._names(asked.path, ("study",), "studies")
+        return tuple(o.meaning.name for o in asked.declared() if o.meaning.home == key)
+
+    def _names(self, near: Path, kinds: tuple[str, ...], shipped_as: str) -> tuple[str, ...]:
+        """The names of files of some kinds that stand beside one or ship."""
+        beside = (self.document(path) for path in self._files(near.parent))
+        found = {each.path.stem for each in beside if each is not None and each.kind in kinds}
+        return tuple(sorted(found | set(shipped_names(shipped_as))))
 
     def _files(self, *folders: Path) -> set[str]:
         """The files in some folders and those that are open."""

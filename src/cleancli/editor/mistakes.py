@@ -16,8 +16,9 @@ from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import Checked, checked_domain, checked_problem, kind_of, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.language.refactoring.name_index import Kind, Occurrence
-from cleancli.language.syntax import ProblemNode, SceneNode
+from cleancli.language.syntax import ProblemNode, SceneNode, StudyNode
 from cleancli.scene.check import check_scene
+from cleancli.study.check import check_study
 
 
 def mistakes(asked: Document, library: Library) -> tuple[Diagnostic, ...]:
@@ -32,6 +33,8 @@ def mistakes(asked: Document, library: Library) -> tuple[Diagnostic, ...]:
     findings = Findings(asked.source, asked.parsed.diagnostics, asked.parsed.broken)
     if isinstance(asked.parsed.root, SceneNode):
         check_scene(asked.parsed.root, findings)
+    elif isinstance(asked.parsed.root, StudyNode):
+        check_study(asked.parsed.root, findings)
     elif isinstance(asked.parsed.root, ProblemNode):
         domain = library.domain_of(asked)
         model = None if domain is None else model_of(domain, library)

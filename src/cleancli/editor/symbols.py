@@ -27,7 +27,7 @@ def symbols(asked: Document) -> tuple[Entry, ...]:
     root = asked.root
     if root is None:
         return ()
-    if isinstance(root, syntax.SceneNode):
+    if isinstance(root, syntax.SceneNode | syntax.StudyNode):
         inner = tuple(_section(entry) for entry in root.entries if isinstance(entry, syntax.Section))
     else:
         inner = tuple(entry for section in root.sections for entry in _declared(section, asked))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cleancli.array_types import Image
 from cleancli.compiler.task import GroundState, Task
 from cleancli.execution.episode_state import World
+from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import MOST, EpisodeOptions, EpisodeSetup, Job, usual_job, within_reach
 from cleancli.execution.symbolic_cell import SymbolicCell
@@ -21,6 +22,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
+from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import Status
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth
@@ -62,6 +64,26 @@ def table_session(
         lambda: table.save().arrays(),
         table.stop,
         table.close,
+    )
+
+
+def stand_in_session(
+    domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None
+) -> Session:
+    """The fast stand-in for a simulated table, which is neither seen nor saved.
+
+    Raises ValueError for a scene that has none.
+    """
+    job = usual_job(domain, scene.robot) if job is None else job
+    table = KinematicTable(scene, derived(options.seed, Stream.WORLD))
+    return Session(
+        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        KinematicCell(domain, scene, table),
+        None,
+        lambda: truth_of(table.truth()),
+        dict,
+        table.stop,
+        lambda: None,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.syntax import Name, Section, Setting
+from cleancli.language.syntax import Entry, Name, Setting
 from cleancli.scene.kinds import Choice, Report
 from cleancli.scene.schema import KEYS, NEEDED, Key
 
@@ -20,7 +20,7 @@ class Settings:
         self,
         section: str,
         name: Name,
-        entries: Iterable[Setting | Section],
+        entries: Iterable[Entry],
         findings: Findings,
         choices: Mapping[str, tuple[str, ...]] | None = None,
     ) -> None:
@@ -60,7 +60,7 @@ class Settings:
         return default if value is None else value
 
 
-def _each_once(entries: Iterable[Setting | Section], findings: Findings) -> dict[str, Setting]:
+def _each_once(entries: Iterable[Entry], findings: Findings) -> dict[str, Setting]:
     settings: dict[str, Setting] = {}
     for entry in entries:
         if not isinstance(entry, Setting):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from cleancli.language.syntax import SettingValue
+
 Value = str | int | float
 """What an axis may have: names as options have them (`plan-2`), lengths in metres, angles in radians."""
 
@@ -53,7 +55,8 @@ class Comparison:
 @dataclass(frozen=True, slots=True)
 class Study:
     """`runs` of each cell, each a series of `episodes`, the first with `seed`. `measure`: what its figure
-    shows. `studies`: those that it consists of, by name; then it has no parts of its own."""
+    shows. `studies`: those that it consists of, by name; then it has no parts of its own. `quick`: the same
+    study made small. `written`: how the text says the values of axes, for messages."""
 
     name: str
     about: str
@@ -65,3 +68,7 @@ class Study:
     seed: int = 1
     limits: Limits = field(default_factory=Limits)
     studies: tuple[str, ...] = ()
+    quick: Study | None = field(default=None, repr=False)
+    written: Mapping[str, Mapping[Value, SettingValue]] = field(
+        default_factory=dict, repr=False, compare=False
+    )

@@ -33,17 +33,23 @@ AHEAD = 6e-3
 """Metres before the flaps at which carried particles lie: half a flap's thickness and a particle's radius."""
 
 
+def refuse_without_stand_in(scene: Scene) -> None:
+    """Raises ValueError for a scene for which there is no stand-in: with another robot, with ink, or with a
+    zone, where dirt lies in heaps."""
+    has_ink = any(isinstance(dirt, Ink) for dirt in scene.dirt)
+    if scene.robot != "gantry" or has_ink or scene.zone is not None:
+        raise ValueError("only tables with a gantry and without ink or a zone have a fast stand-in")
+
+
 class KinematicTable:
     """A `Mover`: motions take their time at once, and `dirt` is where the particles lie.
 
-    Everything random comes from `seed`, in the order in which `PybulletTable` draws it. Raises ValueError for
-    a scene that it cannot stand in for: another robot, ink, or a zone, where dirt lies in heaps.
+    Everything random comes from `seed`, in the order in which `PybulletTable` draws it. Raises what
+    `refuse_without_stand_in` does.
     """
 
     def __init__(self, scene: Scene, seed: int) -> None:
-        no_ink = not any(isinstance(dirt, Ink) for dirt in scene.dirt)
-        if scene.robot != "gantry" or not no_ink or scene.zone is not None:
-            raise ValueError("only tables with a gantry and without ink or a zone have a fast stand-in")
+        refuse_without_stand_in(scene)
         layout, tool, strokes, _ = np.random.default_rng(seed).spawn(4)
         self._scene, self._noise = scene, strokes
         self._places = places(scene.dirt, layout).spots

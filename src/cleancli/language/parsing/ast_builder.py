@@ -325,7 +325,7 @@ class Builder:
     def build_planner(self, c: list[_Child], span: Span) -> syntax.Planner:
         return syntax.Planner(tuple(c), span=span)
 
-    # ---- scenes
+    # ---- scenes and studies
 
     def build_scene(self, c: list[_Child], span: Span) -> syntax.SceneNode:
         return syntax.SceneNode(self._name(c[0]), tuple(c[1:]), span=span)
@@ -335,6 +335,18 @@ class Builder:
 
     def build_titled(self, c: list[_Child], span: Span) -> syntax.Section:
         return syntax.Section(self._name(c[0]), self._name(c[1]), tuple(c[2:]), span=span)
+
+    def build_study(self, c: list[_Child], span: Span) -> syntax.StudyNode:
+        return syntax.StudyNode(self._name(c[0]), tuple(c[1:]), span=span)
+
+    def build_block(self, c: list[_Child], span: Span) -> syntax.Section:
+        return self.build_section(c, span)
+
+    def build_named(self, c: list[_Child], span: Span) -> syntax.Section:
+        return self.build_titled(c, span)
+
+    def build_listed(self, c: list[_Child], span: Span) -> syntax.Listed:
+        return syntax.Listed(self._name(c[0]), tuple(c[1:]), span=span)
 
     def build_setting(self, c: list[_Child], span: Span) -> syntax.Setting:
         return syntax.Setting(self._name(c[0]), c[1], span=span)

@@ -25,7 +25,7 @@ from cleancli.language.parsing.recovery import Block, blank, outline
 from cleancli.language.record import Record
 from cleancli.language.syntax import Root
 
-KINDS = ("domain", "problem", "scene")
+KINDS = ("domain", "problem", "scene", "study")
 _MOST_ERRORS = 20
 _SETTING = re.compile(r"\b(?:include|domain|horizon|discount)\b|\w+(?=\s*[=:])")
 """What can stand between the sections of a file."""
@@ -54,12 +54,13 @@ def _nothing_to_collect() -> Iterator[None]:
 
 
 def kind_of(source: Source) -> str:
-    """Whether the text is a "domain", a "problem" or a "scene"; raises Refused (E105) for anything else."""
+    """Which of KINDS the text is; raises Refused (E105) for anything else."""
     span = beginning(source)
     word = source.text[span.start : span.end]
     if word in KINDS:
         return word
-    forms = "a file holds one block: `domain NAME { ... }`, `problem NAME { ... }` or `scene NAME { ... }`"
+    forms = f"a file holds one block: {', '.join(f'`{kind} NAME {{ ... }}`' for kind in KINDS[:-1])}"
+    forms += f" or `{KINDS[-1]} NAME {{ ... }}`"
     if not word:
         raise Refused(
             [Diagnostic("E105", "the file is empty", Span(source.path, 0, 0), help=forms)], [source]

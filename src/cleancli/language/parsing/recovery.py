@@ -12,7 +12,8 @@ from cleancli.language.parsing.lexemes import LEXEME, WORD
 from cleancli.language.record import Record
 
 _LETTER = re.compile(r"[^\r\n]")
-_DEEPEST = 3
+_DEEPEST = {"scene": 3, "study": 4}
+"""Blocks one in another, in files whose sections may have sections."""
 _MOST_REPORTED = 100
 """Braces: of those that follow from one another, nobody reads more."""
 
@@ -56,7 +57,7 @@ class _Scan:
     """One pass over the tokens of a text, up to the most mistakes that are reported; `stack` holds the blocks
     that are open.
 
-    With `by_margin`, a section of a scene that is not indented deeper than the open one stands beside it.
+    With `by_margin`, a section within another that is not indented deeper than the open one stands beside it.
     """
 
     def __init__(self, source: Source, by_margin: bool) -> None:
@@ -108,8 +109,8 @@ class _Scan:
         return in_rule and bool(self.words) and self.words[-1].group() in _BEFORE_LOOSE
 
     def _cannot_hold(self, outer: _Open, inner: _Open) -> bool:
-        """Only scenes have sections within sections."""
-        if not self.stack[0].name.startswith("scene") or len(self.stack) >= _DEEPEST:
+        """Only scenes and studies have sections within sections."""
+        if len(self.stack) >= _DEEPEST.get(self.stack[0].name.partition(" ")[0], 0):
             return True
         if not self.by_margin:
             return False

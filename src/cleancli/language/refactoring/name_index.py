@@ -21,6 +21,7 @@ class Kind(enum.Enum):
     DOMAIN = "domain"
     PROBLEM = "problem"
     SCENE = "scene"
+    STUDY = "study"
     TYPE = "type"
     OBJECT = "object"
     SYMBOL = "symbol"
@@ -67,6 +68,7 @@ DECLARED: Mapping[tuple[type[syntax.Node], str], Kind] = {
     (syntax.DomainNode, "name"): Kind.DOMAIN,
     (syntax.ProblemNode, "name"): Kind.PROBLEM,
     (syntax.SceneNode, "name"): Kind.SCENE,
+    (syntax.StudyNode, "name"): Kind.STUDY,
     (syntax.PredicateNode, "name"): Kind.SYMBOL,
     (syntax.FunctionNode, "name"): Kind.SYMBOL,
     (syntax.FunctionNode, "values"): Kind.VALUE,
@@ -97,6 +99,8 @@ USED: Mapping[tuple[type[syntax.Node], str], Kind] = {
     (syntax.Section, "name"): Kind.SECTION,
     (syntax.Setting, "key"): Kind.KEY,
     (syntax.Setting, "value"): Kind.WORD,
+    (syntax.Listed, "key"): Kind.KEY,
+    (syntax.Listed, "values"): Kind.WORD,
     (syntax.Call, "name"): Kind.WORD,
 }
 """Fields that use what they name."""
@@ -207,8 +211,8 @@ class _Reader:
         elif kind is Kind.OBJECT and text in self._objects:
             home = self._root.span.path
         elif kind in (Kind.KEY, Kind.WORD):
-            home = owner.key.text if isinstance(owner, syntax.Setting) else ""
-            # `grasp NAME { ... }` declares what `grasp = NAME` uses.
+            home = owner.key.text if isinstance(owner, syntax.Setting | syntax.Listed) else ""
+            # `grasp NAME { ... }` declares what `grasp = NAME` uses, `part` and `compare` likewise.
             home = owner.name.text if isinstance(owner, syntax.Section) and kind is Kind.WORD else home
         return Meaning(kind, text, home)
 

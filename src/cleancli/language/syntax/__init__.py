@@ -17,7 +17,7 @@ from cleancli.language.syntax.outcomes import *
 from cleancli.language.syntax.problem import *
 from cleancli.language.syntax.problem import ProblemNode
 from cleancli.language.syntax.scene import *
-from cleancli.language.syntax.scene import SceneNode
+from cleancli.language.syntax.scene import SceneNode, StudyNode
 from cleancli.language.syntax.words import *
 
-Root = DomainNode | ProblemNode | SceneNode
+Root = DomainNode | ProblemNode | SceneNode | StudyNode

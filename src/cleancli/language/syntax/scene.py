@@ -1,4 +1,4 @@
-"""Settings, and the sections of a scene, which are made of them."""
+"""Settings, and the sections of scenes and studies, which are made of them."""
 
 from __future__ import annotations
 
@@ -55,16 +55,33 @@ class Setting(Node):
     value: SettingValue
 
 
+class Listed(Node):
+    """`key = value, ...`, in studies."""
+
+    key: Name
+    values: tuple[SettingValue, ...]
+
+
 class Section(Node):
     """`name { entries }`, or `name title { entries }` for one of several that are told apart by a title."""
 
     name: Name
     title: Name | None
-    entries: tuple[Setting | Section, ...]
+    entries: tuple[Entry, ...]
+
+
+Entry = Setting | Listed | Section
 
 
 class SceneNode(Node):
     """A whole scene."""
 
     name: Name
-    entries: tuple[Setting | Section, ...]
+    entries: tuple[Entry, ...]
+
+
+class StudyNode(Node):
+    """A whole study."""
+
+    name: Name
+    entries: tuple[Entry, ...]
