@@ -31,7 +31,10 @@ HEAVY = {
     "lsprotocol",
     "matplotlib",
     "gymnasium",
+    "dask",
+    "distributed",
     "jinja2",
+    "pyarrow",
 }
 
 

@@ -14,7 +14,16 @@ from typing import Any
 
 import click
 
-from cleancli.cli.completion import Completer, actions, check_files, domains, nid_files, problems, renamable
+from cleancli.cli.completion import (
+    Completer,
+    actions,
+    check_files,
+    domains,
+    nid_files,
+    problems,
+    renamable,
+    studies,
+)
 from cleancli.cli.options import FOLDER
 
 
@@ -92,6 +101,10 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
         "execute": CommandRow(
             "Clean a simulated table: look, plan, act, until it is clean.",
             (Argument("domain", domains, settings=_MAYBE), Argument("problem", problems, settings=_MAYBE)),
+        ),
+        "experiment": CommandRow(
+            "Carry out a study: many episodes, here or on a cluster, and a row of each.",
+            (Argument("study", studies),),
         ),
         "report": CommandRow(
             "A run or a series as a page, or several runs compared.",

@@ -6,6 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -14,11 +15,13 @@ from cleancli.api.inputs import LoadedDomain, LoadedProblem
 from cleancli.api.lessons import Counting
 from cleancli.api.run_session import Inputs, open_session, versions
 from cleancli.api.runs import inputs_of
+from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session, stand_in_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, kind_of, load_problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.planning.refusal import planning_refused
@@ -101,23 +104,27 @@ def is_option(axis: str) -> bool:
 def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
     """Carry an episode out, as `cleancli execute` does; the same each time, real time aside.
 
-    Raises Refused for what cannot be planned, and OtherVersion.
+    A planner that refuses leaves the table as it is. Raises OtherVersion.
     """
     _refuse_other_versions(episode.versions)
     inputs = replace(inputs_for(episode), evidence=evidence)
     cpu, real = time.process_time(), time.perf_counter()
-    session = opened(inputs, episode.axes)
-    try:
-        with planning_refused(inputs.sources):
-            for event in clean(session.setup, session.cell):
-                if isinstance(event, Checkpoint):
-                    evidence = event.state.evidence
+    with closing(opened(inputs, episode.axes)) as session:
+        state, ended = EpisodeState(evidence=evidence), None
+        try:
+            with planning_refused(inputs.sources):
+                for event in clean(session.setup, session.cell):
+                    if isinstance(event, Checkpoint):
+                        state = event.state
+                    elif isinstance(event, Ended):
+                        ended = event
+        except Refused as refused:  # by a planner: it has not cleaned the table
+            reason = f"refused: {refused.diagnostics[0].message}"
+            ended = Ended(reason, False, state.actions, state.spent, session.cell.clock, 0.0)
         truth = session.truth()
-    finally:
-        session.close()
-    assert isinstance(event, Ended), "an episode's last event closes it"
+    assert ended is not None, "an episode's last event closes it"
     spent = time.process_time() - cpu, time.perf_counter() - real
-    return Finished(_row(episode, event, truth, spent), evidence)
+    return Finished(_row(episode, ended, truth, spent), state.evidence)
 
 
 def opened(inputs: Inputs, axes: Axes) -> Session:

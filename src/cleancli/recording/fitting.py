@@ -15,6 +15,7 @@ from cleancli.execution.episode_state import EpisodeState, Move, Situation
 from cleancli.execution.setup import MOST
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Object, State
+from cleancli.learning.evidence import Evidence
 from cleancli.learning.match import outcomes_of
 from cleancli.motion.path import ToolPath
 from cleancli.perception.area import Area
@@ -36,7 +37,7 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
         raise ValueError("its counts or seconds are absurd")
     if any(not 0 <= rule < len(domain.rules) for rule, _ in episode.examples):
         raise ValueError("it has seen rules that the domain has not")
-    _check_evidence(episode, domain)
+    check_evidence(episode.evidence, domain)
     situation = episode.situation
     if situation is not None:
         _check_situation(situation, domain, given)
@@ -51,9 +52,9 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
         _check_areas(vain.areas)
 
 
-def _check_evidence(episode: EpisodeState, domain: Domain) -> None:
-    """Of rules that there are, with an entry for each outcome; and of kinds that there are."""
-    evidence = episode.evidence
+def check_evidence(evidence: Evidence, domain: Domain) -> None:
+    """Of rules that there are, with an entry for each outcome; and of kinds that there are. Raises
+    ValueError."""
     for match in evidence.kinds:
         if match.rule is not None and not 0 <= match.rule < len(domain.rules):
             raise ValueError("it has learned of rules that the domain has not")

@@ -1,0 +1,37 @@
+"""What a study came to, in short: a line a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from statistics import mean
+
+from cleancli.api.tables import TextTable
+from cleancli.study.model import Study
+from cleancli.study.row import MEASURES, Row
+
+
+def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
+    """Of each cell its part, the values that differ between cells, episodes, how many of them ended clean,
+    and the mean of the study's measure over those."""
+    by_cell: dict[tuple[str, ...], list[Row]] = {}
+    axes = [axis for axis in dict.fromkeys(a for row in rows for a in row.axes) if _differs(axis, rows)]
+    has_parts = any(row.part for row in rows)
+    for row in rows:
+        named = (row.part,) if has_parts else ()
+        by_cell.setdefault((*named, *(_told(row, axis) for axis in axes)), []).append(row)
+    of = MEASURES[study.measure].of
+    lines = []
+    for cell, own in by_cell.items():
+        clean = [of(row) for row in own if row.clean]
+        lines.append((*cell, str(len(own)), str(len(clean)), f"{mean(clean):.4g}" if clean else ""))
+    heads = (*(("part",) if has_parts else ()), *axes, "episodes", "clean", study.measure)
+    return TextTable(heads, tuple(lines), range(len(heads) - 3))
+
+
+def _differs(axis: str, rows: Sequence[Row]) -> bool:
+    return len({row.axes.get(axis) for row in rows}) > 1
+
+
+def _told(row: Row, axis: str) -> str:
+    value = row.axes.get(axis, "")
+    return f"{value:g}" if isinstance(value, float) else str(value)
