@@ -181,14 +181,13 @@ def _without_idle(axes: Axes, is_scene: bool) -> Axes:
     strategy = str(axes.get("strategy", AXES["strategy"].default))
     usual = STRATEGIES[strategy].planner
     estimator = axes.get("estimator", NOTHING)
-    idle = {"objective", "samples", "optimism"} if usual is None else set()
+    idle = {"planner", "objective", "samples", "optimism"} if usual is None else set()
     idle |= {"known", "optimism", *_LEARNING} if estimator == NOTHING else set()
     simulator = axes.get("simulator", AXES["simulator"].default) if is_scene else SYMBOLIC
     told: Axes = {
         "domain": axes["domain"],
         "scene": axes["scene"],
         "strategy": strategy,
-        "planner": "" if usual is None else axes.get("planner", usual),
         "estimator": estimator,
         "simulator": simulator,
     }
