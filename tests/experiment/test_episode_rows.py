@@ -122,7 +122,7 @@ def test_the_key_does_not_change_with_names_places_and_order() -> None:
         study="other",
         part="other",
         run=9,
-        axes=dict(reversed(episode.axes.items())),
+        axes=dict(reversed(list(episode.axes.items()))),
         texts=replace(episode.texts, domain=moved),
     )
     assert other.key == episode.key

@@ -14,6 +14,7 @@ from typing import Any
 
 import msgspec
 
+from cleancli.files.plain import read_plain
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
@@ -21,6 +22,9 @@ from cleancli.study.row import Row
 from cleancli.study.schema import AXES, VARIED
 
 PARQUET, CSV = "rows.parquet", "rows.csv"
+
+LARGEST = 1 << 28
+"""Bytes of the table that is read."""
 
 _SEVERAL = ("seconds", "versions")
 """Fields of which each part has a column."""
@@ -50,11 +54,11 @@ def read_rows(path: Path) -> tuple[Row, ...]:
     import pyarrow
     from pyarrow import parquet
 
+    content = io.BytesIO(read_plain(path, LARGEST))
     try:
-        with path.open("rb") as file:
-            read = parquet.read_table(file).to_pylist()
+        read = parquet.read_table(content).to_pylist()
         return tuple(msgspec.convert(_nested(each), Row) for each in read)
-    except (pyarrow.ArrowException, msgspec.MsgspecError) as error:
+    except (pyarrow.ArrowException, msgspec.MsgspecError, OSError) as error:  # of what is in memory
         reason = str(error).partition("\n")[0]
         raise Refused([Diagnostic("E702", f"`{path}` holds no rows of a study: {reason}", None)]) from None
 
