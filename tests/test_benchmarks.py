@@ -37,7 +37,7 @@ def _main(name: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Any:
 BENCHMARKS = sorted(
     path.name for path in (ROOT / "benchmarks").glob("*.py") if "__main__" in path.read_text(encoding="utf-8")
 )
-DRAWS_NOTHING = {"camera_noise.py", "language.py", "reaching.py", "structure.py"}
+DRAWS_NOTHING = {"camera_noise.py", "cluster.py", "language.py", "reaching.py", "structure.py"}
 LONG = {
     "bound.py",
     "chance.py",
@@ -499,6 +499,16 @@ def test_a_run_killed_at_random_moments_loses_nothing(tmp_path: Path) -> None:
     result = _run("faults.py", "--symbolic", "2", "--tables", "0", cwd=tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
     assert re.search(r"symbolic: 2 runs, [1-9]\d* kills, 0 failures", result.stdout)
+
+
+def test_a_study_killed_at_random_moments_gives_the_same_rows(tmp_path: Path) -> None:
+    result = _run("study_kills.py", "--quick", cwd=tmp_path)
+    assert re.search(r"^3 kills in \d+ tries: the same rows$", result.stdout, re.M)
+
+
+def test_what_a_cluster_costs_an_episode_is_measured(tmp_path: Path) -> None:
+    result = _run("cluster.py", "--quick", "--part", "sleeping", cwd=tmp_path)
+    assert "48 episodes of 0.05 s on 8 workers" in result.stdout
 
 
 @pytest.mark.needs_pybullet

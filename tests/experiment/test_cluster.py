@@ -82,7 +82,7 @@ def test_without_a_scheduler_or_workers_it_says_which(
 def test_an_episode_that_workers_die_of_is_given_up() -> None:
     class Killed:
         def result(self) -> None:
-            raise KilledWorker("episode", None, 4)  # type: ignore[no-untyped-call]
+            raise KilledWorker("episode", None, 4)  # type: ignore[arg-type]
 
     series = STUDIES[0].blocks()[0][0]
     found = cluster._outcome(Killed(), series, 1)  # type: ignore[arg-type]

@@ -11,16 +11,17 @@ import logging
 import signal
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from dask import config
 from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
 from distributed.client import FutureCancelledError
 
-from cleancli.experiment.episode import Finished, carried_out
+from cleancli.experiment.episode import Episode, Finished, carried_out
 from cleancli.experiment.schedule import GivenUp, Known, due
 from cleancli.experiment.series import Series
+from cleancli.learning.evidence import Evidence
 
 LOSSES = 3
 """Lost workers after which an episode is given up: it may be what they die of."""
@@ -33,6 +34,10 @@ PATIENCE = 20.0
 
 _REFRESH = 2.0
 """Seconds after which the workers are counted anew."""
+
+
+Task = Callable[[Episode, Evidence], Finished]
+"""What is done with an episode, and with what those before it in its series have seen."""
 
 
 class NoCluster(OSError):
@@ -81,8 +86,11 @@ def remote_cluster(address: str) -> Iterator[Client]:
         yield client
 
 
-def on_cluster(client: Client, series: Sequence[Series], known: Known) -> Iterator[Finished | GivenUp]:
-    """A pool (`schedule.Pool`) of a cluster's workers. Raises NoCluster where the scheduler goes away."""
+def on_cluster(
+    client: Client, series: Sequence[Series], known: Known, task: Task = carried_out
+) -> Iterator[Finished | GivenUp]:
+    """A pool (`schedule.Pool`) of a cluster's workers, which do the `task` with each episode. Raises
+    NoCluster where the scheduler goes away."""
     waiting = deque((each, *due(each, known)) for each in series)
     running: dict[Future[Finished], tuple[Series, int]] = {}
     completed = as_completed()
@@ -93,7 +101,7 @@ def on_cluster(client: Client, series: Sequence[Series], known: Known) -> Iterat
         while waiting and len(running) < size:
             each, index, evidence = waiting.popleft()
             episode = each[index]
-            future = client.submit(carried_out, episode, evidence, key=f"episode-{episode.key}")
+            future = client.submit(task, episode, evidence, key=f"episode-{episode.key}")
             running[future] = each, index
             completed.add(future)
         future = next(completed)
