@@ -9,13 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.cli.commands import lsp
+from cleancli.cli.commands import experiment, lsp
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.views.plan_picture import check_picture
 from cleancli.perception.bag_file import MissingBags, find_rosbags
 from cleancli.perception.rerun_file import MissingRerun, find_rerun
 
 PARTS: dict[str, tuple[str, Callable[[], object], type[Exception]]] = {
+    "distributed": ("distributed", lambda: experiment._require("distributed"), MissingPart),
+    "pyarrow": ("pyarrow", lambda: experiment._require("pyarrow"), MissingPart),
     "matplotlib": ("matplotlib.figure", lambda: check_picture(Path("plan.png")), MissingPart),
     "pygls": ("cleancli.editor.server", lsp._server, MissingPart),
     "rerun": ("rerun", find_rerun, MissingRerun),

@@ -51,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
-        ("cleancli exp", ["explain"]),
+        ("cleancli expl", ["explain"]),
         ("cleancli plan cl", ["clean_kitchen.nid", "cleaning"]),
         ("cleancli execute cleaning two", ["two_groups"]),
         ("cleancli show cleaning three", ["three_areas"]),
@@ -75,11 +75,9 @@ def folder(tmp_path: Path) -> Path:
 def test_what_is_offered(line: str, offered: list[str] | None, folder: Path) -> None:
     found = completed(line, folder)
     if offered is None:
-        layouts = {f"{robot}layout_{letter}" for robot in ("", "wam_", "reem_") for letter in "abcdef"}
-        places = {"piles", "reem_pick_up", "rim", "scattered_40", "three_areas", "two_groups", "wam_bow"}
-        domains = {"cleaning", "sweeping", "wiping_ink"}
-        shipped = domains | places | layouts | {"wam_groups", "whiteboard"}
-        offered = [*sorted([*shipped, "clean_kitchen.nid"]), "more/"]
+        folders = (ROOT / kind for kind in ("domains", "problems", "studies"))
+        shipped = {file.stem for folder in folders for file in folder.glob("*.nid")}
+        offered = [*sorted(["clean_kitchen.nid", *shipped]), "more/"]
     assert found == offered
 
 

@@ -67,7 +67,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             (Argument("folder", settings={"type": FOLDER, "default": Path(), "required": False}),),
         ),
         "check": CommandRow(
-            "Report every mistake in domain, problem and scene files.",
+            "Report every mistake in domain, problem, scene and study files.",
             (Argument("files", check_files, -1, {"metavar": "FILE..."}),),
         ),
         "fmt": CommandRow(

@@ -80,8 +80,8 @@ def _meant(word: str) -> str:
 def cli(include_outside: bool) -> None:
     """Teach a robot to clean: probabilistic rules in, motion out, better rules back.
 
-    DOMAIN, PROBLEM and SCENE are paths of .nid files, or the bare names of those that ship with cleancli:
-    try `cleancli execute cleaning two_groups --seed 1`.
+    DOMAIN, PROBLEM, SCENE and STUDY are paths of .nid files, or the bare names of those that ship with
+    cleancli: try `cleancli execute cleaning two_groups --seed 1`.
     """
 
 

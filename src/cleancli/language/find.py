@@ -10,6 +10,10 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.resources import shipped, shipped_names
 
 
+_ONE = {"domains": "domain", "problems": "problem", "studies": "study"}
+"""What a file of each shipped folder is."""
+
+
 def find(name_or_path: str, *kinds: str) -> Path:
     """A file that exists as it is given, else the shipped file of that name, with or without `.nid`.
 
@@ -28,7 +32,8 @@ def find(name_or_path: str, *kinds: str) -> Path:
     names = [name for kind in kinds for name in shipped_names(kind)]
     near = difflib.get_close_matches(path.stem, names, n=3, cutoff=0.5)
     meant = f"did you mean {' or '.join(f'`{name}`' for name in near)}? " if near else ""
-    what = " or ".join(kind.removesuffix("s") for kind in kinds)
+    *others, last = (_ONE[kind] for kind in kinds)
+    what = f"{', '.join(others)} or {last}" if others else last
     raise Refused(
         [
             Diagnostic(

@@ -27,7 +27,7 @@ from cleancli.language.diagnostics.render import as_json, as_sarif, render
 @click.option("--json", "style", flag_value="json", help="The same as --format json.")
 @click.option("--all", "is_all", is_flag=True, help=f"Show all mistakes and warnings, not only {MOST}.")
 def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
-    """Report every mistake in FILEs: domains, problems or scenes, by path or shipped name.
+    """Report every mistake in FILEs: domains, problems, scenes or studies, by path or shipped name.
 
     A folder stands for all .nid files in it and in its folders, `-` for standard input. A problem is checked
     with the domain that it names, found beside it or among the shipped ones. A mistake to which several files

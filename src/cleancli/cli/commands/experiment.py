@@ -157,9 +157,12 @@ def _until(share: float) -> Enough:
 
 
 def _require(library: str) -> None:
+    """Load an optional part; raises MissingPart."""
     try:
         importlib.import_module(library)
-    except ImportError as error:
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.split(".")[0] not in (library, "dask"):
+            raise
         raise MissingPart(f"experiments need {library}: pip install 'cleancli[experiments]'") from error
 
 
