@@ -8,7 +8,8 @@ from cleancli.editor.library import Document, Library, document
 from cleancli.language.diagnostics.diagnostic import Source
 
 ROOT = Path(__file__).parent.parent.parent
-SHIPPED = sorted([*(ROOT / "domains").glob("*.nid"), *(ROOT / "problems").glob("*.nid")])
+KINDS = ("domains", "problems", "studies")
+SHIPPED = sorted(path for kind in KINDS for path in (ROOT / kind).glob("*.nid"))
 
 DOMAIN = """\
 # Tables and what lies on them.

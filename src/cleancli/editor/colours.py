@@ -33,6 +33,7 @@ _TYPE_OF: Mapping[Kind, str] = {
     Kind.DOMAIN: "namespace",
     Kind.PROBLEM: "namespace",
     Kind.SCENE: "namespace",
+    Kind.STUDY: "namespace",
     Kind.TYPE: "type",
     Kind.OBJECT: "variable",
     Kind.SYMBOL: "function",

@@ -13,9 +13,7 @@ from lark import UnexpectedInput
 
 from cleancli.language.parsing.grammar import grammar
 from cleancli.language.parsing.lexemes import WORD, Lexeme, LexemeKind, lexemes
-
-TITLED = frozenset({"grasp", "part", "compare"})
-"""Sections that have a title."""
+from cleancli.language.parsing.recovery import TITLED
 
 _PREFIX = re.compile(rf"(?:\?[A-Za-z_0-9]*|{WORD})?\Z")
 

@@ -58,6 +58,7 @@ _OUTLINED = {
     Kind.DOMAIN: lsp.SymbolKind.Module,
     Kind.PROBLEM: lsp.SymbolKind.Module,
     Kind.SCENE: lsp.SymbolKind.Module,
+    Kind.STUDY: lsp.SymbolKind.Module,
     Kind.TYPE: lsp.SymbolKind.Class,
     Kind.OBJECT: lsp.SymbolKind.Constant,
     Kind.SYMBOL: lsp.SymbolKind.Function,

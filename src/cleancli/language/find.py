@@ -9,7 +9,6 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.resources import shipped, shipped_names
 
-
 _ONE = {"domains": "domain", "problems": "problem", "studies": "study"}
 """What a file of each shipped folder is."""
 

@@ -14,6 +14,8 @@ from cleancli.language.record import Record
 _LETTER = re.compile(r"[^\r\n]")
 _DEEPEST = {"scene": 3, "study": 4}
 """Blocks one in another, in files whose sections may have sections."""
+TITLED = frozenset({"grasp", "part", "compare"})
+"""Sections that have a title."""
 _MOST_REPORTED = 100
 """Braces: of those that follow from one another, nobody reads more."""
 
@@ -126,6 +128,8 @@ class _Scan:
         for word in reversed(self.words):
             if word.group() == "rule":
                 return _Open("rule", word.start(), match.start())
+        if len(self.words) > 1 and self.words[-2].group() in TITLED:
+            return _Open(self.words[-2].group(), self.words[-2].start(), match.start())
         last = self.words[-1] if self.words else None
         found = re.search(rf"{WORD}$", last.group()) if last else None
         if last and found:
