@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from cleancli.execution.events import Checkpoint, Event
+from cleancli.execution.events import Event
 from cleancli.execution.kinematic_cell import KinematicCell
-from cleancli.execution.loop import clean
+from cleancli.execution.loop import clean, saving
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, discounts_time, usual_job, within_reach
 from cleancli.execution.strategies import STRATEGIES
@@ -63,19 +63,10 @@ def placed(
 
 
 def carried_out(opened: Opened) -> Iterator[Event]:
-    """What happens in an episode, bit for bit as in `execute`: that saves the table after each action, which
-    then goes on from what was saved, built anew."""
+    """What happens in an episode, bit for bit as in `execute`."""
     setup, cell, table = opened
-    saved = -1
-    for event in clean(setup, cell):
-        yield event
-        if (
-            isinstance(event, Checkpoint)
-            and isinstance(table, PybulletTable)
-            and event.state.actions != saved
-        ):
-            saved = event.state.actions
-            table.save()
+    events = clean(setup, cell)
+    return saving(events, table.save) if isinstance(table, PybulletTable) else events
 
 
 @contextmanager

@@ -61,6 +61,15 @@ def test_a_row_of_a_table_agrees_with_execute(tmp_path: Path) -> None:
     assert row.axes["simulator"] == "physics"
 
 
+@pytest.mark.needs_pybullet
+def test_a_row_agrees_where_saving_a_table_matters(tmp_path: Path) -> None:
+    """A table that is saved after an action is built anew, and takes another course on this one."""
+    row = carried_out(first("study s { scene = two_groups  strategy = wipe  seed = 3 }")).row
+    result = execute("cleaning", "two_groups", seed=3, strategy="wipe", runs=tmp_path / "runs", video=False)
+    record: Any = result.to_dict()
+    assert told(row) == executed(record["episode"])
+
+
 def test_a_series_agrees_with_execute(tmp_path: Path) -> None:
     study = """study s {
       scene = three_areas samples = 200 estimator = m m = 3 known = 2 episodes = 3 runs = 2 seed = 5

@@ -7,7 +7,7 @@ All that it knows is an `EpisodeState`, of which each step makes the next; where
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -86,6 +86,20 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
     state = replace(state, reason=reason)
     yield Checkpoint(state)
     yield Ended(reason, reason == CLEAN, state.actions, state.spent, cell.clock, state.loading)
+
+
+def saving(events: Iterable[Event], save: Callable[[], object]) -> Iterator[Event]:
+    """The events of an episode whose world is saved once for each number of actions, as a run does.
+
+    A simulated table then goes on from what was saved, built anew: who saves it, and who does not, sees two
+    courses of one episode.
+    """
+    saved = -1
+    for event in events:
+        yield event
+        if isinstance(event, Checkpoint) and event.state.actions != saved:
+            saved = event.state.actions
+            save()
 
 
 def _learned(now: Belief) -> Generator[Event, None, Belief]:

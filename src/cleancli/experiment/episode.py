@@ -17,7 +17,7 @@ from cleancli.api.run_session import Inputs, open_session, versions
 from cleancli.api.runs import inputs_of
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended
-from cleancli.execution.loop import clean
+from cleancli.execution.loop import clean, saving
 from cleancli.execution.session import Session, stand_in_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.language.diagnostics.diagnostic import Source
@@ -113,7 +113,7 @@ def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
         state, ended = EpisodeState(evidence=evidence), None
         try:
             with planning_refused(inputs.sources):
-                for event in clean(session.setup, session.cell):
+                for event in saving(clean(session.setup, session.cell), session.save):
                     if isinstance(event, Checkpoint):
                         state = event.state
                     elif isinstance(event, Ended):
