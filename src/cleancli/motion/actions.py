@@ -13,7 +13,7 @@ from math import atan2, cos, hypot, radians, sin
 from types import MappingProxyType
 
 from cleancli.geometry.ellipse import Ellipse, Point, farthest, major_ends, nearest
-from cleancli.motion.corners import behind, behind_middle, direction, distinct, turning
+from cleancli.motion.corners import CLEARANCE, behind, behind_middle, direction, distinct, turning
 from cleancli.motion.pace import FAST_SPEED, STRAIGHT_SPEED
 from cleancli.motion.path import Interpolation, ToolPath, along
 from cleancli.motion.pick_up import pick_ups
@@ -151,7 +151,9 @@ def _sweep(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
 def _to_zone(area: Ellipse, scene: Scene, dirt: Iterable[Ellipse]) -> ToolPath:
     """From behind the area over its middle into the zone."""
     way = way_in(area, scene, dirt)
-    return along(turning((way.begin, way.end)), STRAIGHT_SPEED, Interpolation.STRAIGHT)
+    x, y = direction(way.begin, way.end)
+    first = way.begin[0] + CLEARANCE * x, way.begin[1] + CLEARANCE * y  # behind which the rag comes down
+    return path_along((first, way.end), scene)
 
 
 def _group_scattered(areas: Areas, scene: Scene, dirt: Areas) -> tuple[Point, ...]:
