@@ -92,7 +92,7 @@ def symbolic(episodes: int, workers: int) -> Iterator[str]:
 def sleeping(episodes: int, workers: int, seconds: float) -> Iterator[str]:
     """Many workers, all in this process, and a scheduler that they reach by TCP as others would."""
     studies = study(episodes)
-    like = carried_out(studies[0].blocks()[0][0][0])
+    like = carried_out(studies[0].blocks[0][0][0])
     with (
         LocalCluster(
             n_workers=workers,
@@ -153,7 +153,7 @@ def _pause(cluster: LoopbackCluster, seconds: float) -> None:
 
 def _warmed(client: Client, studies: tuple[OpenedStudy, ...]) -> None:
     """Every worker loads the libraries once; the seeds are others."""
-    first = studies[0].blocks()[0][0][0]
+    first = studies[0].blocks[0][0][0]
     client.run(carried_out, first)
 
 

@@ -84,6 +84,6 @@ def test_an_episode_that_workers_die_of_is_given_up() -> None:
         def result(self) -> None:
             raise KilledWorker("episode", None, 4)  # type: ignore[arg-type]
 
-    series = STUDIES[0].blocks()[0][0]
+    series = STUDIES[0].blocks[0][0]
     found = cluster._outcome(Killed(), series, 1)  # type: ignore[arg-type]
     assert found == GivenUp(series[1], "4 workers were lost with it")

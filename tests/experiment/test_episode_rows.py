@@ -28,7 +28,7 @@ scene little {
 
 
 def first(text: str) -> Episode:
-    return opened(text)[0].blocks()[0][0][0]
+    return opened(text)[0].blocks[0][0][0]
 
 
 def told(row: Row) -> dict[str, Any]:
@@ -95,7 +95,7 @@ def test_a_series_agrees_with_execute(tmp_path: Path) -> None:
 
 def test_what_a_series_has_seen_is_handed_on() -> None:
     study = "study s { scene = three_areas samples = 200 estimator = decreasing_m episodes = 2 runs = 1 }"
-    one, two = opened(study)[0].blocks()[0][0]
+    one, two = opened(study)[0].blocks[0][0]
     before = carried_out(one)
     after = carried_out(two, before.evidence)
     assert len(before.evidence.order) == before.row.actions
@@ -167,7 +167,7 @@ def test_a_planner_that_refuses_is_a_row_that_is_not_clean() -> None:
 
 def test_runs_have_the_same_seeds_in_all_cells() -> None:
     (study,) = opened("study s { scene = two_groups strategy = plan_1, wipe runs = 3 episodes = 2 seed = 7 }")
-    seeds = [[[e.seed for e in series] for series in block] for block in study.blocks()]
+    seeds = [[[e.seed for e in series] for series in block] for block in study.blocks]
     assert seeds == [[[7, 8]] * 2, [[9, 10]] * 2, [[11, 12]] * 2]
 
 

@@ -46,7 +46,7 @@ def test_the_rows_are_run_by_run_and_series_by_series() -> None:
     assert [(row.run, row.episode) for row in ALL] == [
         (run, e) for run in (1, 2) for _ in range(4) for e in (1, 2)
     ]
-    assert [row.key for row in ALL] == [e.key for b in STUDIES[0].blocks() for s in b for e in s]
+    assert [row.key for row in ALL] == [e.key for b in STUDIES[0].blocks for s in b for e in s]
 
 
 def test_another_order_gives_the_same_rows() -> None:
@@ -155,5 +155,5 @@ def test_enough_is_decided_by_the_mean_of_each_cell() -> None:
 
 def test_episodes_are_small_where_they_are_sent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Texts are most of an episode; of a cell they are the same objects."""
-    series: list[Episode] = [e for b in STUDIES[0].blocks() for s in b for e in s]
+    series: list[Episode] = [e for b in STUDIES[0].blocks for s in b for e in s]
     assert len({id(e.texts.domain[0]) for e in series}) == 1

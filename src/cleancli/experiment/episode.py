@@ -8,7 +8,8 @@ import time
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
+from types import MappingProxyType
 from typing import Any
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem
@@ -49,9 +50,7 @@ class Texts:
 
     def hashes(self) -> tuple[str, ...]:
         """The SHA-256 of each."""
-        calibration = () if self.calibration is None else (self.calibration,)
-        texts = (*self.domain, self.given, *calibration, *self.world)
-        return tuple(hashlib.sha256(each.text.encode()).hexdigest() for each in texts)
+        return _hashes(self)
 
 
 @dataclass(frozen=True)
@@ -184,6 +183,14 @@ def _whole(axes: Axes, name: str) -> int | None:
 # ---- texts
 
 
+@lru_cache(maxsize=1024)
+def _hashes(texts: Texts) -> tuple[str, ...]:
+    """Those of a cell are asked for once an episode."""
+    calibration = () if texts.calibration is None else (texts.calibration,)
+    sources = (*texts.domain, texts.given, *calibration, *texts.world)
+    return tuple(hashlib.sha256(each.text.encode()).hexdigest() for each in sources)
+
+
 @lru_cache(maxsize=64)
 def loaded_domain(sources: tuple[Source, ...]) -> LoadedDomain:
     """The domain of some texts, the first of which includes the others. Kept: a worker meets it again."""
@@ -204,8 +211,14 @@ def loaded(texts: Texts) -> LoadedProblem:
     return LoadedProblem(scene.name, scene, domain, given)
 
 
+@cache
+def versions_here() -> Mapping[str, str]:
+    """Looked up once a process, which takes a millisecond."""
+    return MappingProxyType(versions())
+
+
 def _refuse_other_versions(asked: Mapping[str, str]) -> None:
-    found = versions()
+    found = versions_here()
     for name in DECIDING:
         if found.get(name) != asked.get(name):
             raise OtherVersion(f"the worker has {name} {found.get(name)}, the study {asked.get(name)}")
@@ -237,7 +250,7 @@ def _row(episode: Episode, ended: Ended, truth: Mapping[str, Any], spent: tuple[
         score=away / pieces if pieces else None if ink is None else 1 - ink,
         cpu=spent[0],
         real=spent[1],
-        versions=versions(),
+        versions=dict(versions_here()),
         files=episode.texts.hashes(),
         key=episode.key,
     )

@@ -62,12 +62,12 @@ def scheduled(
     """Carry out what is not `known` yet, which what is finished is added to. With `enough`, a study ends with
     the block after which there are enough, or with its last."""
     if enough is None:
-        blocks = [block for study in studies for block in study.blocks()]
+        blocks = [block for study in studies for block in study.blocks]
         yield from _carried(tuple(each for block in blocks for each in block), known, pool)
         return
     for study in studies:
         done: list[Block] = []
-        for block in study.blocks():
+        for block in study.blocks:
             yield from _carried(block, known, pool)
             done.append(block)
             if enough(study.study, _by_block(done, known)):
@@ -80,7 +80,7 @@ def rows(studies: Sequence[OpenedStudy], known: Known, enough: Enough | None = N
     found: list[Row] = []
     for study in studies:
         done: list[Block] = []
-        for block in study.blocks():
+        for block in study.blocks:
             done.append(block)
             if enough is not None and enough(study.study, _by_block(done, known)):
                 break
@@ -90,7 +90,7 @@ def rows(studies: Sequence[OpenedStudy], known: Known, enough: Enough | None = N
 
 def number_due(studies: Iterable[OpenedStudy], known: Known) -> int:
     """How many episodes are not finished, each counted once."""
-    keys = {e.key for study in studies for block in study.blocks() for each in block for e in each}
+    keys = {e.key for study in studies for block in study.blocks for each in block for e in each}
     return len(keys - known.keys())
 
 

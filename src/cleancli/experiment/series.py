@@ -6,12 +6,13 @@ import itertools
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from cleancli.api.inputs import opened_domain
-from cleancli.api.run_session import refuse_impossible, versions
+from cleancli.api.run_session import refuse_impossible
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.experiment.episode import Axes, Episode, Texts, inputs_for
+from cleancli.experiment.episode import Axes, Episode, Texts, inputs_for, versions_here
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
@@ -46,7 +47,7 @@ class Cell:
     texts: Texts
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OpenedStudy:
     """A study with its text, which names files beside it, and its cells."""
 
@@ -54,6 +55,7 @@ class OpenedStudy:
     source: Source
     cells: tuple[Cell, ...]
 
+    @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """All its episodes, run by run."""
         return tuple(
@@ -226,7 +228,7 @@ def _series(study: Study, cell: Cell, run: int) -> Series:
                 first + number - 1,
                 study.limits,
                 cell.texts,
-                versions(),
+                dict(versions_here()),
                 before,
             )
         )
