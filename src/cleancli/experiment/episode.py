@@ -229,7 +229,8 @@ def _refuse_other_versions(asked: Mapping[str, str]) -> None:
 
 def _row(episode: Episode, ended: Ended, truth: Mapping[str, Any], spent: tuple[float, float]) -> Row:
     pieces = truth.get("particles", 0)
-    away = truth.get("in_container", 0) + truth.get("in_dustpan", 0)
+    zone = truth.get("in_zone")
+    away = truth.get("in_container", 0) + truth.get("in_dustpan", 0) if zone is None else zone
     ink = truth.get("ink_left")
     return Row(
         study=episode.study,

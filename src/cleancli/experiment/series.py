@@ -18,6 +18,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import domain_named, kind_of, read_source
 from cleancli.language.syntax import SettingValue
+from cleancli.resources import shipped_names
 from cleancli.scene.calibration import as_text
 from cleancli.scene.model import Scene
 from cleancli.study.check import load_study
@@ -30,6 +31,9 @@ SYMBOLIC = "symbolic"
 """The simulator of a problem that is no scene."""
 
 _LEARNING = ("m", "match", "forgetting")
+
+_KINDS = {"domains": ("domain",), "problems": ("problem", "scene"), "studies": ("study",)}
+"""What files of each folder are."""
 
 Series = tuple[Episode, ...]
 """Episodes of which each goes on from what those before it have learned."""
@@ -89,11 +93,13 @@ def _inner(name: str, study: Study, source: Source) -> Source:
 
 
 def _path(name: str, source: Source, kind: str) -> Path:
-    """A file beside the study, or else a shipped one. Raises Refused (E001)."""
+    """A file beside the study, or else a shipped one; one of another kind does not hide that, as the study
+    itself may have the name of its scene. Raises Refused (E001)."""
     folder = Path(source.path).parent
-    for beside in (folder / name, folder / f"{name}.nid"):
-        if beside.is_file():
-            return beside
+    beside = [path for path in (folder / name, folder / f"{name}.nid") if path.is_file()]
+    for path in beside:
+        if name not in shipped_names(kind) or kind_of(read_source(path)) in _KINDS[kind]:
+            return path
     return find(name, kind)
 
 
