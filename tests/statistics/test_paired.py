@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import rankdata, wilcoxon
 
 from cleancli.array_types import Bools, Floats
-from cleancli.statistics.paired import MOST_EXACT, Pairs, compared, counted, holm, signed_rank
+from cleancli.statistics.paired import MOST_EXACT, Pairs, paired, counted, holm, signed_rank
 
 
 def clean_pairs(first: Floats, second: Floats) -> Pairs:
@@ -34,7 +34,7 @@ def by_all_signs(differences: Floats) -> float:
 
 
 def test_figures_of_a_comparison_by_hand() -> None:
-    found = compared(clean_pairs(np.array([1.0, 2.0, 3.0, 6.0]), np.array([2.0, 4.0, 3.0, 5.0])))
+    found = paired(clean_pairs(np.array([1.0, 2.0, 3.0, 6.0]), np.array([2.0, 4.0, 3.0, 5.0])))
     assert found.pairs == 4
     assert found.first.value == 3.0
     assert found.second.value == 3.5
@@ -48,7 +48,7 @@ def test_a_run_that_failed_is_never_a_fast_one() -> None:
     """It gave up after two seconds, where the other took ten."""
     values = np.array([[9.0, 2.0, 8.0], [10.0, 10.0, 12.0]])
     clean = np.array([[True, False, True], [True, True, True]])
-    found = compared(told(values, clean))
+    found = paired(told(values, clean))
     assert found.first_failed == 1
     assert found.second_failed == 0
     assert found.first.value == 8.5
@@ -60,12 +60,12 @@ def test_a_run_that_failed_is_never_a_fast_one() -> None:
 
 def test_who_always_fails_loses_every_pair_and_two_who_fail_are_equal() -> None:
     values, nobody = np.array([[3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]), np.zeros(3, bool)
-    losing = compared(told(values, np.stack([nobody, ~nobody])))
+    losing = paired(told(values, np.stack([nobody, ~nobody])))
     assert losing.lesser == 0.0
     assert losing.ratio.value > 1
     assert isnan(losing.first.value)
     assert isnan(losing.difference.value)
-    both = compared(told(values, np.stack([nobody, nobody])))
+    both = paired(told(values, np.stack([nobody, nobody])))
     assert both.lesser == 0.5
     assert both.ratio.value == 1.0
     assert isnan(both.effect)

@@ -30,7 +30,7 @@ class Pairs:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class Paired:
     """What pairs come to. `first`, `second`: means of the runs that ended clean; `first_failed` and
     `second_failed`: how many did not. `difference`: of the first less the second, over pairs of which both
     ended clean. `ratio`: of the mean of the first to that of the second, over all pairs. `effect`: the mean
@@ -53,12 +53,12 @@ def counted(values: Floats, clean: Bools) -> Floats:
     return np.where(clean, values, np.nextafter(values.max(initial=0.0), np.inf))
 
 
-def compared(pairs: Pairs) -> Comparison:
+def paired(pairs: Pairs) -> Paired:
     """The figures of a comparison; values are not negative."""
     both = pairs.first_clean & pairs.second_clean
     more = pairs.first - pairs.second
     spread = more.std(ddof=1) if len(more) > 1 else 0.0
-    return Comparison(
+    return Paired(
         pairs=len(more),
         first=mean_of(pairs.first[pairs.first_clean]),
         second=mean_of(pairs.second[pairs.second_clean]),
