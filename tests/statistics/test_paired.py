@@ -9,19 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import rankdata, wilcoxon
 
-from cleancli.array_types import Bools, Floats
-from cleancli.statistics.paired import MOST_EXACT, Pairs, paired, counted, holm, signed_rank
-
-
-def clean_pairs(first: Floats, second: Floats) -> Pairs:
-    all_clean = np.ones(len(first), bool)
-    return Pairs(first, second, all_clean, all_clean)
-
-
-def told(values: Floats, clean: Bools) -> Pairs:
-    """Of rows for the first and the second."""
-    first, second = counted(values, clean)
-    return Pairs(first, second, clean[0], clean[1])
+from cleancli.array_types import Floats
+from cleancli.statistics.paired import MOST_EXACT, counted, holm, paired, signed_rank
 
 
 def by_all_signs(differences: Floats) -> float:
@@ -34,11 +23,8 @@ def by_all_signs(differences: Floats) -> float:
 
 
 def test_figures_of_a_comparison_by_hand() -> None:
-    found = paired(clean_pairs(np.array([1.0, 2.0, 3.0, 6.0]), np.array([2.0, 4.0, 3.0, 5.0])))
+    found = paired(np.array([1.0, 2.0, 3.0, 6.0]), np.array([2.0, 4.0, 3.0, 5.0]))
     assert found.pairs == 4
-    assert found.first.value == 3.0
-    assert found.second.value == 3.5
-    assert found.difference.value == -0.5
     assert found.ratio.value == pytest.approx(6 / 7)
     assert found.effect == pytest.approx(-0.5 / np.std([-1, -2, 0, 1], ddof=1))
     assert found.lesser == (2 + 0.5) / 4
@@ -46,29 +32,30 @@ def test_figures_of_a_comparison_by_hand() -> None:
 
 def test_a_run_that_failed_is_never_a_fast_one() -> None:
     """It gave up after two seconds, where the other took ten."""
-    values = np.array([[9.0, 2.0, 8.0], [10.0, 10.0, 12.0]])
-    clean = np.array([[True, False, True], [True, True, True]])
-    found = paired(told(values, clean))
-    assert found.first_failed == 1
-    assert found.second_failed == 0
-    assert found.first.value == 8.5
-    assert found.difference.value == -2.5, "over the two pairs of which both ended clean"
-    assert found.difference.count == 2
+    first, second = counted(
+        np.array([[9.0, 2.0, 8.0], [10.0, 10.0, 12.0]]), np.array([[True, False, True], [True, True, True]])
+    )
+    found = paired(first, second)
     assert found.lesser == pytest.approx(2 / 3)
     assert found.ratio.value == pytest.approx((9 + 12 + 8) / 32)
+    assert first[1] > second.max(), "also than the longest"
 
 
 def test_who_always_fails_loses_every_pair_and_two_who_fail_are_equal() -> None:
     values, nobody = np.array([[3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]), np.zeros(3, bool)
-    losing = paired(told(values, np.stack([nobody, ~nobody])))
+    losing = paired(*counted(values, np.stack([nobody, ~nobody])))
     assert losing.lesser == 0.0
     assert losing.ratio.value > 1
-    assert isnan(losing.first.value)
-    assert isnan(losing.difference.value)
-    both = paired(told(values, np.stack([nobody, nobody])))
+    both = paired(*counted(values, np.stack([nobody, nobody])))
     assert both.lesser == 0.5
     assert both.ratio.value == 1.0
     assert isnan(both.effect)
+
+
+def test_without_pairs_nothing_is_told() -> None:
+    found = paired(np.array([]), np.array([]))
+    assert found.pairs == 0
+    assert all(map(isnan, (found.ratio.value, found.effect, found.lesser)))
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -1,6 +1,6 @@
 """The rows of a study by cell, and a measure of each run.
 
-A run is the mean of those of its episodes that are meant, and clean if all of them ended so.
+Runs are what chance varies: a run is the mean of those of its episodes that are meant.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cleancli.array_types import Bools, Floats
+from cleancli.array_types import Bools, Floats, Longs
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.study.model import Value
 from cleancli.study.row import MEASURES, Row
@@ -21,14 +21,18 @@ ALWAYS_TOLD = frozenset({"thinking", "score", "left", "clean"})
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Rows that have these values, None for an axis that is not theirs. `mean`: of the runs that ended clean,
-    where the measure is of the way there; `failed`: how many of the `runs` did not."""
+    """Rows that have these values, None for an axis that is not theirs. `mean`: of runs, each the mean of its
+    rows that count; `failed`: how many rows do not, as they did not end clean."""
 
     values: tuple[Value | None, ...]
     rows: tuple[Row, ...]
     mean: Estimate
-    runs: int
     failed: int
+
+    @property
+    def runs(self) -> int:
+        """How many runs the rows are of."""
+        return len({row.run for row in self.rows})
 
 
 def axes_of(row: Row) -> Mapping[str, Value]:
@@ -52,8 +56,8 @@ def cells(rows: Iterable[Row], axes: Sequence[str], measure: str) -> tuple[Cell,
 
 
 def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str) -> Cell:
-    told, clean = by_run(rows, *measured(rows, measure))
-    return Cell(values, tuple(rows), mean_of(told[clean]), len(clean), int((~clean).sum()))
+    told, clean = measured(rows, measure)
+    return Cell(values, tuple(rows), mean_of(by_run(runs_of(rows)[clean], told[clean])), int((~clean).sum()))
 
 
 def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:
@@ -62,8 +66,12 @@ def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:
     return values, np.array([row.clean or measure in ALWAYS_TOLD for row in rows], dtype=np.bool_)
 
 
-def by_run(rows: Sequence[Row], values: Floats, clean: Bools) -> tuple[Floats, Bools]:
-    """The mean of each run's values, and whether all of it is clean, in the order of the runs' numbers."""
-    _, which = np.unique([row.run for row in rows], return_inverse=True)
-    count = np.bincount(which)
-    return np.bincount(which, values) / count, np.bincount(which, clean) == count
+def runs_of(rows: Sequence[Row]) -> Longs:
+    """The number of each row's run, (n,)."""
+    return np.array([row.run for row in rows], dtype=np.int64)
+
+
+def by_run(runs: Longs, values: Floats) -> Floats:
+    """The mean of the values of each run, in the order of their numbers."""
+    _, which = np.unique(runs, return_inverse=True)
+    return np.bincount(which, values) / np.bincount(which)

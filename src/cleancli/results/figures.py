@@ -98,18 +98,13 @@ def figures_of(name: str, rows: Sequence[Row], measure: str) -> tuple[Figure, ..
     shown = [(name, measure)]
     if grid.along == "episode" and measure != "actions":
         shown.append((f"{name}_actions", "actions"))
-    found = [_means(each, rows, what) for each, what in shown]
-    return (*found, _times(f"{name}_times", grid))
+    return (*(_means(each, rows, what) for each, what in shown), _times(f"{name}_times", grid))
 
 
 def _means(name: str, rows: Sequence[Row], measure: str) -> Figure:
     grid = grid_of(rows, measure)
-    panels = [grid] if grid.is_line else _panels(grid)
-
-    def draw(axes: Any, panel: Grid) -> None:
-        (_lines if panel.is_line else _bars)(axes, panel)
-
-    return _drawn(name, MEASURES[measure].meaning, panels, draw)
+    shows = MEASURES[measure].meaning
+    return _drawn(name, shows, [grid], _lines) if grid.is_line else _drawn(name, shows, _panels(grid), _bars)
 
 
 def _panels(grid: Grid) -> list[Grid]:
@@ -270,13 +265,12 @@ def _drawn(name: str, shows: str, panels: Sequence[Grid], draw: Callable[[Any, G
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
         figure = figures.Figure(figsize=(_WIDTH, _HEIGHT * (1 + len(panels)) / 2), layout="constrained")
-        for axes, panel in zip(
-            figure.subplots(len(panels), sharey=True, squeeze=False)[:, 0], panels, strict=True
-        ):
+        rows = figure.subplots(len(panels), sharey=True, squeeze=False)[:, 0]
+        for axes, panel in zip(rows, panels, strict=True):
             draw(axes, panel)
-            axes.margins(y=0.08)
-            axes.set_ylim(bottom=0)
             axes.set_ylabel(shows)
+            axes.margins(y=0.08)
+        axes.set_ylim(bottom=0)
         handles, labels = axes.get_legend_handles_labels()
         if len(labels) > 1:
             figure.legend(handles, labels, loc="outside upper center", ncols=_columns(labels), frameon=False)

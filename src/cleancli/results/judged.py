@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cleancli.results.cells import axes_of, by_run, measured, varied
+from cleancli.array_types import Bools, Floats, Longs
+from cleancli.results.cells import axes_of, by_run, measured, runs_of, varied
 from cleancli.statistics.bootstrap import Estimate, mean_of
-from cleancli.statistics.paired import Paired, Pairs, counted, holm, paired, signed_rank
+from cleancli.statistics.paired import Paired, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
-from cleancli.study.model import Comparison, Value
+from cleancli.study.model import Comparison
 from cleancli.study.row import Row, chosen
 
-_Place = tuple[int, frozenset[tuple[str, Value]]]
-"""The run of a row, and what it has in common with those that it is compared with."""
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """What both sides of a comparison come to. `paired` counts all runs; `first`, `second`: means of what
+    ended clean; `difference`: of the first less the second where both did; `failed`: how many episodes did
+    not."""
+
+    paired: Paired
+    first: Estimate
+    second: Estimate
+    difference: Estimate
+    failed: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,16 +34,16 @@ class Judged:
     """A comparison with its verdict.
 
     `estimate` is what is claimed to lie within `bounds`: the ratio of the first to the second, or, where it
-    is compared with a limit, the mean of the first; there `pairs` is None. `failed`: how many of the first's
-    runs did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted` that
-    among all comparisons of the study (Holm). `more`: how many more runs would decide it; None where that
-    can't be told, or nothing is left to decide.
+    is compared with a limit, the mean of the first; there `sides` is None. `failed`: how many of the first's
+    episodes did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted`
+    that among all comparisons of the study (Holm). `more`: how many more runs would decide it; None where
+    that can't be told, or nothing is left to decide.
     """
 
     comparison: Comparison
     estimate: Estimate
     bounds: Bounds
-    pairs: Paired | None
+    sides: Sides | None
     failed: int
     chance: float
     adjusted: float
@@ -42,76 +53,108 @@ class Judged:
 
 def judged(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> tuple[Judged, ...]:
     """The verdicts on all comparisons of a study, in order."""
-    found = [_judged(comparison, rows) for comparison in comparisons]
+    found = [
+        _against_second(each, rows) if each.limit is None else _against_limit(each, each.limit, rows)
+        for each in comparisons
+    ]
     adjusted = holm(np.array([each.chance for each in found])).tolist()
     return tuple(replace(each, adjusted=chance) for each, chance in zip(found, adjusted, strict=True))
 
 
-def bounds_of(comparison: Comparison) -> Bounds:
-    """Between what the ratio to the second, or the mean where there is a limit, is claimed to lie."""
-    at = comparison.factor if comparison.limit is None else comparison.limit
-    match comparison.expect:
+def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
+    """By the ratio to the second, which is claimed to be the factor, or on one side of it."""
+    factor, margin = comparison.factor, comparison.margin
+    bounds = _bounds(comparison.expect, factor, margin)
+    first, second, sides = _sides(_matched(comparison, rows))
+    chance = max(signed_rank(first - end * second) for end in bounds.ends)
+    return _judged(comparison, bounds, sides.paired.ratio, chance, sides.failed[0], sides)
+
+
+def _against_limit(comparison: Comparison, limit: float, rows: Sequence[Row]) -> Judged:
+    """By the mean of the first."""
+    bounds = _bounds(comparison.expect, limit, comparison.margin * limit)
+    own = tuple(chosen(rows, comparison.where, comparison.first))
+    values, clean = measured(own, comparison.measure)
+    means = by_run(runs_of(own), counted(values, clean))
+    chance = max(signed_rank(means - end) for end in bounds.ends)
+    return _judged(comparison, bounds, mean_of(means), chance, int((~clean).sum()), None)
+
+
+def _judged(
+    comparison: Comparison,
+    bounds: Bounds,
+    estimate: Estimate,
+    chance: float,
+    failed: int,
+    sides: Sides | None,
+) -> Judged:
+    found = verdict(estimate, bounds)
+    more = more_needed(estimate, bounds) if found is Verdict.UNDECIDED else None
+    return Judged(comparison, estimate, bounds, sides, failed, chance, chance, found, more)
+
+
+def _bounds(expect: str, at: float, margin: float) -> Bounds:
+    match expect:
         case "less":
             return Bounds(high=at)
         case "more":
             return Bounds(low=at)
         case "equal":
-            reach = comparison.margin * (1.0 if comparison.limit is None else at)
-            return Bounds(at - reach, at + reach)
-    raise ValueError(comparison.expect)
+            return Bounds(at - margin, at + margin)
+    raise ValueError(expect)
 
 
-def _judged(comparison: Comparison, rows: Sequence[Row]) -> Judged:
-    bounds = bounds_of(comparison)
-    figures: Paired | None = None
-    if comparison.limit is None:
-        pairs = pairs_of(comparison, rows)
-        figures = paired(pairs)
-        estimate, failed = figures.ratio, figures.first_failed
-        differences = [pairs.first - end * pairs.second for end in bounds.ends]
-    else:
-        own = tuple(chosen(rows, comparison.where, comparison.first))
-        values, clean = measured(own, comparison.measure)
-        means, ended = by_run(own, counted(values, clean), clean)
-        estimate, failed = mean_of(means), int((~ended).sum())
-        differences = [means - end for end in bounds.ends]
-    found = verdict(estimate, bounds)
-    return Judged(
-        comparison,
-        estimate,
-        bounds,
-        figures,
-        failed,
-        chance=max(map(signed_rank, differences)),
-        adjusted=1.0,
-        verdict=found,
-        more=more_needed(estimate, bounds) if found is Verdict.UNDECIDED else None,
+@dataclass(frozen=True, slots=True)
+class _Matched:
+    """Rows that have their like on the other side, (n,) each: those of one of `places` share their run, and all
+    axes but those that tell the sides apart. What did not end clean has in `values` what it counts as: longer
+    than all that shares these axes, in whichever run."""
+
+    runs: Longs
+    places: Longs
+    is_second: Bools
+    values: Floats
+    clean: Bools
+
+
+def _matched(comparison: Comparison, rows: Sequence[Row]) -> _Matched:
+    """The rows of a comparison. Axes that tell its sides apart, or that only one of two parts has, are not in
+    common."""
+    first, second = (list(chosen(rows, comparison.where, s)) for s in (comparison.first, comparison.second))
+    both = [*first, *second]
+    apart = {*comparison.first, *comparison.second}
+    shared = [a for a in varied(both) if a not in apart and all(a in axes_of(row) for row in both)]
+    common = [tuple(axes_of(row)[axis] for axis in shared) for row in both]
+    groups, places = _numbered(common), _numbered(zip(runs_of(both).tolist(), common, strict=True))
+    is_second = np.arange(len(both)) >= len(first)
+    values, clean = measured(both, comparison.measure)
+    kept = np.isin(places, np.intersect1d(places[is_second], places[~is_second]))
+    for group in np.unique(groups):
+        own = kept & (groups == group)
+        values[own] = counted(values[own], clean[own])
+    return _Matched(runs_of(both)[kept], places[kept], is_second[kept], values[kept], clean[kept])
+
+
+def _numbered(values: Iterable[Hashable]) -> Longs:
+    """A number for each, the same for equal ones."""
+    numbers: dict[Hashable, int] = {}
+    return np.array([numbers.setdefault(value, len(numbers)) for value in values], dtype=np.int64)
+
+
+def _sides(found: _Matched) -> tuple[Floats, Floats, Sides]:
+    """The measure of both sides, run by run, and what they come to."""
+
+    def runs(of: Bools) -> Floats:
+        return by_run(found.runs[of], found.values[of])
+
+    first, second, clean = ~found.is_second, found.is_second, found.clean
+    both_clean = ~np.isin(found.places, found.places[~clean])
+    own, others = runs(first), runs(second)
+    sides = Sides(
+        paired(own, others),
+        mean_of(runs(first & clean)),
+        mean_of(runs(second & clean)),
+        mean_of(runs(first & both_clean) - runs(second & both_clean)),
+        (int((first & ~clean).sum()), int((second & ~clean).sum())),
     )
-
-
-def pairs_of(comparison: Comparison, rows: Sequence[Row]) -> Pairs:
-    """The measure of both sides, run by run: of rows that have their like on the other side, which differs in
-    nothing but in what tells the sides apart. Axes that only one of two parts has tell nothing."""
-    sides = [tuple(chosen(rows, comparison.where, side)) for side in (comparison.first, comparison.second)]
-    everything, apart = [*sides[0], *sides[1]], {*comparison.first, *comparison.second}
-    shared = {
-        axis
-        for axis in varied(everything)
-        if axis not in apart and all(axis in axes_of(row) for row in everything)
-    }
-    first, second = (_by_place(side, shared) for side in sides)
-    both = [place for place in first if place in second]
-    own, others = ([row for place in both for row in side[place]] for side in (first, second))
-    values, clean = measured([*own, *others], comparison.measure)
-    values = counted(values, clean)
-    first_values, first_clean = by_run(own, values[: len(own)], clean[: len(own)])
-    second_values, second_clean = by_run(others, values[len(own) :], clean[len(own) :])
-    return Pairs(first_values, second_values, first_clean, second_clean)
-
-
-def _by_place(rows: Iterable[Row], axes: Set[str]) -> dict[_Place, list[Row]]:
-    found: dict[_Place, list[Row]] = {}
-    for row in rows:
-        place = frozenset((axis, value) for axis, value in axes_of(row).items() if axis in axes)
-        found.setdefault((row.run, place), []).append(row)
-    return found
+    return own, others, sides

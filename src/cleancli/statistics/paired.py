@@ -1,7 +1,7 @@
 """Two ways to clean, compared run by run: the runs of a pair have one seed.
 
-A run that did not end clean is never a fast one: it counts as longer than every other run of the comparison,
-so it loses its pair to one that did, and two of them are equal (as worst-rank scores do, Lachin 1999).
+A run that did not end clean is never a fast one: it counts as longer than every other, so it loses its pair
+to one that did, and two of them are equal (as worst-rank scores do, Lachin 1999).
 """
 
 from __future__ import annotations
@@ -12,60 +12,36 @@ from math import erfc, nan, sqrt
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
-from cleancli.statistics.bootstrap import Estimate, mean_of, ratio_of
+from cleancli.statistics.bootstrap import Estimate, ratio_of
 
 MOST_EXACT = 200
 """Pairs of which the test's distribution is enumerated. Chosen: the normal one is as good for more."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pairs:
-    """A measure of runs, pair by pair, and which of them ended clean, (n,) each. Those that did not have the
-    value that they count as (`counted`)."""
-
-    first: Floats
-    second: Floats
-    first_clean: Bools
-    second_clean: Bools
-
-
-@dataclass(frozen=True, slots=True)
 class Paired:
-    """What pairs come to. `first`, `second`: means of the runs that ended clean; `first_failed` and
-    `second_failed`: how many did not. `difference`: of the first less the second, over pairs of which both
-    ended clean. `ratio`: of the mean of the first to that of the second, over all pairs. `effect`: the mean
-    difference of all pairs in standard deviations of their differences (Cohen 1988, d_z); no number where all
-    differ alike. `lesser`: the share of pairs of which the first is less; a tie is half a pair."""
+    """What pairs come to. `ratio`: of the mean of the first to that of the second. `effect`: their mean
+    difference in standard deviations of differences (Cohen 1988, d_z); no number where all differ alike.
+    `lesser`: the share of pairs of which the first is less, where a tie is half a pair; no number without."""
 
     pairs: int
-    first: Estimate
-    second: Estimate
-    first_failed: int
-    second_failed: int
-    difference: Estimate
     ratio: Estimate
     effect: float
     lesser: float
 
 
 def counted(values: Floats, clean: Bools) -> Floats:
-    """Values of all runs of a comparison, with those that did not end clean longer than every other."""
+    """What is measured of runs, (n,), with those that did not end clean longer than every other."""
     return np.where(clean, values, np.nextafter(values.max(initial=0.0), np.inf))
 
 
-def paired(pairs: Pairs) -> Paired:
-    """The figures of a comparison; values are not negative."""
-    both = pairs.first_clean & pairs.second_clean
-    more = pairs.first - pairs.second
+def paired(first: Floats, second: Floats) -> Paired:
+    """The figures of pairs, (n,) each, of values that are not negative."""
+    more = first - second
     spread = more.std(ddof=1) if len(more) > 1 else 0.0
     return Paired(
         pairs=len(more),
-        first=mean_of(pairs.first[pairs.first_clean]),
-        second=mean_of(pairs.second[pairs.second_clean]),
-        first_failed=int((~pairs.first_clean).sum()),
-        second_failed=int((~pairs.second_clean).sum()),
-        difference=mean_of(more[both]),
-        ratio=ratio_of(pairs.first, pairs.second),
+        ratio=ratio_of(first, second),
         effect=float(more.mean() / spread) if spread else nan,
         lesser=float(((more < 0) + (more == 0) / 2).mean()) if len(more) else nan,
     )

@@ -1,0 +1,248 @@
+"""docs/results.md and its figures, from rows alone: what was measured, with intervals, and every verdict.
+
+The same rows and studies make the same bytes, in whichever order the rows come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from math import isfinite, isnan
+from pathlib import Path
+
+from cleancli.files.replace import replace_file
+from cleancli.language.diagnostics.plural import plural
+from cleancli.results.cells import Cell, cells, varied
+from cleancli.results.claims import CLAIMS
+from cleancli.results.figures import Figure, figures_of
+from cleancli.results.judged import Judged, judged
+from cleancli.statistics.bootstrap import FEWEST, Estimate
+from cleancli.statistics.verdict import MOST_PAIRS, Bounds, Verdict, together
+from cleancli.study.model import Study
+from cleancli.study.row import MEASURES, Row
+
+PAGE = "results.md"
+FIGURES = "results"
+"""The folder of figures, beside the page."""
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What the rows of a study come to: its parts by name, their figures, and its comparisons."""
+
+    study: Study
+    rows: tuple[Row, ...]
+    figures: Mapping[str, tuple[Figure, ...]]
+    judged: tuple[Judged, ...]
+
+
+def results_of(study: Study, rows: Iterable[Row]) -> Results:
+    """The results of a study; rows of others are left out. Raises MissingMatplotlib."""
+    own = _in_order(study, (row for row in rows if row.study == study.name))
+    parts = {name: tuple(found) for name, found in groupby(own, lambda row: row.part)}
+    figures = {
+        name: figures_of(f"{study.name}_{name}" if name else study.name, found, study.measure)
+        for name, found in parts.items()
+    }
+    return Results(study, own, figures, judged(study.comparisons, own))
+
+
+def _in_order(study: Study, rows: Iterable[Row]) -> tuple[Row, ...]:
+    """By part, by cell as the study lists values, by run and by episode."""
+    parts = [part.name for part in study.parts]
+    places = {
+        (part.name, axis, value): number
+        for part in study.parts
+        for axis, values in part.axes.items()
+        for number, value in enumerate(values)
+    }
+
+    def place(row: Row) -> tuple[object, ...]:
+        cell = [
+            (places.get((row.part, axis, value), len(places)), str(value)) for axis, value in row.axes.items()
+        ]
+        part = parts.index(row.part) if row.part in parts else len(parts)
+        return part, row.part, cell, row.run, row.episode
+
+    return tuple(sorted(rows, key=place))
+
+
+def write_results(results: Sequence[Results], folder: Path) -> Path:
+    """Write the page and its figures, and tell where the page is. Raises OSError."""
+    (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+    for figure in _figures(results):
+        for kind, content in figure.files.items():
+            replace_file(folder / FIGURES / f"{figure.name}.{kind}", content)
+    replace_file(folder / PAGE, results_page(results))
+    return folder / PAGE
+
+
+def _figures(results: Iterable[Results]) -> Iterator[Figure]:
+    for each in results:
+        for figures in each.figures.values():
+            yield from figures
+
+
+def results_page(results: Sequence[Results]) -> str:
+    """The page as Markdown."""
+    return "\n".join(_lines(results))
+
+
+def _lines(results: Sequence[Results]) -> Iterator[str]:
+    yield from (f"{_INTRODUCTION}\n", f"{_went_in(results)}\n", "## The paper's claims\n")
+    yield from _table(("claim", "what the paper says", "verdict", "by"), _claims(results))
+    for each in results:
+        yield f"\n## {each.study.name}\n"
+        if each.study.about:
+            yield f"{each.study.about}\n"
+        for name, figures in each.figures.items():
+            yield from _part(each.study, [row for row in each.rows if row.part == name], name, figures)
+        if each.judged:
+            yield "\n### Comparisons\n" if len(results) == 1 else f"\n### Comparisons of {each.study.name}\n"
+            yield from _table(_COMPARED, map(_compared, each.judged))
+            yield ""
+            yield from (f"- {_verdict(one)}" for one in each.judged)
+    yield ""
+
+
+_INTRODUCTION = f"""# Results
+
+Written by `cleancli experiment --report` from the rows of the episodes alone.
+How verdicts come about is told in [experiments.md](experiments.md). Numbers of this page: `cleancli experiment`.
+
+- Intervals, in brackets, hold a mean or a ratio 95 times in 100; fewer than {FEWEST} runs have none.
+- Episodes that did not end clean are in no mean of the way to a clean table. Figures count them behind a ✗.
+  In ratios each counts as longer than every other episode that is compared with it.
+- *ratio*: of the mean of the first to that of the second, in runs with the same seeds. *difference*: where
+  both ended clean. *effect*: the mean difference of runs, in standard deviations. *p*: of the signed-rank test of
+  what is expected. *Holm*: the same, among all comparisons of the study."""
+
+_COMPARED = (
+    *("comparison", "pairs", "first", "second", "ratio", "difference", "first is less in", "effect"),
+    *("p", "Holm", "verdict"),
+)
+
+
+def _went_in(results: Iterable[Results]) -> str:
+    """Of how many episodes, with which seeds and versions."""
+    rows = [row for each in results for row in each.rows]
+    if not rows:
+        return "There are no rows yet."
+    seeds = sorted({row.seed for row in rows})
+    versions = sorted({f"{name} {version}" for row in rows for name, version in row.versions.items()})
+    return f"{plural(len(rows), 'episode')}, seeds {seeds[0]} to {seeds[-1]}, with {', '.join(versions)}."
+
+
+def _claims(results: Sequence[Results]) -> Iterator[tuple[str, ...]]:
+    for number, says in CLAIMS.items():
+        by = [
+            (f"{each.study.name}: {one.comparison.name}", one.verdict)
+            for each in results
+            for one in each.judged
+            if one.comparison.claim == number
+        ]
+        found = together([verdict for _, verdict in by])
+        told = "; ".join(f"{name} {verdict}" for name, verdict in by)
+        yield str(number), says, str(found) if by else "not tested", told
+
+
+def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure]) -> Iterator[str]:
+    if name:
+        yield f"### {study.name}, {name}\n"
+    for figure in figures:
+        yield f"![{figure.shows}]({FIGURES}/{figure.name}.svg)\n"
+    axes = varied(rows)
+    measures = dict.fromkeys((study.measure, "actions", "left"))
+    columns = [cells(rows, axes, measure) for measure in measures]
+    names = [*axes, "runs", "episodes not clean", *(MEASURES[measure].meaning for measure in measures)]
+    yield from _table(names, (_cell(same) for same in zip(*columns, strict=True)))
+
+
+def _cell(same: Sequence[Cell]) -> tuple[str, ...]:
+    """A row of the table of means: one cell by several measures."""
+    values = ("" if value is None else str(value) for value in same[0].values)
+    return *values, str(same[0].runs), str(same[0].failed), *(_interval(cell.mean) for cell in same)
+
+
+def _compared(each: Judged) -> tuple[str, ...]:
+    name, sides = each.comparison.name, each.sides
+    tests = (_chance(each.chance), _chance(each.adjusted), str(each.verdict))
+    if sides is None:
+        limit = _number(each.comparison.limit or 0.0)
+        return name, str(each.estimate.count), _interval(each.estimate), limit, "", "", "", "", *tests
+    return (
+        name,
+        str(sides.paired.pairs),
+        _interval(sides.first),
+        _interval(sides.second),
+        _interval(sides.paired.ratio),
+        f"{_interval(sides.difference)} in {sides.difference.count}",
+        "" if isnan(sides.paired.lesser) else f"{sides.paired.lesser:.0%}",
+        _number(sides.paired.effect),
+        *tests,
+    )
+
+
+def _verdict(each: Judged) -> str:
+    """What was expected, the verdict, and why."""
+    said = each.comparison
+    expected = f" {said.says}" if said.says else ""
+    claim = "" if said.claim is None else f" (claim {said.claim})"
+    return f"**{said.name}**{claim}:{expected} *{each.verdict.capitalize()}*: {reason(each)}."
+
+
+def reason(each: Judged) -> str:
+    """Why a verdict is as it is, and how many more runs would bring one."""
+    within = _within(each.bounds)
+    failed = _failures(each)
+    match each.verdict:
+        case Verdict.WON:
+            return f"all of the interval lies {within}{failed}"
+        case Verdict.LOST:
+            return f"none of the interval lies {within}{failed}"
+    if not each.estimate.known:
+        return f"{plural(each.estimate.count, 'run')} are too few; at least {FEWEST} are needed{failed}"
+    if each.more is None:
+        more = f"the truth is so near to a bound that more than {MOST_PAIRS:,} runs would be needed"
+    else:
+        more = f"about {plural(each.more, 'more run')} would decide it"
+    return f"only a part of the interval lies {within}, and {more}{failed}"
+
+
+def _within(bounds: Bounds) -> str:
+    if not isfinite(bounds.low):
+        return f"below {_number(bounds.high)}"
+    if not isfinite(bounds.high):
+        return f"above {_number(bounds.low)}"
+    return f"between {_number(bounds.low)} and {_number(bounds.high)}"
+
+
+def _failures(each: Judged) -> str:
+    if each.sides is not None and any(each.sides.failed):
+        first, second = each.sides.failed
+        return f"; {plural(first, 'episode')} of the first and {second} of the second did not end clean"
+    return f"; {plural(each.failed, 'episode')} did not end clean" if each.failed else ""
+
+
+def _interval(estimate: Estimate) -> str:
+    if not estimate.known:
+        return _number(estimate.value)
+    return f"{_number(estimate.value)} [{_number(estimate.low)}, {_number(estimate.high)}]"
+
+
+def _number(value: float) -> str:
+    """With three digits; nothing where there is none."""
+    if isnan(value):
+        return ""
+    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
+
+
+def _chance(value: float) -> str:
+    return f"{value:.2g}" if value >= 0.001 else "< 0.001"
+
+
+def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    yield f"| {' | '.join(names)} |"
+    yield "|---" * len(names) + "|"
+    yield from (f"| {' | '.join(row)} |" for row in rows)
