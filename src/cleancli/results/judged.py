@@ -106,9 +106,9 @@ def _bounds(expect: str, at: float, margin: float) -> Bounds:
 
 @dataclass(frozen=True, slots=True)
 class _Matched:
-    """Rows that have their like on the other side, (n,) each: those of one of `places` share their run, and all
-    axes but those that tell the sides apart. What did not end clean has in `values` what it counts as: longer
-    than all that shares these axes, in whichever run."""
+    """Rows that have their like on the other side, (n,) each. Those of one of `places` share their run and
+    all axes but those that tell the sides apart. `values` of what did not end clean are what it counts as,
+    beside all that has these axes, in whichever run."""
 
     runs: Longs
     places: Longs

@@ -109,14 +109,16 @@ def _lines(results: Sequence[Results]) -> Iterator[str]:
 _INTRODUCTION = f"""# Results
 
 Written by `cleancli experiment --report` from the rows of the episodes alone.
-How verdicts come about is told in [experiments.md](experiments.md). Numbers of this page: `cleancli experiment`.
+How verdicts come about is told in [experiments.md](experiments.md).
+
+Numbers of this page: `cleancli experiment`.
 
 - Intervals, in brackets, hold a mean or a ratio 95 times in 100; fewer than {FEWEST} runs have none.
 - Episodes that did not end clean are in no mean of the way to a clean table. Figures count them behind a ✗.
-  In ratios each counts as longer than every other episode that is compared with it.
-- *ratio*: of the mean of the first to that of the second, in runs with the same seeds. *difference*: where
-  both ended clean. *effect*: the mean difference of runs, in standard deviations. *p*: of the signed-rank test of
-  what is expected. *Holm*: the same, among all comparisons of the study."""
+  In ratios each counts as twice the longest of those that it is compared with.
+- *ratio*: of the mean of the first to that of the second, in runs with the same seeds.
+  *difference*: where both ended clean. *effect*: the mean difference of runs, in standard deviations.
+  *p*: of the signed-rank test of what is expected. *Holm*: the same, among all comparisons of the study."""
 
 _COMPARED = (
     *("comparison", "pairs", "first", "second", "ratio", "difference", "first is less in", "effect"),

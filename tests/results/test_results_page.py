@@ -1,0 +1,122 @@
+"""The page of results: the same from the same rows, and everything that it must tell."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from cleancli.results.claims import CLAIMS
+from cleancli.results.judged import judged
+from cleancli.results.page import PAGE, Results, reason, results_of, results_page, write_results
+from cleancli.study.model import Comparison, Part, Study, Value
+from cleancli.study.row import Row
+from support.docs_numbers import sourced
+from support.study_rows import drawn
+
+STRATEGIES = ("plan-2", "reactive", "tsp")
+MEANS: Mapping[Value, float] = {"plan-2": 1.0, "reactive": 2.0, "tsp": 1.02, "a": 30.0, "b": 100.0}
+
+
+def against(second: str) -> Comparison:
+    sides = {"strategy": ("plan-2",)}, {"strategy": (second,)}
+    return Comparison(f"beside_{second}", "", "seconds", "less", *sides)
+
+
+STUDY = Study(
+    "made_up",
+    "How strategies compare.",
+    (Part("", {"scene": ("b", "a"), "strategy": STRATEGIES}),),
+    (
+        replace(against("reactive"), claim=2, where={"scene": ("b",)}),
+        replace(against("tsp"), claim=4),
+        replace(against("reactive"), name="tenth", claim=2, factor=0.1),
+    ),
+)
+
+
+def rows_of(runs: int = 6, failing: Mapping[Value, float] | None = None) -> list[Row]:
+    axes = {"scene": ("a", "b"), "strategy": STRATEGIES}
+    return list(drawn(axes, MEANS, runs, failing=failing))
+
+
+def results(*, runs: int = 6) -> Results:
+    return results_of(STUDY, rows_of(runs))
+
+
+def test_page_and_figures_are_the_same_bytes_in_whichever_order_rows_come(tmp_path: Path) -> None:
+    rows = rows_of()
+    found = []
+    for name in ("one", "other"):
+        Random(name).shuffle(rows)
+        page = write_results([results_of(STUDY, rows)], tmp_path / name)
+        assert page == tmp_path / name / PAGE
+        files = sorted(path for path in (tmp_path / name).rglob("*") if path.is_file())
+        found.append({str(path.relative_to(tmp_path / name)): path.read_bytes() for path in files})
+    assert found[0] == found[1]
+    assert set(found[0]) == {
+        PAGE,
+        *(f"results/made_up{end}" for end in (".svg", ".png", "_times.svg", "_times.png")),
+    }
+
+
+def test_pictures_that_the_page_shows_are_written(tmp_path: Path) -> None:
+    page = write_results([results()], tmp_path).read_text(encoding="utf-8")
+    shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", page)
+    assert len(shown) == 2
+    assert all((tmp_path / name).is_file() for name in shown)
+
+
+def test_cells_come_as_the_study_lists_them() -> None:
+    cells = re.findall(r"^\| ([ab]) \| ([\w-]+) \|", results_page([results()]), re.M)
+    assert cells == [(scene, strategy) for scene in "ba" for strategy in STRATEGIES]
+
+
+def test_each_claim_has_its_verdict_and_what_decided_it() -> None:
+    lines = dict(re.findall(r"^\| (\d) \| (.*) \|$", results_page([results()]), re.M))
+    assert len(lines) == len(CLAIMS) == 9
+    assert lines["2"].endswith("| lost | made_up: beside_reactive won; made_up: tenth lost")
+    assert "| undecided |" in lines["4"]
+    assert lines["9"].endswith("| not tested | ")
+
+
+def test_every_number_of_the_page_has_its_source() -> None:
+    """As tests/test_docs.py asks of all pages."""
+    assert [number for number in sourced("results", results_page([results()])) if not number.source] == []
+
+
+def test_rows_of_other_studies_are_left_out_and_parts_have_figures_of_their_own() -> None:
+    rows = [*drawn({"scene": ("a",)}, MEANS, 5, part="wam"), *drawn({"scene": ("b",)}, MEANS, 5, part="reem")]
+    study = Study("made_up", "", (Part("wam", {"scene": ("a",)}), Part("reem", {"scene": ("b",)})), ())
+    found = results_of(study, rows)
+    names = [figure.name for figures in found.figures.values() for figure in figures]
+    assert names == ["made_up_wam", "made_up_wam_times", "made_up_reem", "made_up_reem_times"]
+    assert results_of(Study("other", "", (), ()), rows).rows == ()
+
+
+@pytest.mark.parametrize(
+    ("said", "runs", "expected"),
+    [
+        (against("reactive"), 8, "all of the interval lies below 1"),
+        (replace(against("reactive"), expect="more"), 8, "none of the interval lies above 1"),
+        (replace(against("reactive"), expect="equal", factor=0.5, margin=0.1), 8, "lies between 0.4 and 0.6"),
+        (against("reactive"), 4, "4 runs are too few; at least 5 are needed"),
+        (against("tsp"), 8, r"only a part of the interval lies below 1, and about \d+ more runs would"),
+    ],
+)
+def test_reasons_are_told_in_words(said: Comparison, runs: int, expected: str) -> None:
+    (found,) = judged([said], rows_of(runs))
+    assert re.search(expected, reason(found))
+
+
+def test_failures_are_told_with_the_reason() -> None:
+    rows = rows_of(6, {"reactive": 0.5})
+    (found,) = judged([against("reactive")], rows)
+    failed = sum(not row.clean for row in rows)
+    assert reason(found).endswith(f"; 0 episodes of the first and {failed} of the second did not end clean")
+    (limited,) = judged([replace(against(""), first={"strategy": ("reactive",)}, second={}, limit=1e6)], rows)
+    assert reason(limited).endswith(f"; {failed} episodes did not end clean")
