@@ -12,6 +12,7 @@ import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.statistics.bootstrap import Estimate, mean_of
+from cleancli.statistics.paired import by_run
 from cleancli.study.model import Value
 from cleancli.study.row import MEASURES, Row
 
@@ -69,9 +70,3 @@ def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:
 def runs_of(rows: Sequence[Row]) -> Longs:
     """The number of each row's run, (n,)."""
     return np.array([row.run for row in rows], dtype=np.int64)
-
-
-def by_run(runs: Longs, values: Floats) -> Floats:
-    """The mean of the values of each run, in the order of their numbers."""
-    _, which = np.unique(runs, return_inverse=True)
-    return np.bincount(which, values) / np.bincount(which)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
-from cleancli.results.cells import axes_of, by_run, measured, runs_of, varied
+from cleancli.results.cells import axes_of, measured, runs_of, varied
 from cleancli.statistics.bootstrap import Estimate, mean_of
-from cleancli.statistics.paired import Paired, counted, holm, paired, signed_rank
+from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
 from cleancli.study.model import Comparison
 from cleancli.study.row import Row, chosen

@@ -35,6 +35,12 @@ class Paired:
     lesser: float
 
 
+def by_run(runs: Longs, values: Floats) -> Floats:
+    """The mean of the values of each run, in the order of the runs' numbers; (n,) each."""
+    _, which = np.unique(runs, return_inverse=True)
+    return np.bincount(which, values) / np.bincount(which)
+
+
 def counted(values: Floats, clean: Bools) -> Floats:
     """What is measured of runs, (n,), with what those count as that did not end clean: more than every other,
     also where all are 0."""
