@@ -16,7 +16,8 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
 from cleancli.report.account import row_of
-from cleancli.report.page import comparison_page, run_page
+from cleancli.report.comparison_page import comparison_page
+from cleancli.report.page import run_page
 from cleancli.report.pictures import data_uri
 from cleancli.report.plots import ticks
 from cleancli.report.run import read_run

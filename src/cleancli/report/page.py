@@ -17,7 +17,7 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.recording.folder import PAGE
 from cleancli.recording.journal import Planned
-from cleancli.report.account import RunRow, colour_of, name_of, row_of
+from cleancli.report.account import colour_of, name_of, row_of
 from cleancli.report.pictures import data_uri
 from cleancli.report.plots import marks
 from cleancli.report.run import Run, read_run
@@ -101,21 +101,6 @@ def run_page(run: Run) -> str:
             first=data_uri(run.picture(0)),
             steps=[_view(step, run, _settable(steps)) for step in steps],
             kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(run.spent())],
-        )
-    )
-
-
-def comparison_page(rows: Sequence[RunRow]) -> str:
-    """A page that sets runs side by side; all bars have one scale."""
-    longest = max((row.total for row in rows), default=0.0)
-    kinds = in_order({kind: 0.0 for row in rows for kind in row.seconds})
-    return (
-        templates()
-        .get_template("compare.html")
-        .render(
-            rows=[(row, bars(row.seconds, longest)) for row in rows],
-            kinds=[(kind, name_of(kind), colour_of(kind)) for kind in kinds],
-            first=rows[0],
         )
     )
 

@@ -20,7 +20,8 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.recording.folder import PAGE
 from cleancli.recording.series import is_series
 from cleancli.report.account import RunRow, name_of, row_of
-from cleancli.report.page import comparison_page, run_page
+from cleancli.report.comparison_page import comparison_page
+from cleancli.report.page import run_page
 from cleancli.report.rules import courses
 from cleancli.report.run import Run, read_run
 from cleancli.report.series import Series, read_series
