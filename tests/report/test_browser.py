@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -178,6 +179,33 @@ def test_runs_side_by_side(browser: Browser, tmp_path: Path) -> None:
     assert wrong == []
     assert page.locator("tr[data-run]").count() == 2
     assert page.evaluate("document.documentElement.scrollWidth") <= 600
+
+
+@pytest.mark.parametrize("width", [320, 1600])
+def test_means_of_many_runs_stay_in_their_places(browser: Browser, width: int, tmp_path: Path) -> None:
+    """Of ten runs by two strategies: bars are as long as the page says, and links lead to the runs' pages."""
+    folders = []
+    for seed, name in product(range(1, 6), ("plan-2", "n" * 90)):
+        seconds = {"actions": 10.0 * len(name), "total": 10.0 * len(name)}
+        episode = {"reason": "so", "clean": True, "actions": 3, "seconds": seconds}
+        folder = write_run(
+            tmp_path / f"{name[:9]}-{seed}", (), 0, seed=seed, options={"strategy": name}, episode=episode
+        )
+        assert run(["report", str(folder)]) == 0
+        folders.append(str(folder))
+    assert run(["report", *folders, "--html", str(tmp_path / "all.html")]) == 0
+    page, wrong = opened(browser, tmp_path / "all.html", width)
+    assert wrong == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.locator("#means + .card h4").all_inner_texts() == ["in all", "actions"]
+    for track, share in zip(page.locator(".mean .track").all(), [6 / 90, 1.0] * 2, strict=True):
+        bar, full = (
+            part.evaluate("e => e.getBoundingClientRect().width") for part in (track.locator("span"), track)
+        )
+        assert full > 100
+        assert bar / full == pytest.approx(share, abs=5e-3)
+    page.locator("tr[data-run] a").first.click()
+    assert page.url == Path(folders[0], "report.html").as_uri()
 
 
 def brightness(colour: str) -> int:

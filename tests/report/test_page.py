@@ -15,7 +15,6 @@ import pytest
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
 from cleancli.recording.journal import Acted, Ended, Expected, FactEntry, Record, Spent, Started
-from cleancli.report.account import row_of
 from cleancli.report.comparison_page import comparison_page
 from cleancli.report.page import run_page
 from cleancli.report.pictures import data_uri
@@ -123,7 +122,7 @@ def test_pages_are_as_they_were(tmp_path: Path) -> None:
     whole = read_run(write_run(tmp_path / "one", pictures=0))
     cut = read_run(write_run(tmp_path / "two", RECORDS[:8], 0, episode=None, truth=None))
     check_golden("page.html", plain(run_page(whole)))
-    check_golden("comparison.html", plain(comparison_page([row_of(whole), row_of(cut)])))
+    check_golden("comparison.html", plain(comparison_page([whole, cut], tmp_path)))
 
 
 # ---- what the page says (docs/report.md)
@@ -174,7 +173,7 @@ def test_what_is_left_is_told_of_ink_where_there_was_ink(
     told = text_of(run_page(run))
     assert figures in told
     assert ("particles truly left" in told) == ("particles" in figures)
-    assert f" {remains} " in text_of(comparison_page([row_of(run)]))
+    assert f" {remains} " in text_of(comparison_page([run], tmp_path))
 
 
 def test_a_run_that_is_cut_short_says_so_and_tells_its_time_so_far(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 from pathlib import Path
 
 import jinja2
@@ -23,6 +24,7 @@ from cleancli.report.plots import marks
 from cleancli.report.run import Run, read_run
 from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
 from cleancli.report.timeline import Count, Stretch, in_order, timeline
+from cleancli.statistics.bootstrap import Estimate
 
 CURVE_HEIGHT = 100.0
 
@@ -126,6 +128,7 @@ def templates() -> jinja2.Environment:
     )
     environment.filters["plural"] = plural
     environment.filters["seconds"] = seconds_text
+    environment.filters["interval"] = interval_text
     environment.filters["call"] = lambda step: call(step.action, step.arguments)
     environment.filters["likely"] = step_text
     environment.filters["measure"] = _measure
@@ -135,6 +138,14 @@ def templates() -> jinja2.Environment:
 def seconds_text(seconds: float) -> str:
     """With as many digits as are of use."""
     return f"{seconds:.2f} s" if seconds < 10 else f"{seconds:.1f} s"
+
+
+def interval_text(estimate: Estimate, digits: int = 1) -> str:
+    """A mean with its interval in brackets, where it has one; a dash where there is no mean."""
+    if isnan(estimate.value):
+        return "-"
+    value = f"{estimate.value:.{digits}f}"
+    return f"{value} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]" if estimate.known else value
 
 
 def _measure(plan: Planned) -> str:
