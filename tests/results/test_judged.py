@@ -9,7 +9,7 @@ from statistics import fmean
 
 import pytest
 
-from cleancli.results.cells import cells, varied
+from cleancli.results.cells import cells, telling, varied
 from cleancli.results.judged import Judged, Sides, judged
 from cleancli.statistics.verdict import Verdict
 from cleancli.study.model import Comparison, Selection
@@ -65,6 +65,22 @@ def test_axes_vary_where_rows_differ() -> None:
     ]
     assert varied(rows) == ("m",)
     assert varied([*rows, row({"scene": "a"}, 1, 1.0, episode=2)]) == ("m", "episode")
+
+
+def test_axes_that_follow_from_others_are_not_told() -> None:
+    """A planner that follows from the strategy, and a domain from the scene; not a scene from the domain."""
+    cells = (("a", "table", "plan-2"), ("b", "floor", "reactive"), ("a", "table", "reactive"))
+    rows = [
+        row({"domain": domain, "scene": scene, "strategy": strategy, "planner": f"p{strategy}"}, 1, 1.0)
+        for domain, scene, strategy in cells
+    ]
+    assert telling(rows) == ("scene", "strategy")
+    assert telling([*rows, row(dict(rows[0].axes) | {"planner": "uct"}, 1, 1.0)]) == (
+        "scene",
+        "strategy",
+        "planner",
+    )
+    assert telling(rows[:1]) == ()
 
 
 def test_a_comparison_is_paired_by_run() -> None:
@@ -164,12 +180,25 @@ def test_episodes_of_one_run_are_one_pair() -> None:
     assert sides(found).paired.ratio.value == pytest.approx(fmean(late) / fmean(early))
 
 
-def test_parts_are_compared_by_the_axes_that_both_have() -> None:
+def test_parts_are_compared_whatever_axes_only_one_of_them_has() -> None:
     wam = list(drawn({"scene": ("a",)}, {"a": 50.0}, 6, part="wam"))
     reem = list(drawn({"scene": ("a",), "grasp": ("folded",)}, {"a": 90.0}, 6, part="reem"))
     found = one(comparison(first={"part": ("wam",)}, second={"part": ("reem",)}), wam + reem)
     assert sides(found).paired.pairs == 6
     assert found.verdict is Verdict.WON
+
+
+def test_axes_of_which_the_sides_share_no_value_keep_no_rows_apart() -> None:
+    """Each strategy has its planner, and each platform its scenes; scenes that both have are compared."""
+    rows = [
+        row({"scene": scene, "strategy": name, "planner": name[:2]}, run, seconds)
+        for scene, longer in (("a", 1.0), ("b", 3.0))
+        for name, seconds in (("plan-2", 10.0 * longer), ("reactive", 20.0 * longer))
+        for run in range(1, 6)
+    ]
+    assert sides(one(comparison(), rows)).paired.pairs == 5
+    without = [each for each in rows if each.axes["scene"] == "a" or each.axes["strategy"] == "plan-2"]
+    assert sides(one(comparison(), without)).paired.ratio.value == 0.5, "of scene a, which both have"
 
 
 def test_p_values_are_raised_for_the_number_of_comparisons() -> None:

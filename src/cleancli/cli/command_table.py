@@ -104,7 +104,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
         ),
         "experiment": CommandRow(
             "Carry out a study: many episodes, here or on a cluster, and a row of each.",
-            (Argument("study", studies),),
+            (Argument("study", studies, settings=_MAYBE),),
         ),
         "report": CommandRow(
             "A run or a series as a page, or several runs compared.",

@@ -20,6 +20,10 @@ ALWAYS_TOLD = frozenset({"thinking", "score", "left", "clean"})
 """Measures that say something also of an episode that did not end clean; all others are of the way there."""
 
 
+FIRST = ("scene", "strategy", "episode")
+"""Axes that are told although they may follow from others."""
+
+
 @dataclass(frozen=True, slots=True)
 class Cell:
     """Rows that have these values, None for an axis that is not theirs. `mean`: of runs, each the mean of its
@@ -48,17 +52,39 @@ def varied(rows: Iterable[Row]) -> tuple[str, ...]:
     return tuple(name for name in names if len({axes.get(name) for axes in told}) > 1)
 
 
+def telling(rows: Sequence[Row]) -> tuple[str, ...]:
+    """The axes of which rows have different values, without those that follow from others, as a planner may
+    from the strategy."""
+    told = [axes_of(row) for row in rows]
+    axes = list(varied(rows))
+    for axis in reversed([axis for axis in axes if axis not in FIRST]):
+        others = [other for other in axes if other != axis]
+        if len({_values(each, others) for each in told}) == len({_values(each, axes) for each in told}):
+            axes = others
+    return tuple(axes)
+
+
+def _values(axes: Mapping[str, Value], names: Iterable[str]) -> tuple[Value | None, ...]:
+    return tuple(axes.get(name) for name in names)
+
+
 def cells(rows: Iterable[Row], axes: Sequence[str], measure: str) -> tuple[Cell, ...]:
     """The rows by their values of some axes, in the order in which these come first."""
     found: dict[tuple[Value | None, ...], list[Row]] = {}
     for row in rows:
-        found.setdefault(tuple(axes_of(row).get(axis) for axis in axes), []).append(row)
+        found.setdefault(_values(axes_of(row), axes), []).append(row)
     return tuple(_cell(values, own, measure) for values, own in found.items())
 
 
 def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str) -> Cell:
+    failed = len(rows) - int(measured(rows, measure)[1].sum())
+    return Cell(values, tuple(rows), mean_of(means_of_runs(rows, measure)), failed)
+
+
+def means_of_runs(rows: Sequence[Row], measure: str) -> Floats:
+    """Of each run that has any, the mean of its rows that count, (n,)."""
     told, clean = measured(rows, measure)
-    return Cell(values, tuple(rows), mean_of(by_run(runs_of(rows)[clean], told[clean])), int((~clean).sum()))
+    return by_run(runs_of(rows)[clean], told[clean])
 
 
 def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:

@@ -186,7 +186,9 @@ def _label(axes: Any, at: Iterable[float], labels: Sequence[str], towards: str =
 
 def _times(name: str, grid: Grid) -> Figure:
     """Mean seconds by kind, one on top of the other, of episodes that ended clean (Fig. 8b, 10b)."""
-    kinds = in_order({kind: 0.0 for stack in _stacks(grid) for kind in stack.seconds})
+    kinds = in_order(
+        {kind: 0.0 for stack in _stacks(grid) for kind, seconds in stack.seconds.items() if seconds}
+    )
 
     def draw(axes: Any, panel: Grid) -> None:
         stacks = list(_stacks(panel))

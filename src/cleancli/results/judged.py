@@ -12,7 +12,7 @@ from cleancli.results.cells import axes_of, measured, runs_of, varied
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
-from cleancli.study.model import Comparison
+from cleancli.study.model import Comparison, Value
 from cleancli.study.row import Row, chosen
 
 
@@ -118,13 +118,17 @@ class _Matched:
 
 
 def _matched(comparison: Comparison, rows: Sequence[Row]) -> _Matched:
-    """The rows of a comparison. Axes that tell its sides apart, or that only one of two parts has, are not in
-    common."""
+    """The rows of a comparison. What tells its sides apart is not in common, nor are axes of which they share
+    no value."""
     first, second = (list(chosen(rows, comparison.where, s)) for s in (comparison.first, comparison.second))
     both = [*first, *second]
     apart = {*comparison.first, *comparison.second}
-    shared = [a for a in varied(both) if a not in apart and all(a in axes_of(row) for row in both)]
-    common = [tuple(axes_of(row)[axis] for axis in shared) for row in both]
+    shared = [
+        axis
+        for axis in varied(both)
+        if axis not in apart and not _of_axis(first, axis).isdisjoint(_of_axis(second, axis))
+    ]
+    common = [tuple(axes_of(row).get(axis) for axis in shared) for row in both]
     groups, places = _numbered(common), _numbered(zip(runs_of(both).tolist(), common, strict=True))
     is_second = np.arange(len(both)) >= len(first)
     values, clean = measured(both, comparison.measure)
@@ -133,6 +137,10 @@ def _matched(comparison: Comparison, rows: Sequence[Row]) -> _Matched:
         own = kept & (groups == group)
         values[own] = counted(values[own], clean[own])
     return _Matched(runs_of(both)[kept], places[kept], is_second[kept], values[kept], clean[kept])
+
+
+def _of_axis(rows: Iterable[Row], axis: str) -> set[Value | None]:
+    return {axes_of(row).get(axis) for row in rows}
 
 
 def _numbered(values: Iterable[Hashable]) -> Longs:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.results.cells import Cell, axes_of, cells, varied
+from cleancli.results.cells import Cell, axes_of, cells, telling
 from cleancli.study.model import Value
 from cleancli.study.row import Row
 
@@ -27,7 +27,7 @@ class Grid:
 def grid_of(rows: Sequence[Row], measure: str) -> Grid:
     """The cells of a part of a study. From left to right go episodes, else numbers, else scenes, else the
     first axis that varies."""
-    axes = varied(rows)
+    axes = telling(rows)
     along = next(iter(sorted(axes, key=lambda axis: _rank(rows, axis))), "scene")
     apart = tuple(axis for axis in axes if axis != along)
     found = {cell.values: cell for cell in cells(rows, (along, *apart), measure)}

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.plural import plural
-from cleancli.results.cells import Cell, cells, varied
+from cleancli.results.cells import Cell, axes_of, cells, telling
 from cleancli.results.claims import CLAIMS
 from cleancli.results.figures import Figure, figures_of
 from cleancli.results.judged import Judged, judged
@@ -154,11 +154,23 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
         yield f"### {study.name}, {name}\n"
     for figure in figures:
         yield f"![{figure.shows}]({FIGURES}/{figure.name}.svg)\n"
-    axes = varied(rows)
+    yield f"{_in_common(rows)}\n"
+    axes = telling(rows)
     measures = dict.fromkeys((study.measure, "actions", "left"))
     columns = [cells(rows, axes, measure) for measure in measures]
     names = [*axes, "runs", "episodes not clean", *(MEASURES[measure].meaning for measure in measures)]
     yield from _table(names, (_cell(same) for same in zip(*columns, strict=True)))
+
+
+def _in_common(rows: Sequence[Row]) -> str:
+    """The axes that have one value in all rows."""
+    told = [axes_of(row).items() for row in rows]
+    fixed = [
+        f"{axis} {value}"
+        for axis, value in told[0]
+        if axis != "part" and all((axis, value) in t for t in told)
+    ]
+    return f"In all: {', '.join(fixed)}."
 
 
 def _cell(same: Sequence[Cell]) -> tuple[str, ...]:
@@ -189,7 +201,7 @@ def _compared(each: Judged) -> tuple[str, ...]:
 def _verdict(each: Judged) -> str:
     """What was expected, the verdict, and why."""
     said = each.comparison
-    expected = f" {said.says}" if said.says else ""
+    expected = f" {said.says.rstrip('.')}." if said.says else ""
     claim = "" if said.claim is None else f" (claim {said.claim})"
     return f"**{said.name}**{claim}:{expected} *{each.verdict.capitalize()}*: {reason(each)}."
 

@@ -63,10 +63,18 @@ def _share(context: click.Context, parameter: click.Parameter, value: str | None
 @click.option(
     "--output", type=options.FOLDER, help="Folder for the rows. [default: experiments/ and the study's name]"
 )
+@click.option(
+    "--report",
+    "reported",
+    type=click.Path(exists=True, path_type=Path),
+    multiple=True,
+    metavar="ROWS",
+    help="Carry out nothing: write the page of results from an experiment's folder, or its rows.parquet.",
+)
 @options.as_json("Print the summary as JSON, and nothing else.")
 @usage_errors()
 def command(
-    study: str,
+    study: str | None,
     runs: int | None,
     seed: int | None,
     quick: bool,
@@ -75,6 +83,7 @@ def command(
     until: float | None,
     scheduler: str | None,
     output: Path | None,
+    reported: tuple[Path, ...],
     as_data: bool,
 ) -> int:
     """Carry out the episodes of STUDY: each combination of what it lists, as often as it says.
@@ -82,7 +91,14 @@ def command(
     The output folder gets a line for each episode as soon as it is over, and in the end the rows of all as
     Parquet and CSV. An episode that is finished is never carried out again. Exit code 3 if episodes were
     given up because their workers were lost.
+
+    With --report nothing is carried out: the page of results, results.md, and its figures are written from
+    rows alone.
     """
+    if reported:
+        return _report(reported, study, output, as_data)
+    if study is None:
+        raise click.UsageError("name a study, such as fig8a, or rows to --report")
     if jobs is not None and scheduler is not None:
         raise click.UsageError("--jobs is for this machine, --scheduler for a cluster: ask for one")
     source = read_source(find(study, "studies"))
@@ -105,6 +121,26 @@ def command(
         write_rows(folder, found)
     _tell(studies, found, known, kept, given_up, folder, as_data)
     return ExitCode.NOT_CLEAN if given_up else ExitCode.DONE
+
+
+def _report(rows: Sequence[Path], study: str | None, output: Path | None, as_data: bool) -> int:
+    """Write the page, beside the first rows unless told where."""
+    if study is not None:
+        raise click.UsageError("--report takes the studies from the rows: name none")
+    _require("pyarrow")
+    from cleancli.experiment.report import write_report
+    from cleancli.results.figures import MissingMatplotlib
+
+    beside = rows[0] if rows[0].is_dir() else rows[0].parent
+    try:
+        page = write_report(rows, beside if output is None else output)
+    except MissingMatplotlib as error:
+        raise MissingPart(str(error)) from error
+    if as_data:
+        click.echo(json.dumps({"page": str(page)}))
+    else:
+        echo(f"page: {page}")
+    return ExitCode.DONE
 
 
 def _carry_out(
