@@ -110,6 +110,22 @@ def test_the_environments_say_how_many_steps_a_second_to_expect(
     assert rates[2] > 100_000 > rates[0] > rates[4] > 0
 
 
+def test_intervals_of_runs_and_what_stopping_does_are_measured(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _main("run_statistics", monkeypatch, "--quick")
+    told = capsys.readouterr().out
+    assert [count for count, _ in re.findall(r"^\| (\d+) (\| \d+\.\d% ){5}\|$", told, re.M)] == [
+        "5",
+        "10",
+        "20",
+        "50",
+    ]
+    stopped = re.findall(r"^\| (0\.\d) \| (\d+\.\d) \| ([+-]\d\.\d+)% \| \d+\.\d% \|$", told, re.M)
+    assert [spread for spread, _, _ in stopped] == ["0.1", "0.2", "0.3", "0.5"]
+    assert all(float(runs) >= 10 and abs(float(bias)) < 5 for _, runs, bias in stopped)
+
+
 def test_goals_without_a_horizon_are_solved_and_written_for_another_solver(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,35 @@ def test_of_a_study_without_a_text_beside_the_rows_the_shipped_one_is_taken(
     (folder / "made_up.nid").unlink()
     assert run(["experiment", "--report", str(folder)]) == ExitCode.REFUSED
     assert "made_up" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"study": "../made_up"}, "`../made_up` is no name of a study"),
+        ({"part": "../../etc"}, "has no part `../../etc`"),
+        ({"study": "other"}, "has the name `made_up`"),
+    ],
+)
+def test_rows_may_be_anybodys(
+    changes: dict[str, str], message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No name in them leads out of the folder."""
+    (folder / "other.nid").write_text(STUDY, encoding="utf-8")
+    rows = drawn({"scene": ("two_groups",), "strategy": ("plan-2",)}, {}, 2)
+    write_rows(folder, [replace(row, **changes) for row in rows])  # type: ignore[arg-type]
+    assert run(["experiment", "--report", str(folder)]) == ExitCode.REFUSED
+    assert message in capsys.readouterr().err
+    assert not (folder / "results.md").exists()
+
+
+def test_odd_names_break_neither_tables_nor_figures(folder: Path) -> None:
+    odd = {"scene": ("a|b$x^{", "\x1b[31m"), "strategy": ("plan-2", "reactive")}
+    write_rows(folder, list(drawn(odd, {}, 2)))
+    assert run(["experiment", "--report", str(folder)]) == ExitCode.DONE
+    page = (folder / "results.md").read_text(encoding="utf-8")
+    assert "\x1b" not in page
+    assert "| a/b$x^{ | plan-2 |" in page
 
 
 def test_mistakes_are_told(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,7 +31,7 @@ def stopped(values: Floats) -> Floats:
 def test_stopping_leaves_the_mean_and_its_interval_nearly_as_they_are(
     draw: Callable[[np.random.Generator], Floats],
 ) -> None:
-    """As docs/experiments.md says: about 35 blocks, a bias below one percent, and 92 to 95 of 100 intervals
+    """As docs/statistics.md says: about 35 blocks, a bias below one percent, and 92 to 95 of 100 intervals
     hold the mean."""
     rng = np.random.default_rng(10)
     found = [stopped(draw(rng)) for _ in range(600)]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
@@ -35,6 +36,7 @@ _OF_KINDS = {
 _STYLE = {
     "svg.hashsalt": "cleancli",
     "font.size": 10,
+    "text.parse_math": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
@@ -263,7 +265,9 @@ def _drawn(name: str, shows: str, panels: Sequence[Grid], draw: Callable[[Any, G
     figures = find_matplotlib()
     matplotlib = importlib.import_module("matplotlib")
     files = {}
-    with matplotlib.rc_context():
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        # Letters that the font does not have are shown as boxes; users know how they named their files.
+        warnings.filterwarnings("ignore", r"Glyph \d+")
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
         figure = figures.Figure(figsize=(_WIDTH, _HEIGHT * (1 + len(panels)) / 2), layout="constrained")

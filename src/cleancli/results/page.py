@@ -12,6 +12,7 @@ from math import isfinite, isnan
 from pathlib import Path
 
 from cleancli.files.replace import replace_file
+from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.results.cells import Cell, axes_of, cells, telling
 from cleancli.results.claims import CLAIMS
@@ -86,7 +87,7 @@ def _figures(results: Iterable[Results]) -> Iterator[Figure]:
 
 def results_page(results: Sequence[Results]) -> str:
     """The page as Markdown."""
-    return "\n".join(_lines(results))
+    return printable("\n".join(_lines(results)), keep="\n")
 
 
 def _lines(results: Sequence[Results]) -> Iterator[str]:
@@ -109,7 +110,7 @@ def _lines(results: Sequence[Results]) -> Iterator[str]:
 _INTRODUCTION = f"""# Results
 
 Written by `cleancli experiment --report` from the rows of the episodes alone.
-How verdicts come about is told in [experiments.md](experiments.md).
+How verdicts come about is told in [statistics.md](statistics.md).
 
 Numbers of this page: `cleancli experiment`.
 
@@ -259,4 +260,4 @@ def _chance(value: float) -> str:
 def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
     yield f"| {' | '.join(names)} |"
     yield "|---" * len(names) + "|"
-    yield from (f"| {' | '.join(row)} |" for row in rows)
+    yield from (f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows)

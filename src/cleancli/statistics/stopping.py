@@ -3,7 +3,7 @@
 Runs go on block by block, a block being a run of each of the ways to clean, until Student's interval of each
 mean reaches no further than a share of it (Chow and Robbins 1965; of a share, Nadas 1969). Whether to stop
 depends on the values, so the interval holds the mean a little less often than it says; FEWEST_BLOCKS keeps
-that small (docs/experiments.md).
+that small (docs/statistics.md).
 """
 
 from __future__ import annotations
