@@ -103,6 +103,18 @@ def test_what_a_series_has_seen_is_handed_on() -> None:
     assert carried_out(two, NO_EVIDENCE).evidence.order != after.evidence.order
 
 
+def test_actions_whose_rules_are_not_known_yet_are_counted() -> None:
+    """None where nothing is learned, all at first, and none once each was seen twice."""
+    study = """study s {
+      scene = three_areas samples = 200 estimator = none, m  known = 2 episodes = 4 runs = 1 seed = 5
+    }"""
+    rows = rows_here(opened(study))
+    plain, learning = ([row for row in rows if row.axes["estimator"] == name] for name in ("none", "m"))
+    assert [row.unknown for row in plain] == [0, 0, 0, 0]
+    assert learning[0].unknown == learning[0].actions
+    assert learning[-1].unknown == 0 < learning[-1].actions
+
+
 CHANGES: dict[str, Callable[[Episode], Episode]] = {
     "seed": lambda e: replace(e, seed=e.seed + 1),
     "option": lambda e: replace(e, axes={**e.axes, "samples": 300}),

@@ -57,7 +57,7 @@ def test_figures_are_the_same_bytes_each_time_also_under_other_settings() -> Non
 def test_a_series_has_figures_of_its_actions_and_a_study_of_its_times() -> None:
     series = list(drawn({"estimator": ["decreasing-m", "m"]}, {"m": 100.0}, 5, episodes=4))
     names = [figure.name for figure in figures_of("fig10", series, "seconds")]
-    assert names == ["fig10", "fig10_actions", "fig10_times"]
+    assert names == ["fig10", "fig10_actions", "fig10_unknown", "fig10_times"]
     assert [figure.name for figure in figures_of("fig9", rows_of("fig8b"), "moving")] == [
         "fig9",
         "fig9_times",

@@ -18,6 +18,7 @@ ROW = Row(
     clean=True,
     reason="nothing is left to do",
     actions=5,
+    unknown=2,
     seconds={
         "planning": 1.0,
         "perceiving": 2.0,
@@ -46,6 +47,7 @@ ROW = Row(
         ("seconds", 40),
         ("moving", 30),
         ("actions", 5),
+        ("unknown", 2),
         ("planning", 1),
         ("perceiving", 2),
         ("extra_perceptions", 3),

@@ -35,6 +35,7 @@ def row(
         clean=clean,
         reason="nothing is left to do" if clean else "60 actions were carried out",
         actions=max(1, round(seconds / 8)),
+        unknown=max(0, 3 - episode),
         seconds={kind: share * seconds for kind, share in shares.items()},
         total=seconds,
         pieces=40,

@@ -17,7 +17,7 @@ from cleancli.api.lessons import Counting
 from cleancli.api.run_session import Inputs, open_session, versions
 from cleancli.api.runs import inputs_of
 from cleancli.execution.episode_state import EpisodeState
-from cleancli.execution.events import Checkpoint, Ended
+from cleancli.execution.events import Checkpoint, Ended, Looked, Purpose
 from cleancli.execution.loop import clean, saving
 from cleancli.execution.session import Session, stand_in_session
 from cleancli.execution.setup import EpisodeOptions
@@ -109,12 +109,14 @@ def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
     inputs = replace(inputs_for(episode), evidence=evidence)
     cpu, real = time.process_time(), time.perf_counter()
     with closing(opened(inputs, episode.axes)) as session:
-        state, ended = EpisodeState(evidence=evidence), None
+        state, ended, unknown = EpisodeState(evidence=evidence), None, 0
         try:
             with planning_refused(inputs.sources):
                 for event in saving(clean(session.setup, session.cell), session.save):
                     if isinstance(event, Checkpoint):
                         state = event.state
+                    elif isinstance(event, Looked):
+                        unknown += event.purpose is Purpose.LEARNING
                     elif isinstance(event, Ended):
                         ended = event
         except Refused as refused:  # by a planner: it has not cleaned the table
@@ -123,7 +125,7 @@ def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
         truth = session.truth()
     assert ended is not None, "an episode's last event closes it"
     spent = time.process_time() - cpu, time.perf_counter() - real
-    return Finished(_row(episode, ended, truth, spent), state.evidence)
+    return Finished(_row(episode, ended, unknown, truth, spent), state.evidence)
 
 
 def opened(inputs: Inputs, axes: Axes) -> Session:
@@ -227,7 +229,9 @@ def _refuse_other_versions(asked: Mapping[str, str]) -> None:
 # ---- rows
 
 
-def _row(episode: Episode, ended: Ended, truth: Mapping[str, Any], spent: tuple[float, float]) -> Row:
+def _row(
+    episode: Episode, ended: Ended, unknown: int, truth: Mapping[str, Any], spent: tuple[float, float]
+) -> Row:
     pieces = truth.get("particles", 0)
     zone = truth.get("in_zone")
     away = truth.get("in_container", 0) + truth.get("in_dustpan", 0) if zone is None else zone
@@ -242,6 +246,7 @@ def _row(episode: Episode, ended: Ended, truth: Mapping[str, Any], spent: tuple[
         clean=ended.clean,
         reason=ended.reason,
         actions=ended.actions,
+        unknown=unknown,
         seconds=ended.spent.by_kind(),
         total=ended.spent.total,
         pieces=pieces,

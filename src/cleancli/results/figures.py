@@ -94,12 +94,12 @@ class Figure:
 
 
 def figures_of(name: str, rows: Sequence[Row], measure: str) -> tuple[Figure, ...]:
-    """The figures of a part of a study: the measure that it is about, the actions of a learning series, and
-    the seconds by kind. Raises MissingMatplotlib."""
+    """The figures of a part of a study: the measure that it is about, the actions of a series and how
+    many were unknown, and the seconds by kind. Raises MissingMatplotlib."""
     grid = grid_of(rows, measure)
     shown = [(name, measure)]
-    if grid.along == "episode" and measure != "actions":
-        shown.append((f"{name}_actions", "actions"))
+    if grid.along == "episode":
+        shown += [(f"{name}_{also}", also) for also in ("actions", "unknown") if also != measure]
     return (*(_means(each, rows, what) for each, what in shown), _times(f"{name}_times", grid))
 
 

@@ -17,12 +17,13 @@ class Row:
     """An episode of a study.
 
     `axes` has the values of its cell by the names of axes. `run` counts the repetitions of a cell, `episode`
-    those of its series, both from 1; cells are paired by run, whose `seed`s they share. `seconds` by kind, as
-    in `Account`, and their `total`. `left` and `on_floor`: pieces of dirt that truly lie there, of all
-    `pieces`; `ink_left`: a share. `score`: the share of the pieces that are where they belong; None where
-    there are none. `cpu`: seconds of the process, and `real` ones, for all of the episode. `versions` of what
-    results depend on. `files`: the SHA-256 of each text that went in, in order. `key`: the SHA-256 of all
-    that decides how it goes.
+    those of its series, both from 1; cells are paired by run, whose `seed`s they share. `unknown`: how many
+    of the `actions` had rules that were not known yet, and were looked at with the arm out of view (§5.2).
+    `seconds` by kind, as in `Account`, and their `total`. `left` and `on_floor`: pieces of dirt that truly
+    lie there, of all `pieces`; `ink_left`: a share. `score`: the share of the pieces that are where they
+    belong; None where there are none. `cpu`: seconds of the process, and `real` ones, for all of the episode.
+    `versions` of what results depend on. `files`: the SHA-256 of each text that went in, in order. `key`: the
+    SHA-256 of all that decides how it goes.
     """
 
     study: str
@@ -46,6 +47,7 @@ class Row:
     versions: Mapping[str, str]
     files: tuple[str, ...]
     key: str
+    unknown: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +78,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "seconds": Measure(lambda row: row.total, "seconds until the episode is over", True),
         "moving": Measure(moving, "seconds of the robot's moving, in transits and actions"),
         "actions": Measure(lambda row: float(row.actions), "actions until the episode is over"),
+        "unknown": Measure(lambda row: float(row.unknown), "actions whose rules were not known yet"),
         "planning": _kind("planning", "seconds of planning"),
         "perceiving": _kind("perceiving", "seconds of looking"),
         "extra_perceptions": _kind("extra_perceptions", "seconds of looking with the arm moved away"),
