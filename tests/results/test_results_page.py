@@ -104,6 +104,7 @@ def test_rows_of_other_studies_are_left_out_and_parts_have_figures_of_their_own(
         (against("reactive"), 8, "all of the interval lies below 1"),
         (replace(against("reactive"), expect="more"), 8, "none of the interval lies above 1"),
         (replace(against("reactive"), expect="equal", factor=0.5, margin=0.1), 8, "lies between 0.4 and 0.6"),
+        (against("nobody"), 8, "there are no rows to compare"),
         (against("reactive"), 4, "4 runs are too few; at least 5 are needed"),
         (against("tsp"), 8, r"only a part of the interval lies below 1, and about \d+ more runs would"),
     ],

@@ -63,6 +63,9 @@ LETTERS = 90
 MOST_WIDE = 24
 """Bars of which each is wide enough for a number above it. Chosen."""
 
+_APART = 0.3
+"""Of the gap between two places on an axis of numbers, what the points of all series take."""
+
 _BAR = 0.84
 """Of a place's width, that of all its bars."""
 
@@ -146,23 +149,21 @@ def _bars(axes: Any, grid: Grid) -> None:
 
 
 def _lines(axes: Any, grid: Grid) -> None:
-    """A line for each series, in the band of its intervals."""
+    """A line for each series, a little aside of one another so that their intervals do not overlap."""
+    places = [float(place) for place in grid.places if isinstance(place, int | float)]
+    apart = _APART * min(np.diff(places), default=0.0) / len(grid.series)
     for number, (name, row) in enumerate(grid.series):
-        own = [
-            (float(place), cell)
-            for place, cell in zip(grid.places, row, strict=True)
-            if cell is not None and cell.mean.count and isinstance(place, int | float)
-        ]
+        aside = (number - (len(grid.series) - 1) / 2) * apart
+        own = [(x + aside, cell) for x, cell in zip(places, row, strict=True) if cell and cell.mean.count]
         colour, marker = _COLOURS[number % len(_COLOURS)], _MARKERS[number % len(_MARKERS)]
-        at, means = [x for x, _ in own], [cell.mean for _, cell in own]
-        axes.plot(at, [mean.value for mean in means], color=colour, marker=marker, markersize=5, label=name)
-        known = [(x, mean.low, mean.high) for x, mean in zip(at, means, strict=True) if mean.known]
-        if known:
-            axes.fill_between(*zip(*known, strict=True), color=colour, alpha=0.18, linewidth=0)
+        at, means = [x for x, _ in own], [cell.mean.value for _, cell in own]
+        axes.plot(at, means, color=colour, marker=marker, markersize=5, label=name)
         for x, cell in own:
+            if cell.mean.known:
+                axes.plot([x, x], [cell.mean.low, cell.mean.high], color=colour, linewidth=1.2)
             if cell.failed:
-                _note(axes, x, cell.mean.value, cell.failed)
-    axes.set_xticks([float(place) for place in grid.places if isinstance(place, int | float)])
+                _note(axes, x, cell.mean.high if cell.mean.known else cell.mean.value, cell.failed)
+    axes.set_xticks(places)
     axes.set_xlabel(grid.along)
 
 

@@ -192,7 +192,7 @@ def _compared(each: Judged) -> tuple[str, ...]:
         _interval(sides.first),
         _interval(sides.second),
         _interval(sides.paired.ratio),
-        f"{_interval(sides.difference)} in {sides.difference.count}",
+        f"{_interval(sides.difference)} in {sides.difference.count}" if sides.difference.count else "",
         "" if isnan(sides.paired.lesser) else f"{sides.paired.lesser:.0%}",
         _number(sides.paired.effect),
         *tests,
@@ -216,6 +216,8 @@ def reason(each: Judged) -> str:
             return f"all of the interval lies {within}{failed}"
         case Verdict.LOST:
             return f"none of the interval lies {within}{failed}"
+    if not each.estimate.count:
+        return "there are no rows to compare"
     if not each.estimate.known:
         return f"{plural(each.estimate.count, 'run')} are too few; at least {FEWEST} are needed{failed}"
     if each.more is None:
