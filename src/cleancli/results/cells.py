@@ -14,11 +14,7 @@ from cleancli.array_types import Bools, Floats, Longs
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import by_run
 from cleancli.study.model import Value
-from cleancli.study.row import MEASURES, Row
-
-ALWAYS_TOLD = frozenset({"thinking", "score", "left", "clean"})
-"""Measures that say something also of an episode that did not end clean; all others are of the way there."""
-
+from cleancli.study.row import MEASURES, Row, axes_of
 
 FIRST = ("scene", "strategy", "episode")
 """Axes that are told although they may follow from others."""
@@ -38,11 +34,6 @@ class Cell:
     def runs(self) -> int:
         """How many runs the rows are of."""
         return len({row.run for row in self.rows})
-
-
-def axes_of(row: Row) -> Mapping[str, Value]:
-    """All that rows are selected by."""
-    return {"part": row.part, **row.axes, "episode": row.episode}
 
 
 def varied(rows: Iterable[Row]) -> tuple[str, ...]:
@@ -88,9 +79,10 @@ def means_of_runs(rows: Sequence[Row], measure: str) -> Floats:
 
 
 def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:
-    """The measure of each row, and whether it is one of the whole way to a clean end, (n,) each."""
-    values = np.array([MEASURES[measure].of(row) for row in rows], dtype=np.float64)
-    return values, np.array([row.clean or measure in ALWAYS_TOLD for row in rows], dtype=np.bool_)
+    """The measure of each row, and whether it says something of it, (n,) each."""
+    found = MEASURES[measure]
+    values = np.array([found.of(row) for row in rows], dtype=np.float64)
+    return values, np.array([row.clean or found.always for row in rows], dtype=np.bool_)
 
 
 def runs_of(rows: Sequence[Row]) -> Longs:

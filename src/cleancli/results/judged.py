@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
-from cleancli.results.cells import axes_of, measured, runs_of, varied
+from cleancli.results.cells import measured, runs_of, varied
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
 from cleancli.study.model import Comparison, Value
-from cleancli.study.row import Row, chosen
+from cleancli.study.row import Row, axes_of, chosen
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cleancli.results.cells import Cell, axes_of, cells, telling
+from cleancli.results.cells import Cell, cells, telling
 from cleancli.study.model import Value
-from cleancli.study.row import Row
+from cleancli.study.row import Row, axes_of
 
 LEAST_NUMBERS = 3
 """Values of an axis of numbers that a line is drawn along."""

@@ -14,14 +14,14 @@ from pathlib import Path
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
-from cleancli.results.cells import Cell, axes_of, cells, telling
+from cleancli.results.cells import Cell, cells, telling
 from cleancli.results.claims import CLAIMS
 from cleancli.results.figures import Figure, figures_of
 from cleancli.results.judged import Judged, judged
 from cleancli.statistics.bootstrap import FEWEST, Estimate
 from cleancli.statistics.verdict import MOST_PAIRS, Bounds, Verdict, together
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row
+from cleancli.study.row import MEASURES, Row, axes_of
 
 PAGE = "results.md"
 FIGURES = "results"

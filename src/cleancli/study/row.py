@@ -52,11 +52,13 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A number that a row tells, and what it means. `is_real`: it holds real time."""
+    """A number that a row tells, and what it means. `is_real`: it holds real time. `always`: it says
+    something also of an episode that did not end clean, and is not of the way there."""
 
     of: Callable[[Row], float]
     meaning: str
     is_real: bool = False
+    always: bool = False
 
 
 def moving(row: Row) -> float:
@@ -85,20 +87,31 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "transits": _kind("transits", "seconds on the way to where an action begins"),
         "acting": Measure(lambda row: row.seconds["actions"], "seconds of actions themselves"),
         "learning": _kind("learning", "seconds of looking in order to learn"),
-        "thinking": Measure(_thinking, "the share of all seconds that planning and looking take", True),
+        "thinking": Measure(_thinking, "the share of all seconds that planning and looking take", True, True),
         "score": Measure(
-            lambda row: 0.0 if row.score is None else row.score, "the share of dirt that is where it belongs"
+            lambda row: 0.0 if row.score is None else row.score,
+            "the share of dirt that is where it belongs",
+            always=True,
         ),
-        "left": Measure(lambda row: float(row.left + row.on_floor), "pieces of dirt that are left or lost"),
-        "clean": Measure(lambda row: float(row.clean), "1 where the episode ended clean, else 0"),
+        "left": Measure(
+            lambda row: float(row.left + row.on_floor), "pieces of dirt that are left or lost", always=True
+        ),
+        "clean": Measure(
+            lambda row: float(row.clean), "1 where the episode ended clean, else 0", always=True
+        ),
     }
 )
 """By name."""
 
 
+def axes_of(row: Row) -> Mapping[str, Value]:
+    """All that rows are selected by, in order."""
+    return {"part": row.part, **row.axes, "episode": row.episode}
+
+
 def matches(row: Row, selection: Selection) -> bool:
     """Whether a row is of the values that are meant; an axis that it does not have is of none."""
-    own: Mapping[str, Value] = {**row.axes, "part": row.part, "episode": row.episode}
+    own = axes_of(row)
     return all(own.get(axis) in values for axis, values in selection.items())
 
 
