@@ -189,7 +189,9 @@ def test_report_writes_the_page_and_tells_the_figures(
         "intervals": [[0.4, 0.8], [0.2, 0.6]],
     }
     assert run(["report", str(folder), str(folder / "evening-seed4-001")]) == ExitCode.DONE
-    assert len(capsys.readouterr().out.splitlines()) == 5, "a row for each run of both"
+    table, means = capsys.readouterr().out.split("\n\n")
+    assert len(table.splitlines()) == 5, "a row for each run of both"
+    assert means.splitlines()[1].split()[:4] == ["evening", "?", "3", "0"], "where each counts once"
 
 
 def test_a_series_writes_its_page_after_each_episode(tmp_path: Path) -> None:

@@ -36,7 +36,8 @@ class Group:
 
 
 def groups_of(runs: Sequence[Run]) -> tuple[Group, ...]:
-    """The groups, in the order of their first runs."""
+    """The groups, in the order of their first runs; a run that is named twice counts once."""
+    runs = tuple({run.folder.resolve(): run for run in runs}.values())
     found: dict[tuple[str, frozenset[tuple[str, str]]], list[Run]] = {}
     for run in runs:
         found.setdefault((run.problem, frozenset(_settings(run).items())), []).append(run)
