@@ -23,7 +23,7 @@ def write_report(rows: Iterable[Path], folder: Path) -> Path:
     experiments, or files of rows.
 
     Raises Refused for what holds no rows or no study, and where rows of one study are in two of them (E702),
-    MissingMatplotlib, OSError.
+    ImportError without pyarrow or matplotlib, OSError.
     """
     found: dict[str, Results] = {}
     for each in rows:

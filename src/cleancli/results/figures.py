@@ -6,7 +6,6 @@ the colour-blind tell apart; series that share one differ by hatch or marker.
 
 from __future__ import annotations
 
-import importlib
 import io
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -33,7 +32,7 @@ _OF_KINDS = {
 }
 """As on the pages of runs (report/templates/style.css)."""
 
-_STYLE = {
+_STYLE: Mapping[Any, object] = {
     "svg.hashsalt": "cleancli",
     "font.size": 10,
     "text.parse_math": False,
@@ -70,23 +69,6 @@ _BAR = 0.84
 """Of a place's width, that of all its bars."""
 
 
-class MissingMatplotlib(Exception):
-    """matplotlib isn't installed."""
-
-    def __init__(self) -> None:
-        super().__init__("figures need matplotlib: pip install 'matplotlib>=3.8'")
-
-
-def find_matplotlib() -> Any:
-    """Its package. Raises MissingMatplotlib."""
-    try:
-        return importlib.import_module("matplotlib.figure")
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.split(".")[0] != "matplotlib":
-            raise
-        raise MissingMatplotlib from error
-
-
 @dataclass(frozen=True, slots=True)
 class Figure:
     """A picture by its name, what it shows, and its bytes by format."""
@@ -98,7 +80,7 @@ class Figure:
 
 def figures_of(name: str, rows: Sequence[Row], measure: str) -> tuple[Figure, ...]:
     """The figures of a part of a study: the measure that it is about, the actions of a series and how
-    many were unknown, and the seconds by kind. Raises MissingMatplotlib."""
+    many were unknown, and the seconds by kind. Raises ImportError without matplotlib."""
     grid = grid_of(rows, measure)
     shown = [(name, measure)]
     if grid.along == "episode":
@@ -262,16 +244,18 @@ def _label_stacks(axes: Any, grid: Grid, stacks: Sequence[_Stack]) -> None:
 
 
 def _drawn(name: str, shows: str, panels: Sequence[Grid], draw: Callable[[Any, Grid], None]) -> Figure:
-    """The bytes of a figure with its panels one below the other, and its legend above."""
-    figures = find_matplotlib()
-    matplotlib = importlib.import_module("matplotlib")
+    """The bytes of a figure with its panels one below the other, and its legend above: the one place that
+    loads matplotlib, which takes long and is an optional part. Raises ImportError."""
+    import matplotlib
+    from matplotlib.figure import Figure as Canvas
+
     files = {}
     with matplotlib.rc_context(), warnings.catch_warnings():
         # Letters that the font does not have are shown as boxes; users know how they named their files.
         warnings.filterwarnings("ignore", r"Glyph \d+")
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
-        figure = figures.Figure(figsize=(_WIDTH, _HEIGHT * (1 + len(panels)) / 2), layout="constrained")
+        figure = Canvas(figsize=(_WIDTH, _HEIGHT * (1 + len(panels)) / 2), layout="constrained")
         rows = figure.subplots(len(panels), sharey=True, squeeze=False)[:, 0]
         for axes, panel in zip(rows, panels, strict=True):
             draw(axes, panel)

@@ -39,7 +39,7 @@ class Results:
 
 
 def results_of(study: Study, rows: Iterable[Row]) -> Results:
-    """The results of a study; rows of others are left out. Raises MissingMatplotlib."""
+    """The results of a study; rows of others are left out. Raises ImportError without matplotlib."""
     own = _in_order(study, (row for row in rows if row.study == study.name))
     parts = {name: tuple(found) for name, found in groupby(own, lambda row: row.part)}
     figures = {

@@ -128,14 +128,11 @@ def _report(rows: Sequence[Path], study: str | None, output: Path | None, as_dat
     if study is not None:
         raise click.UsageError("--report takes the studies from the rows: name none")
     _require("pyarrow")
+    _require("matplotlib")
     from cleancli.experiment.report import write_report
-    from cleancli.results.figures import MissingMatplotlib
 
     beside = rows[0] if rows[0].is_dir() else rows[0].parent
-    try:
-        page = write_report(rows, beside if output is None else output)
-    except MissingMatplotlib as error:
-        raise MissingPart(str(error)) from error
+    page = write_report(rows, beside if output is None else output)
     if as_data:
         click.echo(json.dumps({"page": str(page)}))
     else:
