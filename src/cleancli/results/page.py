@@ -87,30 +87,29 @@ def _figures(results: Iterable[Results]) -> Iterator[Figure]:
 
 def results_page(results: Sequence[Results]) -> str:
     """The page as Markdown."""
-    return printable("\n".join(_lines(results)), keep="\n")
+    return printable("\n\n".join(_blocks(results)) + "\n", keep="\n")
 
 
-def _lines(results: Sequence[Results]) -> Iterator[str]:
-    yield from (f"{_INTRODUCTION}\n", f"{_went_in(results)}\n", "## The paper's claims\n")
-    yield from _table(("claim", "what the paper says", "verdict", "by"), _claims(results))
+def _blocks(results: Sequence[Results]) -> Iterator[str]:
+    """What stands between two empty lines."""
+    yield from (_INTRODUCTION, _went_in(results), "## The paper's claims")
+    yield _table(("claim", "what the paper says", "verdict", "by"), _claims(results))
     for each in results:
-        yield f"\n## {each.study.name}\n"
+        yield f"## {each.study.name}"
         if each.study.about:
-            yield f"{each.study.about}\n"
+            yield each.study.about
         for name, figures in each.figures.items():
             yield from _part(each.study, [row for row in each.rows if row.part == name], name, figures)
         if each.judged:
-            yield "\n### Comparisons\n" if len(results) == 1 else f"\n### Comparisons of {each.study.name}\n"
-            yield from _table(_COMPARED, map(_compared, each.judged))
-            yield ""
-            yield from (f"- {_verdict(one)}" for one in each.judged)
-    yield ""
+            yield f"### Comparisons of {each.study.name}"
+            yield _table(_COMPARED, map(_compared, each.judged))
+            yield "\n".join(f"- {_verdict(one)}" for one in each.judged)
 
 
 _INTRODUCTION = f"""# Results
 
 Written by `cleancli experiment --report` from the rows of the episodes alone.
-How verdicts come about is told in [statistics.md](statistics.md).
+How verdicts come about is told in docs/statistics.md of cleancli.
 
 Numbers of this page: `cleancli experiment`.
 
@@ -152,15 +151,14 @@ def _claims(results: Sequence[Results]) -> Iterator[tuple[str, ...]]:
 
 def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure]) -> Iterator[str]:
     if name:
-        yield f"### {study.name}, {name}\n"
-    for figure in figures:
-        yield f"![{figure.shows}]({FIGURES}/{figure.name}.svg)\n"
-    yield f"{_in_common(rows)}\n"
+        yield f"### {study.name}, {name}"
+    yield from (f"![{figure.shows}]({FIGURES}/{figure.name}.svg)" for figure in figures)
+    yield _in_common(rows)
     axes = telling(rows)
     measures = dict.fromkeys((study.measure, "actions", "left"))
     columns = [cells(rows, axes, measure) for measure in measures]
     names = [*axes, "runs", "episodes not clean", *(MEASURES[measure].meaning for measure in measures)]
-    yield from _table(names, (_cell(same) for same in zip(*columns, strict=True)))
+    yield _table(names, (_cell(same) for same in zip(*columns, strict=True)))
 
 
 def _in_common(rows: Sequence[Row]) -> str:
@@ -259,7 +257,6 @@ def _chance(value: float) -> str:
     return f"{value:.2g}" if value >= 0.001 else "< 0.001"
 
 
-def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    yield f"| {' | '.join(names)} |"
-    yield "|---" * len(names) + "|"
-    yield from (f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows)
+def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [names, ["---"] * len(names), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
