@@ -10,6 +10,7 @@ import io
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 from statistics import fmean
 from typing import Any
 
@@ -95,8 +96,9 @@ def _means(name: str, rows: Sequence[Row], measure: str) -> Figure:
 
 
 def _panels(grid: Grid) -> list[Grid]:
-    """Places in as many portions as have room for a bar of each series."""
-    many = max(1, MOST_BARS // len(grid.series))
+    """Places in as few portions as have room for a bar of each series, about equally many in each."""
+    number = ceil(len(grid.places) / max(1, MOST_BARS // len(grid.series)))
+    many = ceil(len(grid.places) / number)
     portions = [slice(start, start + many) for start in range(0, len(grid.places), many)]
     return [
         replace(
@@ -144,13 +146,14 @@ def _lines(axes: Any, grid: Grid) -> None:
             if cell.mean.known:
                 axes.plot([x, x], [cell.mean.low, cell.mean.high], color=colour, linewidth=1.2)
             if cell.failed:
-                _note(axes, x, cell.mean.high if cell.mean.known else cell.mean.value, cell.failed)
+                top = cell.mean.high if cell.mean.known else cell.mean.value
+                _note(axes, x, top, cell.failed, upright=len(grid.series) == 1)
     axes.set_xticks(places)
     axes.set_xlabel(grid.along)
 
 
 def _note(axes: Any, x: float, y: float, failed: int, upright: bool = True) -> None:
-    """How many runs did not end clean."""
+    """How many episodes did not end clean."""
     axes.annotate(
         f"✗{failed}",
         (x, y),
