@@ -17,7 +17,6 @@ from cleancli.statistics.bootstrap import Estimate, ratio_of
 MOST_EXACT = 200
 """Pairs of which the test's distribution is enumerated. Chosen: the normal one is as good for more."""
 
-
 PENALTY = 2.0
 """How many of the longest runs one that did not end clean counts as. Chosen, as in competitions of solvers:
 after it, all has yet to be done."""
