@@ -13,6 +13,7 @@ import pytest
 from cleancli.results.claims import CLAIMS
 from cleancli.results.judged import judged
 from cleancli.results.page import PAGE, Results, reason, results_of, results_page, write_results
+from cleancli.statistics.verdict import Verdict
 from cleancli.study.model import Comparison, Part, Study, Value
 from cleancli.study.row import Row
 from support.docs_numbers import sourced
@@ -112,6 +113,27 @@ def test_rows_of_other_studies_are_left_out_and_parts_have_figures_of_their_own(
 def test_reasons_are_told_in_words(said: Comparison, runs: int, expected: str) -> None:
     (found,) = judged([said], rows_of(runs))
     assert re.search(expected, reason(found))
+
+
+def test_what_no_number_of_runs_would_decide_is_told_as_such() -> None:
+    (found,) = judged([against("tsp")], rows_of(8))
+    near = replace(found, verdict=Verdict.UNDECIDED, more=None)
+    assert "more than 10,000 runs would be needed" in reason(near)
+
+
+def test_a_page_without_rows_says_so() -> None:
+    page = results_page([results_of(STUDY, [])])
+    assert "There are no rows yet." in page
+    assert "episodes, seeds 101 to 106, with cleancli 1.0, pybullet 3.2.7." in results_page([results()])
+
+
+def test_numbers_have_three_digits() -> None:
+    seconds = (0.00123, 999.4, 999.6, 12345.0)
+    rows = [replace(row, total=value) for row, value in zip(rows_of(4)[:4], seconds, strict=False)]
+    page = results_page(
+        [results_of(STUDY, [replace(r, axes={"scene": f"s{n}"}) for n, r in enumerate(rows)])]
+    )
+    assert re.findall(r"^\| s\d \| 1 \| 0 \| (\S+) \|", page, re.M) == ["0.00123", "999", "1,000", "12,345"]
 
 
 def test_failures_are_told_with_the_reason() -> None:

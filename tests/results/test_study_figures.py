@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import cv2
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.figure import Figure as Canvas
 
+from cleancli.results.cells import cells
 from cleancli.results.figures import DOTS, MOST_BARS, figures_of
 from cleancli.results.layout import grid_of, named
 from cleancli.study.model import Value
@@ -96,3 +99,94 @@ def test_episodes_are_a_line_in_their_order_and_missing_cells_are_gaps() -> None
 
 def test_a_series_is_named_by_what_its_cells_have() -> None:
     assert named(("plan-2", None, 0.1)) == "plan-2, 0.1"
+
+
+@pytest.fixture
+def canvases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The figures of matplotlib that are drawn, in order; each once."""
+    found: list[Any] = []
+    save = Canvas.savefig
+
+    def kept(canvas: Any, *arguments: Any, **options: Any) -> None:
+        if canvas not in found:
+            found.append(canvas)
+        save(canvas, *arguments, **options)
+
+    monkeypatch.setattr(Canvas, "savefig", kept)
+    return found
+
+
+def segments(axes: Any) -> list[tuple[float, float]]:
+    """The intervals: lines that go straight up."""
+    lines = [line for line in axes.lines if len(line.get_xdata()) == 2 and len(set(line.get_xdata())) == 1]
+    return [(float(low), float(high)) for low, high in (line.get_ydata() for line in lines)]
+
+
+def test_bars_are_as_high_as_means_and_intervals_stand_on_them(canvases: list[Any]) -> None:
+    rows = rows_of("fig8b", 8)
+    figures_of("fig8b", rows, "seconds")
+    (axes,) = canvases[0].axes
+    found = {cell.values[0]: cell for cell in cells(rows, ("strategy",), "seconds")}
+    assert [label.get_text() for label in axes.get_xticklabels()] == list(STRATEGIES)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("strategy", "seconds until the episode is over")
+    heights = [bar.get_height() for bar in axes.patches]
+    assert heights == pytest.approx([found[name].mean.value for name in STRATEGIES])
+    known = [found[name].mean for name in STRATEGIES if found[name].mean.known]
+    assert segments(axes) == [(mean.low, mean.high) for mean in known]
+    assert [note.get_text() for note in axes.texts] == [f"✗{found['tsp'].failed}"]
+    assert axes.get_ylim()[0] == 0
+    assert axes.get_ylim()[1] > max(mean.high for mean in known)
+
+
+def test_a_cell_without_a_clean_run_has_no_bar_but_its_count(canvases: list[Any]) -> None:
+    rows = [row({"strategy": name}, 1, 10.0, name == "a") for name in ("a", "b")]
+    figures_of("x", rows, "seconds")
+    assert [bar.get_height() for bar in canvases[0].axes[0].patches] == [10.0, 0.0]
+    assert [note.get_text() for note in canvases[0].axes[0].texts] == ["✗1"]
+    assert segments(canvases[0].axes[0]) == []
+
+
+def test_lines_go_through_means_beside_one_another(canvases: list[Any]) -> None:
+    rows = rows_of("sensitivity", 6)
+    figures_of("sensitivity", rows, "seconds")
+    (axes,) = canvases[0].axes
+    lines = [line for line in axes.lines if len(line.get_xdata()) == 3]
+    assert [line.get_label() for line in lines] == ["plan-2", "reactive"]
+    found = cells(rows, ("strategy", "rag.width"), "seconds")
+    for line, own in zip(lines, (found[0::2], found[1::2]), strict=True):
+        assert sorted(line.get_ydata()) == pytest.approx(sorted(cell.mean.value for cell in own))
+    apart = lines[1].get_xdata() - lines[0].get_xdata()
+    assert (apart > 0).all()
+    assert (apart < 0.02).all()
+    assert [float(tick) for tick in axes.get_xticks()] == [0.08, 0.1, 0.16]
+    assert axes.get_xlabel() == "rag.width"
+    assert len(segments(axes)) == 6
+
+
+def test_stacks_are_the_seconds_by_kind_of_clean_episodes(canvases: list[Any]) -> None:
+    rows = [
+        row({"strategy": "a"}, 1, 30.0),
+        row({"strategy": "a"}, 2, 60.0),
+        row({"strategy": "a"}, 3, 9.0, False),
+    ]
+    figures_of("x", [*rows, row({"strategy": "b"}, 1, 10.0)], "seconds")
+    (axes,) = canvases[1].axes
+    tops = [max(bar.get_y() + bar.get_height() for bar in axes.patches if bar.get_x() < 0.5)]
+    assert tops == pytest.approx([45.0])
+    labels = [text.get_text() for text in canvases[1].legends[0].get_texts()]
+    assert labels == ["planning", "transits", "actions", "perceiving", "extra perceptions", "learning"]
+    planning = axes.patches[0]
+    assert (planning.get_y(), planning.get_height()) == pytest.approx((0.0, 0.02 * 45))
+
+
+def test_stacks_of_several_series_are_named_below_and_their_places_above(canvases: list[Any]) -> None:
+    figures_of("sensitivity", rows_of("sensitivity", 2), "seconds")
+    (axes,) = canvases[1].axes
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["plan-2", "reactive"] * 3
+    (above,) = axes.child_axes
+    assert [label.get_text() for label in above.get_xticklabels()] == ["0.08", "0.1", "0.16"]
+    at = [float(tick) for tick in axes.get_xticks()]
+    assert at[1] - at[0] == 1.0 < at[2] - at[1]
+    assert [float(tick) for tick in above.get_xticks()] == pytest.approx(
+        [sum(at[i : i + 2]) / 2 for i in (0, 2, 4)]
+    )

@@ -18,7 +18,10 @@ WON, LOST, UNDECIDED = Verdict.WON, Verdict.LOST, Verdict.UNDECIDED
     ("low", "high", "claimed", "expected"),
     [
         (0.4, 0.9, LESS, WON),
-        (0.4, 1.0, LESS, WON),
+        (0.4, 1.0, LESS, UNDECIDED),
+        (1.0, 1.0, LESS, LOST),
+        (1.0, 1.2, LESS, LOST),
+        (0.9, 1.1, EQUAL, WON),
         (0.9, 1.1, LESS, UNDECIDED),
         (1.05, 1.1, LESS, LOST),
         (0.95, 1.05, EQUAL, WON),
@@ -27,6 +30,9 @@ WON, LOST, UNDECIDED = Verdict.WON, Verdict.LOST, Verdict.UNDECIDED
         (1.2, 1.8, EQUAL, LOST),
         (0.5, 2.0, EQUAL, UNDECIDED),
         (0.2, 0.4, Bounds(0.5), LOST),
+        (0.2, 0.5, Bounds(0.5), LOST),
+        (0.5, 0.6, Bounds(0.5), UNDECIDED),
+        (0.6, 0.7, Bounds(0.5), WON),
     ],
 )
 def test_the_interval_decides(low: float, high: float, claimed: Bounds, expected: Verdict) -> None:

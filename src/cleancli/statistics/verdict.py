@@ -28,7 +28,8 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Between which numbers a claim says that something lies."""
+    """Between which numbers a claim says that something lies. Two ends are allowed, a single one is not: what
+    is equal is neither less nor more."""
 
     low: float = -inf
     high: float = inf
@@ -41,11 +42,13 @@ class Bounds:
 
 def verdict(estimate: Estimate, claimed: Bounds) -> Verdict:
     """Won where all of the interval lies within the bounds, lost where none of it does."""
-    if claimed.low <= estimate.low and estimate.high <= claimed.high:
-        return Verdict.WON
-    if estimate.high < claimed.low or claimed.high < estimate.low:
-        return Verdict.LOST
-    return Verdict.UNDECIDED
+    if len(claimed.ends) > 1:
+        won = claimed.low <= estimate.low and estimate.high <= claimed.high
+        lost = estimate.high < claimed.low or claimed.high < estimate.low
+    else:
+        won = claimed.low < estimate.low and estimate.high < claimed.high
+        lost = estimate.high <= claimed.low or claimed.high <= estimate.low
+    return Verdict.WON if won else Verdict.LOST if lost else Verdict.UNDECIDED
 
 
 def together(verdicts: Sequence[Verdict]) -> Verdict:
