@@ -39,7 +39,7 @@ AXES: Mapping[str, Key] = MappingProxyType(
         "planner": Key(option(*PLANNERS), None, "what plans; where none is named, the strategy's own"),
         "samples": Key(Whole(1, MOST), 10_000, "action sequences to draw for each plan"),
         "objective": Key(option("reward", "time"), None, "what discounts later rewards"),
-        "job": Key(option("container", "dustpan", "wipe"), None, "how dirt leaves the table"),
+        "job": Key(option("container", "dustpan", "wipe", "zone"), None, "how dirt leaves the table"),
         "estimator": Key(
             option(NOTHING, *ESTIMATORS), NOTHING, "how counts and prior are combined while learning"
         ),
