@@ -68,7 +68,7 @@ def square(x: float) -> Scene:
 def after(world: str, scene: Scene, seed: int, path: ToolPath, height: float) -> tuple[Truth, float, float]:
     """What is where when the path was followed at this height in metres, whatever the error of the stroke
     would have been; and where the tool is then."""
-    error = float(stroke_error(path, np.random.default_rng(seed).spawn(4)[2])[2])
+    error = float(stroke_error(path, np.random.default_rng(seed).spawn(4)[2], scene.height_noise)[2])
     fixed = pressed(path, error - height)
     if world == STAND_IN:
         stand_in = KinematicTable(scene, seed)

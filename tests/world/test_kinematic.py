@@ -14,7 +14,7 @@ from cleancli.scene.model import Group, Ink, Scattered
 from cleancli.world import constants as par
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import finish
-from cleancli.world.table import PybulletTable, Truth
+from cleancli.world.table import PybulletTable, Truth, stroke_error
 from support.shipped import shipped_scene
 
 SCENE = shipped_scene("scattered_40")
@@ -102,3 +102,14 @@ def test_it_stands_in_for_no_other_robot_and_no_ink() -> None:
     for scene in (shipped_scene("wam_groups"), replace(SCENE, dirt=(Ink(((0, 0), (0.1, 0)), 0.01),))):
         with pytest.raises(ValueError, match="only tables with a gantry and without ink"):
             KinematicTable(scene, 1)
+
+
+def test_a_scene_may_say_how_exactly_the_tool_keeps_its_height() -> None:
+    usual, exact, rough = (
+        np.array([stroke_error(PUSH, np.random.default_rng(seed), noise) for seed in range(200)])
+        for noise in (None, 0.0, 3e-3)
+    )
+    assert np.ptp(exact[:, 2]) == 0
+    assert rough[:, 2].std() == pytest.approx(3e-3, rel=0.15)
+    assert usual[:, 2].std() == pytest.approx(par.HEIGHT_NOISE, rel=0.15)
+    assert (usual[:, [0, 1, 3]] == rough[:, [0, 1, 3]]).all()

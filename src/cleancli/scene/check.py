@@ -62,7 +62,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     surface = Surface(**settings("surface").given())
     container = _container(settings("container"), surface, findings)
     zone = _zone(settings("zone"), surface, findings) if "zone" in sections else None
-    robot = settings("robot")["drive"]
+    robot = settings("robot")
     grasps = _grasps(node, findings)
     known = named((*SHIPPED.values(), *grasps))
     rag = _rag(settings("rag", {"grasp": tuple(known)}), container, known, findings)
@@ -75,7 +75,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
         name=node.name.text,
         surface=surface,
         container=container,
-        robot=robot,
+        robot=robot["drive"],
         rag=rag,
         camera=camera,
         dirt=dirt,
@@ -86,6 +86,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
         light=Light(azimuth, elevation, light["ambient"], light["gradient"]),
         calibration=calibration,
         zone=zone,
+        height_noise=robot["height_noise"],
     )
 
 

@@ -19,7 +19,7 @@ def print_scene(scene: Scene) -> str:
         _section("surface", _named("surface", scene.surface)),
         _section("container", _named("container", scene.container)),
         *([] if zone is None else [_section("zone", _named("zone", zone) | {"at": zone.centre})]),
-        _section("robot", {"drive": scene.robot}),
+        _section("robot", {"drive": scene.robot, "height_noise": scene.height_noise}),
         *(_section("grasp", _named("grasp", grasp), grasp.name) for grasp in scene.grasps),
         _section("rag", {"grasp": rag.grasp.name, "width": rag.width}),
         _section(

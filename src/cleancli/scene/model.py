@@ -192,7 +192,8 @@ class SymbolThresholds:
 class Scene:
     """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
     that of the domain whose actions clean it, `grasps` are those that the scene itself defines. Without a
-    `calibration`, perception works with the default thresholds. `zone`: where dirt may lie, if anywhere."""
+    `calibration`, perception works with the default thresholds. `zone`: where dirt may lie, if anywhere.
+    `height_noise`: standard deviation of the tool's height in strokes, None for the world's usual one."""
 
     name: str
     surface: Surface
@@ -208,6 +209,7 @@ class Scene:
     light: Light = LIGHT
     calibration: Calibration | None = None
     zone: Zone | None = None
+    height_noise: float | None = None
 
     def outwards(self) -> tuple[float, float]:
         """The unit vector from the surface over the container's edge."""

@@ -114,7 +114,14 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             "side": Key(Length(0.02, 5.0), 0.12, "the square's side"),
             "turn": Key(Angle(-360, 360), 0.0, "how far it is turned, counter-clockwise"),
         },
-        "robot": {"drive": Key(Choice(tuple(ARMS)), "gantry", "what moves the rag")},
+        "robot": {
+            "drive": Key(Choice(tuple(ARMS)), "gantry", "what moves the rag"),
+            "height_noise": Key(
+                Length(most=0.05, zero=True),
+                None,
+                "standard deviation of how high the tool comes down in a stroke, if not the usual one",
+            ),
+        },
         "grasp": {
             "flap": Key(
                 Length(0.001, 1.0), WIDE.flap, "the width of one of the flaps that the cloth hangs in"

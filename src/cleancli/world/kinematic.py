@@ -84,7 +84,7 @@ class KinematicTable:
 
     def start(self, path: ToolPath) -> None:
         """Begin a motion: the transit is over after one poll, the stroke after the next."""
-        offset = stroke_error(path, self._noise)
+        offset = stroke_error(path, self._noise, self._scene.height_noise)
         first, *_, last = (np.array((w.x, w.y, w.z, w.yaw)) + offset for w in path.waypoints)
         strokes = legs(path.waypoints, offset)
         way = transit(self._pose, first, path.waypoints[0].speed)

@@ -131,7 +131,7 @@ class PybulletTable:
         deviations to either side across its way, in height and in yaw."""
         try:
             for side, turn in product((-errors, errors), repeat=2):
-                self._drive.follow(path, _error(path, side, turn, turn))
+                self._drive.follow(path, _error(path, side, turn, turn, self._scene.height_noise))
         except Unreachable:
             return False
         return True
@@ -141,7 +141,7 @@ class PybulletTable:
 
         Raises ValueError while another motion is under way. A path out of reach fails at once.
         """
-        offset = stroke_error(path, self._stroke_noise)
+        offset = stroke_error(path, self._stroke_noise, self._scene.height_noise)
         self._begin(lambda: self._drive.follow(path, offset))
 
     def withdraw(self) -> None:
@@ -290,19 +290,21 @@ class PybulletTable:
             self._ink.rub(self._engine, self._top, self._drive.flaps())
 
 
-def stroke_error(path: ToolPath, rng: np.random.Generator) -> Floats:
+def stroke_error(path: ToolPath, rng: np.random.Generator, height_noise: float | None) -> Floats:
     """How far off the tool is during a stroke, (4,): x, y, z in metres, and yaw. Drawn across the way of the
-    first push, in height and in yaw; a rag is pressed as well, if no dustpan takes part."""
+    first push, in height, by the scene's `height_noise`, and in yaw; a rag is pressed as well, if no dustpan
+    takes part."""
     height, side, yaw = rng.normal(size=3)
-    return _error(path, side, height, yaw)
+    return _error(path, side, height, yaw, height_noise)
 
 
-def _error(path: ToolPath, side: float, height: float, yaw: float) -> Floats:
+def _error(path: ToolPath, side: float, height: float, yaw: float, height_noise: float | None) -> Floats:
     """The same for errors given in standard deviations."""
     across = path.waypoints[0].yaw + np.pi / 2
     press = par.PRESS if path.dustpan is None else 0.0
     aside = side * par.SIDE_NOISE
-    lift, turn = height * par.HEIGHT_NOISE - press, yaw * par.YAW_NOISE
+    lift = height * (par.HEIGHT_NOISE if height_noise is None else height_noise) - press
+    turn = yaw * par.YAW_NOISE
     return np.array((aside * np.cos(across), aside * np.sin(across), lift, turn))
 
 
