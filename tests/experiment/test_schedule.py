@@ -11,6 +11,7 @@ import pytest
 from cleancli.experiment.episode import Episode, Finished
 from cleancli.experiment.schedule import GivenUp, Known, due, number_due, rows, scheduled
 from cleancli.experiment.series import Series
+from cleancli.experiment.summary import cells_table
 from cleancli.experiment.until import known_to
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
@@ -157,3 +158,22 @@ def test_episodes_are_small_where_they_are_sent(monkeypatch: pytest.MonkeyPatch)
     """Texts are most of an episode; of a cell they are the same objects."""
     series: list[Episode] = [e for b in STUDIES[0].blocks for s in b for e in s]
     assert len({id(e.texts.domain[0]) for e in series}) == 1
+
+
+def test_a_line_a_cell_tells_what_the_study_came_to() -> None:
+    (study,) = opened("study s { scene = three_areas measure = actions runs = 1 }")
+    (score,) = opened("study s { scene = three_areas measure = score runs = 1 }")
+    rows_of = [
+        replace(row, axes={**row.axes, "rag.width": width}, actions=actions, clean=clean, score=share)
+        for row, width, actions, clean, share in (
+            (ALL[0], 0.08, 4, True, 1.0),
+            (ALL[0], 0.08, 9, False, 0.5),
+            (ALL[0], 0.12, 9, False, 0.25),
+        )
+    ]
+    table = cells_table(study.study, rows_of)
+    assert table.heads == ("rag.width", "episodes", "clean", "actions")
+    assert table.rows == (("0.08", "2", "1", "4"), ("0.12", "1", "0", ""))
+    assert cells_table(score.study, rows_of).rows == (("0.08", "2", "1", "0.75"), ("0.12", "1", "0", "0.25"))
+    in_parts = [replace(row, part=part) for row, part in zip(rows_of, "aab", strict=True)]
+    assert cells_table(study.study, in_parts).rows[1][:2] == ("b", "0.12")

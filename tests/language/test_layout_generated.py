@@ -13,9 +13,11 @@ from cleancli.language.parsing.parse import parse
 from cleancli.language.printing.formatter import layout
 from cleancli.resources import shipped
 from cleancli.scene.check import load_scene
+from cleancli.study.check import load_study
 from support import random_texts
 
-SHIPPED = [*sorted(shipped("domains").glob("*.nid")), *sorted(shipped("problems").glob("*.nid"))]
+KINDS = ("domains", "problems", "studies")
+SHIPPED = [path for kind in KINDS for path in sorted(shipped(kind).glob("*.nid"))]
 
 
 def _keeps_all(text: str) -> str:
@@ -44,3 +46,5 @@ def test_generated_files_mean_the_same(seed: int) -> None:
     tidy = load_problem(Source("tidy", _keeps_all(problem)), domain)
     assert tidy == load_problem(Source("given", problem), domain)
     assert load_scene(Source("tidy", _keeps_all(scene))) == load_scene(Source("given", scene))
+    study = random_texts.study(rng).text
+    assert load_study(Source("tidy", _keeps_all(study))) == load_study(Source("given", study))

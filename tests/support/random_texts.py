@@ -552,3 +552,46 @@ def _dirt(rng: Random) -> list[str]:
         return ["group", "{", *count, *place, "}"]
     corners = ["from", "=", *_point(rng, -200, -10), "to", "=", *_point(rng, 10, 200)]
     return ["scattered", "{", *count, *corners, "}"]
+
+
+# ---- studies
+
+_OPTIONS = {
+    "scene": ("two_groups", "scattered_40", '"own table.nid"'),
+    "strategy": ("plan_1", "plan_2", "reactive"),
+    "planner": ("prada_plus", "uct"),
+    "estimator": ("none", "decreasing_m", "m"),
+    "m": ("3", "10", "0.5"),
+    "samples": ("100", "2000"),
+}
+
+
+def study(rng: Random) -> Generated:
+    """A study whose axes all have a value, with parts, a quick form and comparisons of what there is."""
+    axes = {axis: rng.sample(values, rng.randint(1, len(values))) for axis, values in _OPTIONS.items()}
+    widths = _listed("width", [" ".join(_length(rng, 40 + 50 * n, 80 + 50 * n)) for n in range(3)])
+    blocks = [_listed(axis, values) for axis, values in axes.items()]
+    blocks += [_listed("runs", ["7"]), ["about", "=", '"why not"'], ["rag", "{", *widths, "}"]]
+    for name in ("one", "two"):
+        link = ["symbols", "{", "link", "=", *_length(rng, 10, 90), "}"]
+        blocks.append(["part", name, "{", *(link if rng.random() < 0.7 else ()), "}"])
+    if rng.random() < 0.7:
+        blocks.append(["quick", "{", "runs", "=", "1", *_listed("scene", ["two_groups"]), "}"])
+    for number in range(rng.randint(0, 2)):
+        second = [["limit", "=", "30"], ["second", "{", *_listed("part", ["two"]), "}"]][number]
+        first = ["first", "{", *_listed("strategy", axes["strategy"][:2]), "}"]
+        parts = [first, second, ["claim", "=", "3"], _listed("episode", ["1", "2"]), ["says", "=", '"so"']]
+        rng.shuffle(parts)
+        blocks.append(["compare", f"c{number}", "{", *(token for part in parts for token in part), "}"])
+    rng.shuffle(blocks)
+    return _generated(["study", "s", "{", *(t for block in blocks for t in block), "}"], rng)
+
+
+def _listed(key: str, values: Sequence[str]) -> list[str]:
+    """A key with its values; one of several tokens has blanks between them."""
+    tokens = [token for value in values for token in (",", *_tokens(value))]
+    return [key, "=", *tokens[1:]]
+
+
+def _tokens(value: str) -> list[str]:
+    return [value] if value.startswith('"') else value.split()

@@ -12,18 +12,18 @@ from cleancli.study.row import MEASURES, Row
 
 def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
     """Of each cell its part, the values that differ between cells, episodes, how many of them ended clean,
-    and the mean of the study's measure over those."""
+    and the mean of the study's measure over those, or over all where it tells something of each."""
     by_cell: dict[tuple[str, ...], list[Row]] = {}
     axes = [axis for axis in dict.fromkeys(a for row in rows for a in row.axes) if _differs(axis, rows)]
     has_parts = any(row.part for row in rows)
     for row in rows:
         named = (row.part,) if has_parts else ()
         by_cell.setdefault((*named, *(_told(row, axis) for axis in axes)), []).append(row)
-    of = MEASURES[study.measure].of
-    lines = []
+    measure, lines = MEASURES[study.measure], []
     for cell, own in by_cell.items():
-        clean = [of(row) for row in own if row.clean]
-        lines.append((*cell, str(len(own)), str(len(clean)), f"{mean(clean):.4g}" if clean else ""))
+        counts = [measure.of(row) for row in own if row.clean or measure.always]
+        clean = str(sum(row.clean for row in own))
+        lines.append((*cell, str(len(own)), clean, f"{mean(counts):.4g}" if counts else ""))
     heads = (*(("part",) if has_parts else ()), *axes, "episodes", "clean", study.measure)
     return TextTable(heads, tuple(lines), range(len(heads) - 3))
 
