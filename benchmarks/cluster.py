@@ -27,6 +27,7 @@ from functools import partial
 from pathlib import Path
 
 import psutil
+from dask import config
 from distributed import Client, LocalCluster
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
@@ -94,6 +95,7 @@ def sleeping(episodes: int, workers: int, seconds: float) -> Iterator[str]:
     studies = study(episodes)
     like = carried_out(studies[0].blocks[0][0][0])
     with (
+        config.set({"distributed.worker.profile.enabled": False}),  # a hundred would watch this process
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
