@@ -92,7 +92,7 @@ def test_a_study_with_a_mistake_is_refused_before_anything_is_written(
 ) -> None:
     (study / "bad.nid").write_text(SMALL.replace("three_areas", "three_area"), encoding="utf-8")
     assert run(["experiment", "bad.nid"]) == 1
-    assert "E001" in capsys.readouterr().err
+    assert "bad.nid:3:15: error[E001]: no file `three_area`" in capsys.readouterr().err
     assert run(["experiment", "fig8"]) == 1
     assert "did you mean `fig8b` or `fig8a`" in capsys.readouterr().err
     assert not (study / "experiments").exists()
