@@ -20,6 +20,12 @@ from cleancli.report.groups import groups_of
 from cleancli.report.run import Run, read_run
 from support.run_folders import write_run
 
+OTHER = [
+    {"path": "cleaning.nid", "sha256": "a" * 64, "copy": "files/cleaning.nid"},
+    {"path": "rim.nid", "sha256": "b" * 64, "copy": "files/rim.nid"},
+]
+"""What goes into runs of another problem."""
+
 
 def wrote(folder: Path, seed: int, seconds: float, clean: bool | None = True, **options: str | int) -> Run:
     """A run that took so long, three quarters of it in actions; None: it was cut short."""
@@ -84,6 +90,9 @@ def test_groups_are_named_by_all_in_which_they_differ(tmp_path: Path) -> None:
     names = [group.name for group in groups_of([*runs, more])]
     assert names[0] == "plan-2, planner uct, max actions 60"
     assert names[2] == "plan-2, planner uct, max actions 20"
+    elsewhere = write_run(tmp_path / "e", (), 0, seed=1, options={"strategy": "tsp"}, files=OTHER)
+    names = [group.name for group in groups_of([*runs[1:], read_run(elsewhere)])]
+    assert names == ["plan-2", "tsp"], "than others of the same problem"
 
 
 def test_what_was_cut_short_is_in_no_mean(tmp_path: Path) -> None:

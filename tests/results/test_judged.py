@@ -7,11 +7,13 @@ from math import isnan
 from random import Random
 from statistics import fmean
 
+import numpy as np
 import pytest
 
 from cleancli.results.cells import cells, telling, varied
 from cleancli.results.judged import Judged, Sides, judged
-from cleancli.statistics.verdict import Verdict
+from cleancli.statistics.paired import signed_rank
+from cleancli.statistics.verdict import Bounds, Verdict
 from cleancli.study.model import Comparison, Selection
 from cleancli.study.row import Row
 from support.study_rows import drawn, row
@@ -199,6 +201,14 @@ def test_axes_of_which_the_sides_share_no_value_keep_no_rows_apart() -> None:
     assert sides(one(comparison(), rows)).paired.pairs == 5
     without = [each for each in rows if each.axes["scene"] == "a" or each.axes["strategy"] == "plan-2"]
     assert sides(one(comparison(), without)).paired.ratio.value == 0.5, "of scene a, which both have"
+
+
+def test_p_of_what_lies_between_two_bounds_is_the_larger_of_both() -> None:
+    rows = two([44, 46, 48, 50, 52, 53], [])
+    found = one(comparison("equal", second={}, limit=50.0, margin=0.1), rows)
+    assert found.bounds == Bounds(45.0, 55.0)
+    near, far = (signed_rank(np.array([44.0, 46, 48, 50, 52, 53]) - end) for end in (45, 55))
+    assert found.chance == max(near, far) == near > far
 
 
 def test_p_values_are_raised_for_the_number_of_comparisons() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.main import run
-from cleancli.experiment.rows import write_rows
+from cleancli.experiment.rows import read_rows, write_rows
 from support.study_rows import drawn
 
 STUDY = """study made_up {
@@ -53,6 +54,25 @@ def test_the_page_is_written_beside_the_rows_or_where_it_is_wanted(
     assert run(words) == ExitCode.DONE
     assert json.loads(capsys.readouterr().out) == {"page": str(other / "results.md")}
     assert written(folder) == written(other)
+
+
+def test_studies_of_one_file_are_told_apart(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each has parts of its own."""
+    (folder / "other.nid").write_text(
+        "study other { strategy = plan_2  part p { scene = two_groups } }", encoding="utf-8"
+    )
+    axes = {"scene": ("two_groups",), "strategy": ("plan-2",)}
+    others = [replace(row, study="other") for row in drawn(axes, {}, 6, part="p")]
+    write_rows(folder, [*read_rows(folder / "rows.parquet"), *others])
+    assert run(["experiment", "--report", str(folder)]) == ExitCode.DONE
+    page = (folder / "results.md").read_text(encoding="utf-8")
+    assert re.findall(r"^##+ .*", page, re.M) == [
+        "## The paper's claims",
+        "## made_up",
+        "### Comparisons of made_up",
+        "## other",
+        "### other, p",
+    ]
 
 
 def test_of_a_study_without_a_text_beside_the_rows_the_shipped_one_is_taken(

@@ -27,6 +27,7 @@ STUDIES: Mapping[str, Mapping[str, Sequence[Value]]] = {
     "long": {"scene": [f"reem_{layout}_in_the_kitchen" for layout in LAYOUTS], "planner": ["uct", "prada+"]},
     "many": {"scene": LAYOUTS, "strategy": STRATEGIES, "planner": ["uct", "prada+"]},
     "single": {"scene": ["two_groups"]},
+    "two widths": {"rag.width": [0.08, 0.1]},
 }
 
 
@@ -74,6 +75,7 @@ def test_a_series_has_figures_of_its_actions_and_a_study_of_its_times() -> None:
         ("fig8b", "strategy", ("",), False),
         ("sensitivity", "rag.width", ("plan-2", "reactive"), True),
         ("single", "scene", ("",), False),
+        ("two widths", "rag.width", ("",), False),
     ],
 )
 def test_what_goes_from_left_to_right(study: str, along: str, series: Sequence[str], is_line: bool) -> None:

@@ -6,6 +6,7 @@ from math import inf, nan
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
 from cleancli.statistics.bootstrap import Estimate, mean_of, ratio_of
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, together, verdict
@@ -78,6 +79,16 @@ def test_so_many_pairs_decide_of_ratios() -> None:
     number = 15 + int(np.median([each for each in told if each is not None]))
     decided = [verdict(pairs(number), LESS) is not UNDECIDED for _ in range(200)]
     assert 0.68 < np.mean(decided) < 0.92
+
+
+def test_the_number_of_runs_is_that_of_the_normal_approximation() -> None:
+    """An interval of 0.2 to each side of 0.9, of 10 runs, whose spread is then 0.2 * sqrt(10) / 2.262."""
+    spread = 0.2 * 10**0.5 / t.ppf(0.975, 9)
+    needed = ((1.95996 + 0.84162) * spread / 0.1) ** 2 + 1.95996**2 / 2
+    assert more_needed(Estimate(0.9, 0.7, 1.1, 10), LESS) == np.ceil(needed) - 10 == 54
+    assert more_needed(Estimate(0.9, 0.5, 1.1, 10), LESS) == 54, "the side of the bound tells"
+    assert more_needed(Estimate(0.9, 0.7, 1.0, 10), LESS) == 8
+    assert more_needed(Estimate(0.5, 0.3, 0.6, 100), LESS) == 1, "at least"
 
 
 def test_of_what_lies_on_a_bound_no_number_is_told() -> None:
