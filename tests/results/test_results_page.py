@@ -107,6 +107,7 @@ def test_rows_of_other_studies_are_left_out_and_parts_have_figures_of_their_own(
         (replace(against("reactive"), expect="equal", factor=0.5, margin=0.1), 8, "lies between 0.4 and 0.6"),
         (against("nobody"), 8, "there are no rows to compare"),
         (against("reactive"), 4, "4 runs are too few; at least 5 are needed"),
+        (against("reactive"), 1, "1 run is too few; at least 5 are needed"),
         (against("tsp"), 8, r"only a part of the interval lies below 1, and about \d+ more runs would"),
     ],
 )
@@ -125,6 +126,16 @@ def test_a_page_without_rows_says_so() -> None:
     page = results_page([results_of(STUDY, [])])
     assert "There are no rows yet." in page
     assert "episodes, seeds 101 to 106, with cleancli 1.0, pybullet 3.2.7." in results_page([results()])
+
+
+def test_of_a_score_episodes_that_are_not_clean_are_told_and_count() -> None:
+    rows = [replace(row, clean=False, score=0.9) for row in rows_of(1) if row.axes["scene"] == "a"]
+    scored = replace(STUDY, measure="score", comparisons=())
+    page = results_page([results_of(scored, rows)])
+    assert "| tsp | 1 | 1 | 0.9 |" in page
+    assert "In all: scene a, episode 1." in page
+    assert "claims" not in page
+    assert "seed 101, with" in page
 
 
 def test_numbers_have_three_digits() -> None:

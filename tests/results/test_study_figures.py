@@ -181,6 +181,13 @@ def test_stacks_are_the_seconds_by_kind_of_clean_episodes(canvases: list[Any]) -
     assert (planning.get_y(), planning.get_height()) == pytest.approx((0.0, 0.02 * 45))
 
 
+def test_stacks_of_a_score_are_of_all_episodes(canvases: list[Any]) -> None:
+    figures_of("x", [row({"strategy": "a"}, run, 30.0, run == 1, score=0.5) for run in (1, 2)], "score")
+    assert sum(bar.get_height() for bar in canvases[1].axes[0].patches) == pytest.approx(30.0)
+    figures_of("x", [row({"strategy": "a"}, 1, 30.0, False)], "seconds")
+    assert not canvases[3].axes[0].patches
+
+
 def test_stacks_of_several_series_are_named_below_and_their_places_above(canvases: list[Any]) -> None:
     figures_of("sensitivity", rows_of("sensitivity", 2), "seconds")
     (axes,) = canvases[1].axes

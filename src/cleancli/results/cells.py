@@ -22,13 +22,18 @@ FIRST = ("scene", "strategy", "episode")
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Rows that have these values, None for an axis that is not theirs. `mean`: of runs, each the mean of its
-    rows that count; `failed`: how many rows do not, as they did not end clean."""
+    """Rows that have these values, None for an axis that is not theirs. `told`: those that count, which are
+    the clean ones where the measure is of the way there. `mean`: of runs, each the mean of its rows told."""
 
     values: tuple[Value | None, ...]
     rows: tuple[Row, ...]
+    told: tuple[Row, ...]
     mean: Estimate
-    failed: int
+
+    @property
+    def failed(self) -> int:
+        """How many rows do not count."""
+        return len(self.rows) - len(self.told)
 
     @property
     def runs(self) -> int:
@@ -68,8 +73,9 @@ def cells(rows: Iterable[Row], axes: Sequence[str], measure: str) -> tuple[Cell,
 
 
 def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str) -> Cell:
-    failed = len(rows) - int(measured(rows, measure)[1].sum())
-    return Cell(values, tuple(rows), mean_of(means_of_runs(rows, measure)), failed)
+    counts = measured(rows, measure)[1].tolist()
+    told = tuple(row for row, each in zip(rows, counts, strict=True) if each)
+    return Cell(values, tuple(rows), told, mean_of(means_of_runs(rows, measure)))
 
 
 def means_of_runs(rows: Sequence[Row], measure: str) -> Floats:

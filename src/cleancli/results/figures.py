@@ -173,7 +173,7 @@ def _label(axes: Any, at: Iterable[float], labels: Sequence[str], towards: str =
 
 
 def _times(name: str, grid: Grid) -> Figure:
-    """Mean seconds by kind, one on top of the other, of episodes that ended clean (Fig. 8b, 10b)."""
+    """Mean seconds by kind, one on top of the other, of the episodes that count (Fig. 8b, 10b)."""
     kinds = in_order(
         {kind: 0.0 for stack in _stacks(grid) for kind, seconds in stack.seconds.items() if seconds}
     )
@@ -216,15 +216,14 @@ def _stacks(grid: Grid) -> Iterator[_Stack]:
         for series, row in grid.series:
             cell = row[number]
             if cell is not None:
-                yield _Stack(at, str(place), series, _spent(cell.rows))
+                yield _Stack(at, str(place), series, _spent(cell.told))
                 at += 1.0
         at += 0.6 if len(grid.series) > 1 else 0.0
 
 
 def _spent(rows: Sequence[Row]) -> dict[str, float]:
-    clean = [row.seconds for row in rows if row.clean]
-    kinds = dict.fromkeys(kind for seconds in clean for kind in seconds)
-    return {kind: fmean(seconds.get(kind, 0.0) for seconds in clean) for kind in kinds}
+    kinds = dict.fromkeys(kind for row in rows for kind in row.seconds)
+    return {kind: fmean(row.seconds.get(kind, 0.0) for row in rows) for kind in kinds}
 
 
 def _label_stacks(axes: Any, grid: Grid, stacks: Sequence[_Stack]) -> None:

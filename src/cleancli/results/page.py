@@ -92,8 +92,10 @@ def results_page(results: Sequence[Results]) -> str:
 
 def _blocks(results: Sequence[Results]) -> Iterator[str]:
     """What stands between two empty lines."""
-    yield from (_INTRODUCTION, _went_in(results), "## The paper's claims")
-    yield _table(("claim", "what the paper says", "verdict", "by"), _claims(results))
+    yield from (_INTRODUCTION, _went_in(results))
+    if any(one.comparison.claim for each in results for one in each.judged):
+        yield "## The paper's claims"
+        yield _table(("claim", "what the paper says", "verdict", "by"), _claims(results))
     for each in results:
         yield f"## {each.study.name}"
         if each.study.about:
@@ -133,7 +135,8 @@ def _went_in(results: Iterable[Results]) -> str:
         return "There are no rows yet."
     seeds = sorted({row.seed for row in rows})
     versions = sorted({f"{name} {version}" for row in rows for name, version in row.versions.items()})
-    return f"{plural(len(rows), 'episode')}, seeds {seeds[0]} to {seeds[-1]}, with {', '.join(versions)}."
+    told = f"seeds {seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else f"seed {seeds[0]}"
+    return f"{plural(len(rows), 'episode')}, {told}, with {', '.join(versions)}."
 
 
 def _claims(results: Sequence[Results]) -> Iterator[tuple[str, ...]]:
@@ -175,7 +178,8 @@ def _in_common(rows: Sequence[Row]) -> str:
 def _cell(same: Sequence[Cell]) -> tuple[str, ...]:
     """A row of the table of means: one cell by several measures."""
     values = ("" if value is None else str(value) for value in same[0].values)
-    return *values, str(same[0].runs), str(same[0].failed), *(_interval(cell.mean) for cell in same)
+    dirty = sum(not row.clean for row in same[0].rows)
+    return *values, str(same[0].runs), str(dirty), *(_interval(cell.mean) for cell in same)
 
 
 def _compared(each: Judged) -> tuple[str, ...]:
@@ -217,7 +221,8 @@ def reason(each: Judged) -> str:
     if not each.estimate.count:
         return "there are no rows to compare"
     if not each.estimate.known:
-        return f"{plural(each.estimate.count, 'run')} are too few; at least {FEWEST} are needed{failed}"
+        few = plural(each.estimate.count, "run is", "runs are")
+        return f"{few} too few; at least {FEWEST} are needed{failed}"
     if each.more is None:
         more = f"the truth is so near to a bound that more than {MOST_PAIRS:,} runs would be needed"
     else:
