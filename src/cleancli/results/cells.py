@@ -64,28 +64,30 @@ def _values(axes: Mapping[str, Value], names: Iterable[str]) -> tuple[Value | No
     return tuple(axes.get(name) for name in names)
 
 
-def cells(rows: Iterable[Row], axes: Sequence[str], measure: str) -> tuple[Cell, ...]:
-    """The rows by their values of some axes, in the order in which these come first."""
+def cells(rows: Iterable[Row], axes: Sequence[str], measure: str, always: bool = False) -> tuple[Cell, ...]:
+    """The rows by their values of some axes, in the order in which these come first. `always`: all of them
+    count, whatever is measured."""
     found: dict[tuple[Value | None, ...], list[Row]] = {}
     for row in rows:
         found.setdefault(_values(axes_of(row), axes), []).append(row)
-    return tuple(_cell(values, own, measure) for values, own in found.items())
+    return tuple(_cell(values, own, measure, always) for values, own in found.items())
 
 
-def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str) -> Cell:
-    counts = measured(rows, measure)[1].tolist()
-    told = tuple(row for row, each in zip(rows, counts, strict=True) if each)
-    return Cell(values, tuple(rows), told, mean_of(means_of_runs(rows, measure)))
+def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str, always: bool) -> Cell:
+    told, counts = measured(rows, measure)
+    counts |= always
+    kept = tuple(row for row, each in zip(rows, counts.tolist(), strict=True) if each)
+    return Cell(values, tuple(rows), kept, mean_of(by_run(runs_of(kept), told[counts])))
 
 
 def means_of_runs(rows: Sequence[Row], measure: str) -> Floats:
     """Of each run that has any, the mean of its rows that count, (n,)."""
-    told, clean = measured(rows, measure)
-    return by_run(runs_of(rows)[clean], told[clean])
+    told, counts = measured(rows, measure)
+    return by_run(runs_of(rows)[counts], told[counts])
 
 
 def measured(rows: Sequence[Row], measure: str) -> tuple[Floats, Bools]:
-    """The measure of each row, and whether it says something of it, (n,) each."""
+    """The measure of each row, and whether the row counts, (n,) each."""
     found = MEASURES[measure]
     values = np.array([found.of(row) for row in rows], dtype=np.float64)
     return values, np.array([row.clean or found.always for row in rows], dtype=np.bool_)

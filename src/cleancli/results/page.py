@@ -159,7 +159,8 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
     yield _in_common(rows)
     axes = telling(rows)
     measures = dict.fromkeys((study.measure, "actions", "left"))
-    columns = [cells(rows, axes, measure) for measure in measures]
+    always = MEASURES[study.measure].always
+    columns = [cells(rows, axes, measure, always) for measure in measures]
     names = [*axes, "runs", "episodes not clean", *(MEASURES[measure].meaning for measure in measures)]
     yield _table(names, (_cell(same) for same in zip(*columns, strict=True)))
 
