@@ -37,7 +37,7 @@ def look(*facts: Fact, share: float = 0.0, hidden: tuple[float, float] = (0.0, 0
         known=known,
         left_out=more.get("left_out", ()),
         frames=(SimpleNamespace(clock=1.5), SimpleNamespace(clock=1.75)),
-        observation=SimpleNamespace(doubts=("the surface is darker",)),
+        observation=SimpleNamespace(doubts=("the surface is darker",), arrived=more.get("arrived")),
     )
     return SimpleNamespace(source=more.get("source", "table"), look=found)
 
@@ -109,3 +109,12 @@ def test_json_has_lengths_in_metres() -> None:
     (outline,) = told["unseen"]["outlines"]
     assert np.min(outline, axis=0) == pytest.approx((-0.4, -0.3), abs=0.05)
     assert np.max(outline, axis=0)[1] == pytest.approx(-0.15, abs=0.05)
+
+
+def test_what_lies_in_the_zone_is_told_of_scenes_that_have_one() -> None:
+    seen = look(Fact("dirt", ("a1",)), arrived=0.62345)
+    assert "  in the zone: 62% of the dirt that is seen" in list(_printed(seen))
+    assert _described(seen)["in_zone"] == 0.6234
+    elsewhere = look(Fact("dirt", ("a1",)))
+    assert not any("zone" in line for line in _printed(elsewhere))
+    assert _described(elsewhere)["in_zone"] is None

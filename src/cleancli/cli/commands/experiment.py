@@ -32,6 +32,7 @@ from cleancli.language.load import read_source
 from cleancli.study.row import Row
 from cleancli.study.schema import MOST_RUNS
 
+_INSTALL = "pip install 'bokeh>=3.1' 'distributed>=2025.1' 'matplotlib>=3.8' 'pyarrow>=18'"
 _SHARE = re.compile(r"(\d{1,3}(?:\.\d{1,9})?) ?%")
 
 
@@ -196,7 +197,7 @@ def _require(library: str) -> None:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] not in (library, "dask"):
             raise
-        raise MissingPart(f"experiments need {library}: pip install 'cleancli[experiments]'") from error
+        raise MissingPart(f"experiments need {library}: {_INSTALL}") from error
 
 
 def _tell(
