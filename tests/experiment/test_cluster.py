@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from distributed import KilledWorker
+from distributed.comm import CommClosedError
 
 from cleancli.experiment import cluster
 from cleancli.experiment.cluster import NoCluster, on_cluster, remote_cluster
@@ -58,6 +59,18 @@ def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_stays(
     assert 2 <= len(known) < 24
     rows_here(STUDIES, known)
     assert len(known) == 24
+
+
+def test_a_scheduler_that_goes_away_while_it_is_asked_is_told(tmp_path: Path) -> None:
+    """A connection that closes at any moment is the scheduler's end, and no traceback."""
+
+    class Gone:
+        def nthreads(self) -> None:
+            raise CommClosedError("in <TCP>: ConnectionResetError")
+
+    gone: Any = Gone()
+    with pytest.raises(NoCluster, match="the scheduler has gone: in <TCP>"):
+        list(on_cluster(gone, STUDIES[0].blocks()[0], {}))
 
 
 def test_without_a_scheduler_or_workers_it_says_which(

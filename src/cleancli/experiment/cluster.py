@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from dask import config
 from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
 from distributed.client import FutureCancelledError
+from distributed.comm import CommClosedError
 
 from cleancli.experiment.episode import Episode, Finished, carried_out
 from cleancli.experiment.schedule import GivenUp, Known, due
@@ -91,6 +92,18 @@ def on_cluster(
 ) -> Iterator[Finished | GivenUp]:
     """A pool (`schedule.Pool`) of a cluster's workers, which do the `task` with each episode. Raises
     NoCluster where the scheduler goes away."""
+    try:
+        yield from _done_with(client, series, known, task)
+    except FutureCancelledError as error:
+        raise NoCluster(f"the scheduler has gone: {error.reason}") from None
+    except CommClosedError as error:  # it went while it was asked for something
+        raise NoCluster(f"the scheduler has gone: {error}") from None
+
+
+def _done_with(
+    client: Client, series: Sequence[Series], known: Known, task: Task
+) -> Iterator[Finished | GivenUp]:
+    """What `on_cluster` gives; raises what Dask does where the scheduler goes away."""
     waiting = deque((each, *due(each, known)) for each in series)
     running: dict[Future[Finished], tuple[Series, int]] = {}
     completed = as_completed()
@@ -117,7 +130,5 @@ def _outcome(future: Future[Finished], series: Series, index: int) -> Finished |
         finished = future.result()
     except KilledWorker:
         return GivenUp(series[index], f"{LOSSES + 1} workers were lost with it")
-    except FutureCancelledError as error:
-        raise NoCluster(f"the scheduler has gone: {error.reason}") from None
     assert isinstance(finished, Finished)
     return finished
