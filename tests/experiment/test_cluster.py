@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from distributed import KilledWorker
-from distributed.comm import CommClosedError
+from distributed.comm.core import CommClosedError
 
 from cleancli.experiment import cluster
 from cleancli.experiment.cluster import NoCluster, on_cluster, remote_cluster
@@ -61,16 +61,21 @@ def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_stays(
     assert len(known) == 24
 
 
-def test_a_scheduler_that_goes_away_while_it_is_asked_is_told(tmp_path: Path) -> None:
-    """A connection that closes at any moment is the scheduler's end, and no traceback."""
+def test_a_scheduler_that_goes_away_while_it_is_asked_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A connection that is reset at any moment is the scheduler's end, and no traceback."""
 
-    class Gone:
-        def nthreads(self) -> None:
-            raise CommClosedError("in <TCP>: ConnectionResetError")
+    def reset(*_: object) -> None:
+        raise CommClosedError("in <TCP>: ConnectionResetError")
 
-    gone: Any = Gone()
-    with pytest.raises(NoCluster, match="the scheduler has gone: in <TCP>"):
-        list(on_cluster(gone, STUDIES[0].blocks()[0], {}))
+    monkeypatch.setattr(cluster, "_outcome", reset)
+    with (
+        loopback(1, tmp_path) as made,
+        remote_cluster(made.address) as client,
+        pytest.raises(NoCluster, match="the scheduler has gone: in <TCP>"),
+    ):
+        list(scheduled(STUDIES, {}, pool(client)))
 
 
 def test_without_a_scheduler_or_workers_it_says_which(

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dask import config
 from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed
 from distributed.client import FutureCancelledError
-from distributed.comm import CommClosedError
+from distributed.comm.core import CommClosedError
 
 from cleancli.experiment.episode import Episode, Finished, carried_out
 from cleancli.experiment.schedule import GivenUp, Known, due
