@@ -205,6 +205,25 @@ def test_a_goal_that_cannot_be_reached_ends_nothing_but_the_patience(lamps: str)
     assert ended.any()
 
 
+def test_what_no_action_can_change_is_counted_to_the_end(lamps: str) -> None:
+    """Of two lamps that are unlit only one can be pressed: an episode ends where nothing can be done."""
+    near = LAMPS.replace("dark() }", "dark() near(?l - lamp) [static] }")
+    near = near.replace("when not lit(?l)", "when near(?l), not lit(?l)").replace(
+        "  rule shouted", "  # rule"
+    )
+    Path(lamps).with_name("lamps.nid").write_text(near, encoding="utf-8")
+    Path(lamps).write_text(PROBLEM.replace("init { }", "init { near(a) }") % "", encoding="utf-8")
+    env = single(lamps, observation="facts")
+    observation, info = env.reset(seed=1)
+    terminated = False
+    while not terminated:
+        assert env.action_masks().any()
+        observation, _, terminated, truncated, info = env.step(env.choices.index("press(a)"))
+        assert not truncated
+    assert observation["lit(a)"] or observation["broken(a)"]
+    assert not info["action_mask"].any()
+
+
 def test_what_cannot_be_learned_from_is_refused_in_words(lamps: str) -> None:
     with pytest.raises(ValueError, match="nothing is left to do in `p` from the beginning"):
         single(with_goal(lamps, "not dark()"))

@@ -49,6 +49,8 @@ def opened(problem: str, domain: str | None) -> Opened:
         raise ValueError(f"no action can change anything in `{facts.name}`: there is nothing to learn")
     if ends is not None and bool(held(ends, task.initial)) is bool(facts.goal):
         raise ValueError(f"nothing is left to do in `{facts.name}` from the beginning")
+    if ends is not None and () in ends:  # something is counted that no action can change
+        ends = None
     return Opened(task, ends, not facts.goal)
 
 
