@@ -12,7 +12,7 @@ from cleancli.array_types import Bools, Floats, Ints
 from cleancli.compiler.ground import ground
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.task import GroundCondition, StateVariable, Task, asked, held
-from cleancli.language.find import find
+from cleancli.language.find import find, find_beside
 from cleancli.language.load import domain_named, load_domain, load_problem, read_source
 from cleancli.planning.kernels.batch import any_holds_each, begin, covered_each, step_each
 
@@ -38,10 +38,10 @@ def opened(problem: str, domain: str | None) -> Opened:
     path = find(problem, "problems")
     source = read_source(path)
     if domain is None:
-        name = domain_named(source).text
-        beside = path.parent / f"{name}.nid"
-        domain = str(beside) if beside.is_file() else name
-    model = load_domain(read_source(find(domain, "domains")))
+        rules = find_beside(path, domain_named(source).text, "domains")
+    else:
+        rules = find(domain, "domains")
+    model = load_domain(read_source(rules))
     facts = load_problem(source, model)
     task = ground(model, facts)
     ends = task.goal if facts.goal else task.counted

@@ -22,7 +22,7 @@ from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.session import Session, table_session
 from cleancli.execution.setup import EpisodeOptions, usual_job, within_reach
 from cleancli.execution.workcell import LookResult, Motion, Motions
-from cleancli.language.find import find
+from cleancli.language.find import find, find_beside
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
 from cleancli.motion.actions import path_along
@@ -198,9 +198,8 @@ def _opened(scene_name: str, domain_name: str | None) -> tuple[Scene, Domain]:
     sought beside the scene before it is sought among the shipped ones."""
     path = find(scene_name, "problems")
     scene = load_scene(read_source(path))
-    beside = path.parent / f"{scene.domain}.nid"
-    named = domain_name or (str(beside) if beside.is_file() else scene.domain)
-    domain = load_domain(read_source(find(named, "domains")))
+    rules = find(domain_name, "domains") if domain_name else find_beside(path, scene.domain, "domains")
+    domain = load_domain(read_source(rules))
     symbolize((), scene, domain)  # refuses what perception can't tell
     return scene, within_reach(domain, scene.robot, usual_job(domain, scene.robot))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from cleancli.experiment.rows import PARQUET, read_rows
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.find import find
+from cleancli.language.find import find_beside
 from cleancli.language.load import read_source
 from cleancli.results.page import Results, results_of, write_results
 from cleancli.study.check import load_study
@@ -43,8 +43,7 @@ def _study(name: str, path: Path, parts: Set[str]) -> Study:
     one. Raises Refused, also for rows that can be of none, since anybody may have written them."""
     if not _NAME.fullmatch(name):
         raise _refused(path, f"`{name}` is no name of a study")
-    beside = path.parent / f"{name}.nid"
-    source = read_source(beside if beside.is_file() else find(name, "studies"))
+    source = read_source(find_beside(path, name, "studies"))
     study = load_study(source)
     others = sorted(parts - {part.name for part in study.parts})
     if study.name != name or others:

@@ -43,3 +43,9 @@ def find(name_or_path: str, *kinds: str) -> Path:
             )
         ]
     )
+
+
+def find_beside(path: Path, name: str, kind: str) -> Path:
+    """`NAME.nid` in the folder of a file that names it, else what `find` finds. Raises Refused (E001)."""
+    beside = path.parent / f"{name}.nid"
+    return beside if beside.is_file() else find(name, kind)
