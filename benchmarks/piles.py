@@ -22,13 +22,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from episodes import on_table
+from episodes import carried_out, on_table
 from kept import Kept
 from strategies import interval
 
 from cleancli.array_types import Floats
 from cleancli.execution.events import Ended
-from cleancli.execution.loop import clean
 from cleancli.execution.setup import EpisodeOptions, discounts_time
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, read_source
@@ -70,10 +69,11 @@ def episode(strategy: str, seed: int, pushes: int, picture: Path | None = None) 
     domain = load_domain(read_source(find("piles", "domains")))
     scene = drawn(load_scene(read_source(find("piles", "problems"))), seed)
     options = EpisodeOptions(strategy=strategy, seed=seed, max_actions=pushes, by_time=discounts_time(domain))
-    with on_table(domain, scene, options, stand_in=False) as (setup, cell, table):
+    with on_table(domain, scene, options, stand_in=False) as opened:
+        table = opened[2]
         assert isinstance(table, PybulletTable)
         before = table.picture(*SIZE)
-        ended = next(event for event in clean(setup, cell) if isinstance(event, Ended))
+        ended = next(event for event in carried_out(opened) if isinstance(event, Ended))
         truth = table.truth()
         if picture is not None:
             write_png(picture, np.hstack((before, table.picture(*SIZE))))
