@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
@@ -15,9 +16,15 @@ from cleancli.cli.views.plan_picture import check_picture
 from cleancli.perception.bag_file import MissingBags, find_rosbags
 from cleancli.perception.rerun_file import MissingRerun, find_rerun
 
+
+def of_experiments(module: str) -> object:
+    with experiment._optional_parts():
+        return importlib.import_module(module)
+
+
 PARTS: dict[str, tuple[str, Callable[[], object], type[Exception]]] = {
-    "distributed": ("distributed", lambda: experiment._require("distributed"), MissingPart),
-    "pyarrow": ("pyarrow", lambda: experiment._require("pyarrow"), MissingPart),
+    "distributed": ("distributed", lambda: of_experiments("distributed"), MissingPart),
+    "pyarrow": ("pyarrow", lambda: of_experiments("pyarrow"), MissingPart),
     "matplotlib": ("matplotlib.figure", lambda: check_picture(Path("plan.png")), MissingPart),
     "pygls": ("cleancli.editor.server", lsp._server, MissingPart),
     "rerun": ("rerun", find_rerun, MissingRerun),

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cleancli.api.observations import perceive
     from cleancli.api.plans import evaluate, plan
     from cleancli.api.simulations import simulate
+    from cleancli.experiment.conduct import run_study
     from cleancli.language.diagnostics.refused import Refused
 
 __version__ = "0.1.0"
@@ -31,6 +32,7 @@ __all__ = [
     "plan",
     "resume",
     "resume_series",
+    "run_study",
     "simulate",
 ]
 
@@ -47,6 +49,7 @@ _PLACES = {
     "plan": "api.plans",
     "resume": "api.executions",
     "resume_series": "api.executions",
+    "run_study": "experiment.conduct",
     "simulate": "api.simulations",
 }
 """The module that each name is loaded from when it is first asked for."""

@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import importlib
 import json
-import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import click
 
-from cleancli.api.run_session import alone_in
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, MissingPart, Stopped
 from cleancli.cli.progress import counted
 from cleancli.cli.usage import usage_errors
-from cleancli.experiment.episode import Finished, OtherVersion
-from cleancli.experiment.rows import PARQUET, write_rows
-from cleancli.experiment.schedule import Enough, GivenUp, Pool, here, number_due, rows, scheduled
-from cleancli.experiment.series import OpenedStudy, open_studies
-from cleancli.experiment.store import Store, read_finished
-from cleancli.experiment.summary import cells_table
-from cleancli.files.replace import replace_file
-from cleancli.language.diagnostics.plural import plural
-from cleancli.language.find import find
-from cleancli.language.load import read_source
-from cleancli.study.row import Row
+from cleancli.experiment.conduct import StudyOptions, StudyStopped, Watch, conducted
 from cleancli.study.schema import MOST_RUNS
 
 _INSTALL = "pip install 'bokeh>=3.1' 'distributed>=2025.1' 'matplotlib>=3.8' 'pyarrow>=18'"
+_OPTIONAL = ("bokeh", "dask", "distributed", "matplotlib", "pyarrow")
 _SHARE = re.compile(r"(\d{1,3}(?:\.\d{1,9})?) ?%")
 
 
@@ -102,38 +91,28 @@ def command(
         raise click.UsageError("name a study, such as fig8a, or rows to --report")
     if jobs is not None and scheduler is not None:
         raise click.UsageError("--jobs is for this machine, --scheduler for a cluster: ask for one")
-    source = read_source(find(study, "studies"))
-    studies = open_studies(source, quick, runs, seed)
-    name = f"{Path(source.path).stem}{'-quick' if quick else ''}"
-    folder = Path("experiments") / name if output is None else output
-    _require("pyarrow")
-    known = dict(read_finished(folder))
-    if known and not resume:
-        held = plural(len(known), "finished episode")
-        raise click.UsageError(f"{folder} holds {held}: go on with --resume, or name another --output")
-    kept = len(known)
-    enough = None if until is None else _until(until)
-    folder.mkdir(parents=True, exist_ok=True)
-    with alone_in(folder):
-        for each in studies:
-            replace_file(folder / f"{each.study.name}.nid", each.source.text)
-        given_up = _carry_out(studies, known, folder, enough, jobs, scheduler, as_data)
-        found = rows(studies, known, enough)
-        write_rows(folder, found)
-    _tell(studies, found, known, kept, given_up, folder, as_data)
-    return ExitCode.NOT_CLEAN if given_up else ExitCode.DONE
+    asked = StudyOptions(runs, seed, quick, resume, jobs, until, scheduler, output)
+    watch = Watch(partial(counted, "episodes"), lambda link: _tell_dashboard(link, as_data))
+    with _optional_parts():
+        result = conducted(study, asked, watch)
+    if as_data:
+        click.echo(json.dumps(result.to_dict(), indent=2))
+    else:
+        echo(str(result))
+        for lost in result.given_up:
+            echo(f"given up: {lost.episode.key[:12]} ({lost.episode.study}): {lost.reason}", err=True)
+    return ExitCode.NOT_CLEAN if result.given_up else ExitCode.DONE
 
 
 def _report(rows: Sequence[Path], study: str | None, output: Path | None, as_data: bool) -> int:
     """Write the page, beside the first rows unless told where."""
     if study is not None:
         raise click.UsageError("--report takes the studies from the rows: name none")
-    _require("pyarrow")
-    _require("matplotlib")
-    from cleancli.experiment.report import write_report
-
     beside = rows[0] if rows[0].is_dir() else rows[0].parent
-    page = write_report(rows, beside if output is None else output)
+    with _optional_parts():
+        from cleancli.experiment.report import write_report
+
+        page = write_report(rows, beside if output is None else output)
     if as_data:
         click.echo(json.dumps({"page": str(page)}))
     else:
@@ -141,92 +120,20 @@ def _report(rows: Sequence[Path], study: str | None, output: Path | None, as_dat
     return ExitCode.DONE
 
 
-def _carry_out(
-    studies: Sequence[OpenedStudy],
-    known: dict[str, Finished],
-    folder: Path,
-    enough: Enough | None,
-    jobs: int | None,
-    scheduler: str | None,
-    quiet: bool,
-) -> list[GivenUp]:
-    """All that is not known yet; each finished episode is kept at once. Raises Stopped on Ctrl-C."""
-    given_up = []
-    number = number_due(studies, known)
-    try:
-        with Store.opened(folder) as store, _pool(jobs, scheduler, number, quiet) as pool:
-            for outcome in counted("episodes", scheduled(studies, known, pool, enough), number):
-                if isinstance(outcome, Finished):
-                    store.add(outcome)
-                else:
-                    given_up.append(outcome)
-    except KeyboardInterrupt:
-        raise Stopped(f"{plural(len(known), 'episode')} finished; go on with the same and --resume") from None
-    except OtherVersion as error:
-        raise OSError(f"{error}: install the same everywhere") from None
-    return given_up
+def _tell_dashboard(link: str, quiet: bool) -> None:
+    if not quiet:
+        echo(f"dashboard: {link}", err=True)
 
 
 @contextmanager
-def _pool(jobs: int | None, scheduler: str | None, number: int, quiet: bool) -> Iterator[Pool]:
-    """Where episodes are carried out: in this process where one job is asked for, or one is enough."""
-    wanted = min(number, len(os.sched_getaffinity(0)) if jobs is None else jobs)
-    if scheduler is None and wanted <= 1:
-        yield here
-        return
-    _require("distributed")
-    from cleancli.experiment.cluster import local_cluster, on_cluster, remote_cluster
-
-    with local_cluster(wanted) if scheduler is None else remote_cluster(scheduler) as client:
-        if not quiet:
-            echo(f"dashboard: {client.dashboard_link}", err=True)
-        yield lambda series, known: on_cluster(client, series, known)
-
-
-def _until(share: float) -> Enough:
-    """Imported here: scipy takes long to load."""
-    from cleancli.experiment.until import known_to
-
-    return known_to(share)
-
-
-def _require(library: str) -> None:
-    """Load an optional part; raises MissingPart."""
+def _optional_parts() -> Iterator[None]:
+    """Raises MissingPart for a library that experiments alone need, Stopped where Ctrl-C ended a study."""
     try:
-        importlib.import_module(library)
+        yield
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.split(".")[0] not in (library, "dask"):
+        missing = (error.name or "").partition(".")[0]
+        if missing not in _OPTIONAL:
             raise
-        raise MissingPart(f"experiments need {library}: {_INSTALL}") from error
-
-
-def _tell(
-    studies: Sequence[OpenedStudy],
-    found: Sequence[Row],
-    known: dict[str, Finished],
-    kept: int,
-    given_up: Sequence[GivenUp],
-    folder: Path,
-    as_data: bool,
-) -> None:
-    by_study = {each.study.name: [row for row in found if row.study == each.study.name] for each in studies}
-    if as_data:
-        told = {
-            "studies": {name: _numbers(own) for name, own in by_study.items()},
-            "carried_out": len(known) - kept,
-            "kept": kept,
-            "given_up": [{"key": each.episode.key, "reason": each.reason} for each in given_up],
-            "rows": str(folder / PARQUET),
-        }
-        click.echo(json.dumps(told, indent=2))
-        return
-    for each in studies:
-        echo(f"{each.study.name}: {each.study.about}" if each.study.about else each.study.name)
-        echo(str(cells_table(each.study, by_study[each.study.name])))
-    for lost in given_up:
-        echo(f"given up: {lost.episode.key[:12]} ({lost.episode.study}): {lost.reason}", err=True)
-    echo(f"{plural(len(found), 'row')}, {plural(len(known) - kept, 'episode')} carried out: {folder}/")
-
-
-def _numbers(own: Sequence[Row]) -> dict[str, int]:
-    return {"episodes": len(own), "clean": sum(row.clean for row in own)}
+        raise MissingPart(f"experiments need {missing}: {_INSTALL}") from error
+    except StudyStopped as stopped:
+        raise Stopped(str(stopped)) from None
