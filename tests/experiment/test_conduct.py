@@ -60,7 +60,7 @@ def test_a_study_without_a_file_goes_by_its_name(tmp_path: Path, monkeypatch: py
 def test_what_makes_no_sense_is_refused_before_an_episode(tmp_path: Path) -> None:
     for wrong in ({"runs": 0}, {"seed": -1}, {"jobs": 0}, {"until": 10.0}, {"until": 0.0}):
         with pytest.raises(BadOption, match=f"`{next(iter(wrong))}`"):
-            cleancli.run_study(SMALL, output=tmp_path / "wrong", **wrong)  # type: ignore[arg-type]
+            cleancli.run_study(SMALL, output=tmp_path / "wrong", **wrong)
     assert not (tmp_path / "wrong").exists()
     cleancli.run_study(SMALL, output=tmp_path / "held")
     with pytest.raises(ValueError, match="4 finished episodes"):
