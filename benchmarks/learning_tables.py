@@ -6,7 +6,7 @@ by pair. Learning should do no harm there.
 `grasp`: a robot with another grasp (`folded`, `corner`) cleans thirty lentils, in small groups and scattered,
 ten times (§6.3, Fig. 10): with the shipped rules; learning from them, by the decreasing m-estimate, by the
 m-estimate and by `fitted-m`; learning from rules that were measured with the wide grasp; and with rules that
-were measured with its own (docs/physics.md), which is about the best that learning can come to. `--plot FILE`
+were measured with its own (docs/measurements/physics.md), about the best that can be learned. `--plot FILE`
 draws actions and seconds by episode, as Fig. 10 does.
 
 Each table is a minute of CPU: about half an hour for `harm`, and eight hours for `grasp`. With `--keep` every

@@ -1,10 +1,11 @@
 """How soon a robot gets along with another grasp of the rag: python benchmarks/new_grasp.py [--keep FILE] ...
 
 In the symbolic world. The rules that hold are those of `cleaning` with the shares of outcomes, and the
-seconds, that docs/physics.md reports of the grasps `folded` and `corner`; the robot starts with the rules
-that ship. Ten episodes of seven areas each, planned by time, in four ways that meet the same tables and the
-same luck: with the shipped rules all the time, with rules that are learned from each action, by the usual
-estimator and by `fitted-m`, and with the rules that hold, which is the best that learning could come to.
+seconds, that docs/measurements/physics.md reports of the grasps `folded` and `corner`; the robot starts with
+the rules that ship. Ten episodes of seven areas each, planned by time, in four ways that meet the same
+tables and the same luck: with the shipped rules all the time, with rules that are learned from each action,
+by the usual estimator and by `fitted-m`, and with the rules that hold, which is the best that learning could
+come to.
 Prints the robot's seconds in each episode; from the fifth episode on, the share of the gap between shipped
 and true rules that learning closes, and how many times as fast it is, with intervals of Student's t.
 
@@ -46,7 +47,7 @@ from cleancli.learning.method import DEFAULT, Method
 from learning import taught
 from planning import layout
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "physics.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "measurements" / "physics.md"
 GRASPS = ("folded", "corner")
 KINDS = ("shipped", "learned", "fitted", "true")
 TOLD, UNTIMED = "told ", "fitted, untimed"
@@ -59,7 +60,7 @@ Shares = Mapping[tuple[str, str, str], tuple[float, float, float, float]]
 
 
 def measured() -> Shares:
-    """What docs/physics.md reports of each action."""
+    """What docs/measurements/physics.md reports of each action."""
     share = r"([\d.]+) \| "
     row = re.compile(rf"\| (\w+) \| (compact|scattered) \| (\w+) \| {share * 3}(.*)")
     found = {}

@@ -1,6 +1,6 @@
 """What actions truly do: python benchmarks/physics.py [--keep FILE] [--repeat N] [--seed N] [--part NAME] ...
 
-Prints the tables of docs/physics.md, a row as soon as its trials are done:
+Prints the tables of docs/measurements/physics.md, a row as soon as its trials are done:
 
 - actions: each action of §3.2, with each grasp, on compact and on scattered dirt;
 - path: the WAM's fast and straight pushes (§3.2.1), and what of their difference is path and what speed;

@@ -60,7 +60,7 @@ ANYTIME = {"uct": 10_000_000, "prada+": 10_000_000}
 """Planners that go on until their time is over, and the samples that they are allowed."""
 ROWS = (*PLANNERS, "prada+:solve=0", "prada+:solve=0,runs=0")
 LARGE_ROWS = tuple(name for name in ROWS if name not in ("exact", "aprada"))
-"""What is played where no planner is asked for: the rows of docs/simulation.md. Large problems are solved to
+"""What is played where no planner is asked for (docs/measurements/planning.md). Large problems are solved to
 know the optimum anyway, and `aprada` differs little from `prada`."""
 FEWER = {"uct": 30}
 """Planners that play the first so many problems alone, unless they are asked for: they need hours

@@ -212,7 +212,7 @@ def test_what_strategies_lose_is_compared_by_seed(
 def test_intervals_hold_most_hidden_probabilities(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A few transitions; what many come to is in docs/learning.md."""
+    """A few transitions; what many come to is in docs/measurements/learning.md."""
     words = ("--quick", "--seed", "2", "--keep", str(tmp_path / "kept.jsonl"))
     _main("intervals", monkeypatch, *words)
     told = capsys.readouterr().out
@@ -428,7 +428,7 @@ def test_perception_is_measured_against_the_truth(tmp_path: Path) -> None:
 def test_calibrated_on_one_frame_others_of_the_camera_are_clean_and_their_dirt_is_found(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Fewer pairs than docs/real_tables.md tells of, other ones, and the same limits."""
+    """Fewer pairs than docs/measurements/perception.md tells of, other ones, and the same limits."""
     _main("real_tables", monkeypatch, "--pairs", "3", "--seed", "70")
     told = capsys.readouterr().out
     assert "clean frames: 3, with false dirt 0, false patches 0, whole tables 0, refused 0" in told
@@ -504,7 +504,7 @@ def test_times_of_strategies_are_of_clean_runs_and_the_others_are_counted(
 
 @pytest.mark.needs_pybullet
 def test_areas_keep_their_names_through_pushes(tmp_path: Path) -> None:
-    """Few pushes: the figure is in docs/perception.md, here it is only far from chance."""
+    """Few pushes: the figure is in docs/measurements/perception.md, here it is only far from chance."""
     result = _run("identity.py", "4", cwd=tmp_path)
     assert not result.stderr
     share = next(line for line in result.stdout.splitlines() if line.startswith("areas matched right"))

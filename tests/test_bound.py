@@ -101,7 +101,7 @@ def test_the_ways_of_the_skill_are_possible() -> None:
 
 
 def test_strokes_of_the_bound_clean_the_table_in_about_the_time_said() -> None:
-    """docs/execution.md: carried out, on the stand-in, they take a bit more than plans expect."""
+    """docs/measurements/execution.md: carried out on the stand-in they take a bit more than plans expect."""
     layout = layout_of(FEW, 3)
     told = bound.bound(layout, bends=2, steps=400)
     assert told["bending"]["least"] <= told["free"]["least"] <= told["nearest"]["least"]

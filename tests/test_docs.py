@@ -26,12 +26,12 @@ def commands(page: Path) -> list[list[str]]:
     return [shlex.split(line, comments=True) for line in lines if line.startswith("cleancli ")]
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if commands(p)], ids=lambda p: p.stem)
+@pytest.mark.parametrize("page", [p for p in PAGES if commands(p)], ids=docs_numbers.called)
 def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "domains" / "cleaning.nid", tmp_path / "my_cleaning.nid")
     shutil.copytree(ROOT / "tests" / "conversion" / "kitchen", tmp_path / "kitchen")
-    if page.stem == "recording":
+    if page == ROOT / "docs" / "recording.md":
         bags = pytest.importorskip("support.recorded_table", reason="rosbags is an extra")
         bags.write(tmp_path / "table.mcap")
     for words in commands(page):
@@ -83,14 +83,14 @@ def test_readme_states_the_two_commands() -> None:
     assert "cleancli execute cleaning two_groups --seed 1\n" in text
 
 
-@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=docs_numbers.called)
 def test_every_number_names_its_source(page: Path) -> None:
     """docs/decisions/0010; `python tests/support/docs_numbers.py` lists them all."""
-    numbers = list(sourced(page.stem, page.read_text(encoding="utf-8")))
+    numbers = list(sourced(docs_numbers.called(page), page.read_text(encoding="utf-8")))
     assert [f"line {number.line}: {number.written}" for number in numbers if not number.source] == []
 
 
-@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", docs_numbers.PAGES, ids=docs_numbers.called)
 def test_commands_that_make_numbers_are_there(page: Path) -> None:
     for command in named_commands(page.read_text(encoding="utf-8")):
         words = command.split()

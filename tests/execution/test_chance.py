@@ -1,4 +1,4 @@
-"""Layouts on which chance matters (docs/execution.md): plans weigh it, and plans that think it away go wrong,
+"""Layouts on which chance matters: plans weigh it, and plans that think it away (docs/measurements) go wrong,
 in the symbolic world and on the fast stand-in for the table."""
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ def test_a_table_gets_clean(domain: str, strategy: str) -> None:
 
 
 def test_a_look_finds_the_areas_that_pictures_show() -> None:
-    """The same groups as perception finds, a few millimetres apart (docs/perception.md)."""
+    """The same groups as perception finds, a few millimetres apart (docs/measurements/perception.md)."""
     domain = shipped_domain("cleaning")
     ours = KinematicCell(domain, SCENE, KinematicTable(SCENE, 5)).look(None, None, 0, 0).situation.areas
     with closing(PybulletTable(SCENE, 5)) as table:

@@ -1,4 +1,4 @@
-"""The hidden rules of benchmarks/new_grasp.py are what docs/physics.md measured."""
+"""The hidden rules of benchmarks/new_grasp.py are what docs/measurements/physics.md reports."""
 
 from __future__ import annotations
 

@@ -29,6 +29,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PAGES = tuple(sorted((ROOT / "docs").rglob("*.md")))
 
+
 NUMBER = re.compile(r"(?<![\w.,^-])[-−]?\d+(?:\^\d+)?(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?(?![\w])")
 NO_FIGURE = re.compile(
     r"""
@@ -85,6 +86,11 @@ class Number:
     line: int
     written: str
     source: str
+
+
+def called(page: Path) -> str:
+    """A page as its path from the root, without the ending: pages of two folders may have one name."""
+    return str(page.relative_to(ROOT).with_suffix(""))
 
 
 def passages(page: str, text: str) -> Iterator[Passage]:

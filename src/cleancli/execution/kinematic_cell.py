@@ -27,7 +27,7 @@ _FINE = 3  # bits of a pixel's fraction when discs are drawn
 
 class KinematicCell(DrivenCell):
     """A `Workcell` that finds each particle exactly where it lies, unless the tool hides it: as perception
-    does in pictures, but for its errors, which are a few millimetres (docs/perception.md)."""
+    does in pictures, but for its errors, which are a few millimetres (docs/measurements/perception.md)."""
 
     def __init__(self, domain: Domain, scene: Scene, table: KinematicTable) -> None:
         super().__init__(domain, scene, table)

@@ -1,4 +1,4 @@
-"""docs/results.md and its figures, from rows alone: what was measured, with intervals, and every verdict.
+"""The page of results and its figures, from rows alone: what was measured, with intervals, and every verdict.
 
 The same rows and studies make the same bytes, in whichever order the rows come.
 """

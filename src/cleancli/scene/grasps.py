@@ -1,6 +1,6 @@
 """The grasps that ship with cleancli. All numbers are chosen: no grasp was measured on a real cloth.
 
-They were chosen so that the same push ends differently by grasp (docs/physics.md).
+They were chosen so that the same push ends differently by grasp (docs/measurements/physics.md).
 """
 
 from __future__ import annotations
