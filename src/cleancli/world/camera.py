@@ -1,22 +1,55 @@
-"""The RGB-D camera above the table and the onlooker's camera at its corner, drawn by pybullet's own renderer.
-
-The onlooker's pictures have no noise; they are for people, and never reach perception.
-"""
+"""The RGB-D camera above the table, and what it shares with that for people: pybullet's own renderer."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import atan, cos, sin
 
 import numpy as np
 
 from cleancli.array_types import Depth, Floats, Image
 from cleancli.geometry.rgbd import Camera, Frame
-from cleancli.scene.model import CameraSetup, Light, Surface
+from cleancli.scene.model import CameraSetup, Light
 from cleancli.world import constants as par
 from cleancli.world.image_effects import Finish
 from cleancli.world.physics import Engine
 
-_Places = tuple[Floats, Floats, Floats]
+_Range = tuple[float, float]
+Places = tuple[Floats, Floats, Floats]
+"""x, y and z of what each pixel shows, (height, width) each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """Size of a picture in pixels, the engine's matrices of the view and of the projection, by columns, and
+    between which distances things are seen, metres."""
+
+    width: int
+    height: int
+    view: list[float]
+    projection: list[float]
+    near: float
+    far: float
+
+    @property
+    def matrix(self) -> Floats:
+        """(4, 4) from places of the scene to the renderer's cube."""
+        return _matrix(self.projection) @ _matrix(self.view)
+
+    def depth(self, buffer: Floats) -> Floats:
+        """Metres along the view, by the renderer's depth `buffer`."""
+        return self.far * self.near / (self.far - (self.far - self.near) * buffer)
+
+
+def lens(
+    engine: Engine, eye: Floats, ahead: Floats, up: Floats, field: float, size: tuple[int, int], range: _Range
+) -> Lens:
+    """One that stands at `eye` and looks at `ahead`; `field` is the vertical opening angle, degrees, `size`
+    width and height in pixels, `range` the nearest and the farthest that is seen."""
+    width, height = size
+    view = engine.computeViewMatrix(eye.tolist(), ahead.tolist(), up.tolist())
+    projection = engine.computeProjectionMatrixFOV(field, width / height, *range)
+    return Lens(width, height, view, projection, *range)
 
 
 def overhead(setup: CameraSetup) -> Camera:
@@ -46,21 +79,46 @@ def render(engine: Engine, camera: Camera, light: Light, finish: Finish | None =
     """What an ideal camera would see: colour (height, width, 3), and depth (height, width) in metres."""
     eye = camera.pose[:3, 3]
     ahead, up = eye + camera.pose[:3, 2], -camera.pose[:3, 1]
-    view = engine.computeViewMatrix(eye.tolist(), ahead.tolist(), up.tolist())
-    opening = 2 * np.degrees(atan(camera.height / 2 / camera.focal))
-    projection = engine.computeProjectionMatrixFOV(opening, camera.width / camera.height, par.NEAR, par.FAR)
-    colour, buffer = _draw(engine, camera.width, camera.height, view, projection, light, finish)
-    depth = par.FAR * par.NEAR / (par.FAR - (par.FAR - par.NEAR) * buffer)
-    return colour, depth.astype(np.float32)
+    opening = 2 * float(np.degrees(atan(camera.height / 2 / camera.focal)))
+    view = lens(engine, eye, ahead, up, opening, (camera.width, camera.height), (par.NEAR, par.FAR))
+    colour, buffer = rasterise(engine, view, light)
+    if finish is not None and finish.changes:
+        finish.put_on(colour, *places(buffer, view))
+    return colour, view.depth(buffer).astype(np.float32)
 
 
-def onlook(engine: Engine, surface: Surface, light: Light, finish: Finish, width: int, height: int) -> Image:
-    """The table from above its south-east corner, (height, width, 3) uint8 RGB."""
-    eye = [0.85 * surface.width, -1.35 * surface.depth, 0.75]
-    view = engine.computeViewMatrix(eye, [0.02, 0.0, -0.05], [0, 0, 1])
-    opening = float(np.degrees(par.PICTURE_FIELD))
-    projection = engine.computeProjectionMatrixFOV(opening, width / height, par.NEAR, par.FAR)
-    return _draw(engine, width, height, view, projection, light, finish)[0]
+def rasterise(engine: Engine, view: Lens, light: Light, shadows: bool = False) -> tuple[Image, Floats]:
+    """Colour (height, width, 3) and the depth buffer (height, width), which is 1 where there is nothing."""
+    level = cos(light.elevation)
+    direction = level * cos(light.azimuth), level * sin(light.azimuth), sin(light.elevation)
+    _, _, colour, buffer, _ = engine.getCameraImage(
+        view.width,
+        view.height,
+        view.view,
+        view.projection,
+        lightDirection=direction,
+        shadow=int(shadows),
+        lightAmbientCoeff=light.ambient,
+        lightDiffuseCoeff=1 - light.ambient,
+        lightSpecularCoeff=0.0,
+        renderer=engine.ER_TINY_RENDERER,
+        flags=engine.ER_NO_SEGMENTATION_MASK,
+    )
+    size = view.height, view.width
+    image = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(*size, 4)[:, :, :3])
+    return image, np.asarray(buffer, dtype=np.float64).reshape(size)
+
+
+def places(buffer: Floats, view: Lens) -> Places:
+    """Where what each pixel shows is, by the depth `buffer` (height, width)."""
+    height, width = buffer.shape
+    rows, columns = np.indices(buffer.shape)
+    # The optical axis is where `overhead` says: in the middle of the columns, a pixel above that of the rows.
+    cube = np.stack(
+        (2 * columns / width - 1, 1 - 2 * (rows + 1) / height, 2 * buffer - 1, np.ones_like(buffer))
+    )
+    x, y, z, w = np.einsum("ij,jhw->ihw", np.linalg.inv(view.matrix), cube)
+    return x / w, y / w, z / w
 
 
 def noisy_depth(depth: Depth, rng: np.random.Generator) -> Depth:
@@ -86,50 +144,6 @@ def noisy_colour(colour: Image, rng: np.random.Generator) -> Image:
     shifted[:, : par.COLOUR_SHIFT] = colour[:, : par.COLOUR_SHIFT]
     noise = par.COLOUR_NOISE * rng.standard_normal(colour.shape, dtype=np.float32)
     return np.clip(np.round(shifted + noise), 0, 255).astype(np.uint8)
-
-
-def _draw(
-    engine: Engine,
-    width: int,
-    height: int,
-    view: list[float],
-    projection: list[float],
-    light: Light,
-    finish: Finish | None,
-) -> tuple[Image, Floats]:
-    level = cos(light.elevation)
-    direction = level * cos(light.azimuth), level * sin(light.azimuth), sin(light.elevation)
-    _, _, colour, buffer, _ = engine.getCameraImage(
-        width,
-        height,
-        view,
-        projection,
-        lightDirection=direction,
-        shadow=0,
-        lightAmbientCoeff=light.ambient,
-        lightDiffuseCoeff=1 - light.ambient,
-        lightSpecularCoeff=0.0,
-        renderer=engine.ER_TINY_RENDERER,
-        flags=engine.ER_NO_SEGMENTATION_MASK,
-    )
-    image = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3])
-    depth = np.asarray(buffer, dtype=np.float64).reshape(height, width)
-    if finish is not None and finish.changes:
-        finish.put_on(image, *_places(depth, _matrix(projection) @ _matrix(view)))
-    return image, depth
-
-
-def _places(buffer: Floats, projected: Floats) -> _Places:
-    """x, y and z of what each pixel shows, (height, width) each; `projected` (4, 4) takes the scene to the
-    renderer's cube."""
-    height, width = buffer.shape
-    rows, columns = np.indices(buffer.shape)
-    # The optical axis is where `overhead` says: in the middle of the columns, a pixel above that of the rows.
-    cube = np.stack(
-        (2 * columns / width - 1, 1 - 2 * (rows + 1) / height, 2 * buffer - 1, np.ones_like(buffer))
-    )
-    x, y, z, w = np.einsum("ij,jhw->ihw", np.linalg.inv(projected), cube)
-    return x / w, y / w, z / w
 
 
 def _matrix(columns: list[float]) -> Floats:

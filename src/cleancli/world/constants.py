@@ -133,4 +133,15 @@ EDGE_JUMP = 0.02  # where jitter moves depth by more than this,
 EDGE_DROPOUT = 0.5  # this share of pixels has no depth
 COLOUR_SHIFT = 1  # pixels, to the right of depth
 COLOUR_NOISE = 3.0
-PICTURE_FIELD = 0.22 * pi  # vertical opening angle of the onlooker's camera
+
+# The onlooker's camera, chosen.
+PICTURE_FIELD = 0.14 * pi  # vertical opening angle
+PICTURE_FILLED = 0.94  # share of it that the table and the robot fill at most
+PICTURE_ELEVATION = 0.27 * pi  # how far above the table's level it stands, seen from there
+PICTURE_RANGE = (1.0, 4.0)  # what is so far before and behind the table and the robot is seen too
+WALL_COLOUR = (221, 227, 233)  # where there is nothing else
+SHADOW_CELL = 3e-3  # side of a pixel in the light's picture
+SHADOW_BIAS = 2e-3  # what lies at most so far before a place throws no shadow on it
+LAMP_FIELD = 0.03  # opening angle of the light's picture: the smaller, the farther away the light
+LAMP_RANGE = (1.0, 1.0)  # as PICTURE_RANGE, of the light
+LEVEL = 4e-4  # heights of neighbouring pixels of a level surface differ by less

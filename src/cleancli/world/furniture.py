@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import product
 from math import sin, sqrt
 
+import numpy as np
+
+from cleancli.array_types import Floats
 from cleancli.scene.model import Container, Scene, Surface
 from cleancli.world import constants as par
 from cleancli.world.physics import Engine
@@ -63,6 +67,13 @@ def container_walls(container: Container, surface: Surface) -> tuple[_Box, ...]:
         ((x0, y0 - wall, z0), (x1, y0, z1)),
         ((x0, y1, z0), (x1, y1 + wall, z1)),
     )
+
+
+def corners(scene: Scene) -> Floats:
+    """(n, 3) corners of the table, down to the floor, and of the container."""
+    x, y = scene.surface.width / 2, scene.surface.depth / 2
+    boxes = ((-x, -y, -par.TABLE_HEIGHT), (x, y, 0.0)), container_space(scene.container, scene.surface)
+    return np.array([corner for box in boxes for corner in product(*zip(*box, strict=True))])
 
 
 def _legs(surface: Surface) -> tuple[_Box, ...]:

@@ -6,7 +6,7 @@ from math import cos, sin
 
 import numpy as np
 
-from cleancli.array_types import Floats, Image, Longs
+from cleancli.array_types import Floats, Image, Longs, Singles
 from cleancli.motion.zone import inwards
 from cleancli.scene.model import Light, Scene, Surface, Zone
 from cleancli.world import constants as par
@@ -26,6 +26,11 @@ class Finish:
         """Whether there is anything that the renderer leaves out."""
         parts = self._ink, self._texture, self._zone
         return any(part is not None for part in parts) or self._light.gradient > 0
+
+    @property
+    def ink_amount(self) -> Singles:
+        """How much ink each cell of the surface holds now, (rows, columns); empty where there is none."""
+        return np.empty((0, 0), np.float32) if self._ink is None else self._ink.amount
 
     def put_on(self, image: Image, x: Floats, y: Floats, z: Floats) -> None:
         """Change `image` (height, width, 3), of which (height, width) pixels show the places (x, y, z)."""

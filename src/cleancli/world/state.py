@@ -108,13 +108,18 @@ def bodies(engine: Engine, particles: tuple[int, ...]) -> tuple[Floats, Floats]:
 
 def put(engine: Engine, particles: tuple[int, ...], state: TableState) -> None:
     """Bring particles and joints to where they are in a state. Raises ValueError for one of another table."""
-    moving = list(_moving(engine))
-    if state.particles.shape != (len(particles), 13) or state.joints.shape != (len(moving), 2):
+    moving = len(list(_moving(engine)))
+    if state.particles.shape != (len(particles), 13) or state.joints.shape != (moving, 2):
         raise ValueError("the saved state is of another table")
-    for body, row in zip(particles, state.particles.tolist(), strict=True):
+    place(engine, particles, state.particles, state.joints)
+
+
+def place(engine: Engine, particles: tuple[int, ...], places: Floats, joints: Floats) -> None:
+    """Bring particles (n, 13) and joints (k, 2) to where `bodies` has found them."""
+    for body, row in zip(particles, places.tolist(), strict=True):
         engine.resetBasePositionAndOrientation(body, row[:3], row[3:7])
         engine.resetBaseVelocity(body, row[7:10], row[10:])
-    for (body, joint), (position, speed) in zip(moving, state.joints.tolist(), strict=True):
+    for (body, joint), (position, speed) in zip(_moving(engine), joints.tolist(), strict=True):
         engine.resetJointState(body, joint, position, speed)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
+from math import atan2
 from types import TracebackType
 from typing import Self
 
@@ -20,12 +21,14 @@ from cleancli.world import camera, furniture, particles
 from cleancli.world import constants as par
 from cleancli.world.image_effects import Finish
 from cleancli.world.ink import InkLayer
+from cleancli.world.onlooker import Onlooker
 from cleancli.world.physics import Engine
 from cleancli.world.robot import Status
 from cleancli.world.robots import constants
 from cleancli.world.robots.drive import Drive
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.state import TableState, bodies, put
+from cleancli.world.viewpoint import around
 
 BLOCKED = "something holds the tool back"
 
@@ -82,6 +85,7 @@ class PybulletTable:
         _refuse_unknown(scene)
         self._scene, self._seed, self._window = scene, seed, window
         self._camera = camera.overhead(scene.camera)
+        self._onlookers: dict[tuple[int, int], Onlooker] = {}
         self._build()
         if state is None:
             particles.settle(self._engine, self._particles)
@@ -103,6 +107,9 @@ class PybulletTable:
     def close(self) -> None:
         """Free the engine; the table can't be used afterwards."""
         self._engine.close()
+        for onlooker in self._onlookers.values():
+            onlooker.close()
+        self._onlookers.clear()
 
     @property
     def clock(self) -> float:
@@ -227,23 +234,34 @@ class PybulletTable:
             time.sleep(par.STEP)
 
     def picture(self, width: int = 640, height: int = 480) -> Image:
-        """The table as an onlooker sees it from its corner, (height, width, 3) uint8 RGB, without noise, and
-        with the scene's zone painted on it."""
-        return camera.onlook(self._engine, self._scene.surface, self._scene.light, self._shown, width, height)
+        """The table and the robot as an onlooker sees them, (height, width, 3) uint8 RGB, with shadows and
+        without noise, and with the scene's zone painted on the surface."""
+        if (width, height) not in self._onlookers:
+            self._onlookers[width, height] = self._onlooker((width, height))
+        return self._onlookers[width, height].picture(self._engine, self._particles, self._shown)
+
+    def _onlooker(self, size: tuple[int, int]) -> Onlooker:
+        """A camera for people, before which everything stands as the seed has it at first."""
+        robot, stage = ROBOTS[self._scene.robot], Engine()
+        _, actors = _cast(stage, self._scene, self._seed)
+        east, north = self._scene.outwards()
+        azimuth = atan2(north, east) + robot.aspect
+        points = np.concatenate((furniture.corners(self._scene), robot.extent(self._scene)))
+        field, aspect = par.PICTURE_FIELD * par.PICTURE_FILLED, size[0] / size[1]
+        view = around(points, azimuth, par.PICTURE_ELEVATION, field, aspect)
+        return Onlooker(self._scene, stage, actors, replace(view, field=par.PICTURE_FIELD), points, size)
 
     def _build(self) -> None:
         """Everything in its place, dirt just above the surface, with what the seed draws first."""
         scene = self._scene
-        layout, tool, strokes, images = np.random.default_rng(self._seed).spawn(4)
+        _, _, strokes, images = np.random.default_rng(self._seed).spawn(4)
         self._engine = Engine(self._window)
         self._stroke_noise, self._image_noise = strokes, images
         self._top = furniture.build(self._engine, scene)
         self._ink = InkLayer(scene) if any(isinstance(dirt, Ink) for dirt in scene.dirt) else None
         self._finish = Finish(scene, self._ink)
         self._shown = Finish(scene, self._ink, scene.zone)
-        self._drive = ROBOTS[scene.robot].build(self._engine, scene, tool)
-        self._drive.place()
-        self._particles = particles.drop(self._engine, particles.places(scene.dirt, layout), layout)
+        self._drive, self._particles = _cast(self._engine, scene, self._seed)
         self._steps = 0
         self._ahead = np.empty((0, 0))
         self._status, self._failure = Status.DONE, ""
@@ -288,6 +306,14 @@ class PybulletTable:
         particles.keep_in_room(self._engine, self._particles)
         if self._ink is not None:
             self._ink.rub(self._engine, self._top, self._drive.flaps())
+
+
+def _cast(engine: Engine, scene: Scene, seed: int) -> tuple[Drive, tuple[int, ...]]:
+    """All that moves: the robot at rest, and particles just above the surface, as the seed has them."""
+    layout, tool, *_ = np.random.default_rng(seed).spawn(4)
+    drive = ROBOTS[scene.robot].build(engine, scene, tool)
+    drive.place()
+    return drive, particles.drop(engine, particles.places(scene.dirt, layout), layout)
 
 
 def stroke_error(path: ToolPath, rng: np.random.Generator, height_noise: float | None) -> Floats:

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
 from cleancli.array_types import Bools, Floats
 from cleancli.motion.arm import TWISTS, Arm, Capsule, forward
+from cleancli.motion.clearance import hull_ends
 from cleancli.motion.joint_path import (
     ANY_LEAN,
     Lean,
@@ -191,6 +192,14 @@ def body(engine: Engine, arm: Arm, build: Build, held: int, more: tuple[Link, ..
             number, link, localInertiaDiagonal=[constants.LINK_INERTIA] * 3, linearDamping=0, angularDamping=0
         )
     return number
+
+
+def arm_extent(arm: Arm, build: Build) -> Floats:
+    """(n, 3) corners of boxes around the ends of the arm's hulls, at rest and as it would rather be."""
+    ends = hull_ends(arm, np.array((build.rest, arm.posture)))
+    radii = np.array([hull.radius for hull in arm.hulls])[:, None, None]
+    corners = [ends + radii * np.array(signs) for signs in product((-1, 1), repeat=3)]
+    return np.stack(corners).reshape(-1, 3)
 
 
 def _first(engine: Engine, arm: Arm, build: Build, seen: int) -> Link:

@@ -14,6 +14,12 @@ REACH_HEIGHT = (-0.02, 0.40)
 TRACKING_LIMIT = 0.04  # farther than this from the commanded position, something blocks the tool
 REST_CLEARANCE = 0.10  # between the camera's view and the resting tool
 
+# From where people see each robot, chosen: the angle from the container's side to the onlooker, radians. The
+# arm is then behind the surface.
+GANTRY_ASPECT = -0.9
+WAM_ASPECT = -0.9
+REEM_ASPECT = 2.5
+
 # Barrett WAM: Denavit-Hartenberg rows and joint limits as in Barrett's user manual (D1001). The speeds and
 # accelerations of joints are chosen: those of a careful set-up, far below what the arm can do.
 WAM_OFFSETS = (0.0, 0.0, 0.045, -0.045, 0.0, 0.0, 0.0)

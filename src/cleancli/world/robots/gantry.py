@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from cleancli.array_types import Bools, Floats
@@ -133,6 +135,14 @@ def resting_pose(scene: Scene) -> Floats:
     del places[scene.container.edge]
     nearest = min(places.values(), key=lambda place: abs(place[0]) + abs(place[1]))
     return np.array((*nearest, LIFT, 0.0))
+
+
+def gantry_extent(scene: Scene) -> Floats:
+    """(n, 3) ends of the post above the corners of the surface, and where it rests."""
+    half = np.array((scene.surface.width, scene.surface.depth)) / 2
+    top = LIFT + par.FLAP_HEIGHT + par.HOLDER_SIZE[1] + par.POST_HEIGHT
+    spots = [half * sign for sign in product((-1, 1), repeat=2)] + [resting_pose(scene)[:2]]
+    return np.array([(x, y, z) for x, y in spots for z in (0.0, top)])
 
 
 def _refuse_far(point: Floats, scene: Scene) -> None:
