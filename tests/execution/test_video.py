@@ -9,7 +9,7 @@ import av
 import numpy as np
 import pytest
 
-from cleancli.recording.pictures import VIDEO_RATE, Video
+from cleancli.recording.video import VIDEO_RATE, Video
 
 
 def test_a_video_that_was_never_finished_plays_up_to_its_last_whole_second(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from cleancli.cli.main import run
-from cleancli.recording.pictures import VIDEO_INTERVAL, Video
+from cleancli.recording.video import VIDEO_INTERVAL, Video
 from support.run_folders import LAMPS, RECORDS, write_run, write_series
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")

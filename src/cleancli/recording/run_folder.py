@@ -35,7 +35,8 @@ from cleancli.learning.experience import encode
 from cleancli.recording import checkpoint, journal
 from cleancli.recording.folder import EXPERIENCE, JOURNAL, RUN
 from cleancli.recording.journal_writer import Entries
-from cleancli.recording.pictures import Video, step_picture, write_png
+from cleancli.recording.pictures import step_picture, write_png
+from cleancli.recording.video import Video
 
 STEP_SIZE = (640, 480)
 VIDEO_SIZE = (400, 300)
