@@ -11,6 +11,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from scipy.stats import binomtest
 
 import cleancli
@@ -190,6 +191,34 @@ def test_each_of_many_goes_as_one_alone_with_its_seed(lamps: str) -> None:
             assert step[1:4] == (rewards[place], terminated[place], truncated[place])
             assert step[4]["action_mask"].tolist() == info["action_mask"][place].tolist()
         ended = terminated | truncated
+
+
+def test_an_episode_may_begin_anew_at_once(lamps: str) -> None:
+    """As `SyncVectorEnv` of Gymnasium tells it by `AutoresetMode.SAME_STEP`."""
+    env = many(lamps, 3, max_actions=5, autoreset_mode="SameStep")
+    assert env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+    makers = [lambda: gymnasium.make(NAME, problem=lamps, max_actions=5)] * 3
+    reference = SyncVectorEnv(makers, autoreset_mode="SameStep")
+    rng, ends = np.random.default_rng(2), 0
+    (first, info), (expected, _) = env.reset(seed=11), reference.reset(seed=11)
+    assert first.tolist() == expected.tolist()
+    for _ in range(60):
+        actions = random_actions(env, info, rng)
+        *step, info = env.step(actions)
+        *expected_step, expected_info = reference.step(actions)
+        for told, wanted in zip(step, expected_step, strict=True):
+            assert told.tolist() == wanted.tolist()
+        assert info["action_mask"].tolist() == expected_info["action_mask"].tolist()
+        assert ("final_obs" in info) is ("final_obs" in expected_info) is bool((step[2] | step[3]).any())
+        for place in np.flatnonzero(step[2] | step[3]):
+            assert info["_final_obs"][place]
+            assert info["final_obs"][place].tolist() == expected_info["final_obs"][place].tolist()
+            masks = info["final_info"]["action_mask"], expected_info["final_info"]["action_mask"]
+            assert masks[0][place].tolist() == masks[1][place].tolist()
+            ends += 1
+    assert ends > 20
+    with pytest.raises(ValueError, match="autoreset_mode"):
+        SymbolicVector(2, lamps, autoreset_mode=AutoresetMode.DISABLED)
 
 
 def test_a_goal_that_cannot_be_reached_ends_nothing_but_the_patience(lamps: str) -> None:

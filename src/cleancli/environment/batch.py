@@ -87,6 +87,8 @@ class Batch:
         self.masks: Masks = np.zeros((number, len(task.actions)), np.int8)
         self._streams = np.zeros(number, np.uint64)
         self._standing: Floats = np.zeros(number)
+        self._first_masks: Masks = np.zeros((1, len(task.actions)), np.int8)
+        covered_each(self._process, self.states[:1], self._first_masks)
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Draw what comes of the actions of these episodes from these seeds on: the same draws for the same
@@ -94,9 +96,9 @@ class Batch:
         for place, seed in seeds.items():
             begin(self._streams[place : place + 1], np.array([seed % 2**64], np.uint64))
 
-    def restart(self) -> None:
-        """Begin all episodes anew; the draws go on."""
-        self.step(np.zeros(len(self.steps), np.int32), np.ones(len(self.steps), np.bool_))
+    def restart(self, which: Bools) -> None:
+        """Begin these episodes anew, (N,); the draws go on. What the last step came to stays."""
+        self.states[which], self.steps[which], self.masks[which] = self._initial, 0, self._first_masks
 
     def step(self, actions: Ints, anew: Bools) -> None:
         """Carry out an action of each episode, (N,), each a number of the task's actions; one that no rule

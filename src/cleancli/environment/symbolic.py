@@ -14,6 +14,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
 
 from cleancli.array_types import Bools, Floats, Ints
 from cleancli.compiler.task import Task
@@ -58,7 +59,7 @@ class Symbolic(gymnasium.Env[Any, np.int64]):
         if seed is not None or not self._begun:
             self._batch.seed({0: int(self.np_random.integers(2**63)) if seed is None else seed})
         self._begun = True
-        self._batch.restart()
+        self._batch.restart(np.ones(1, np.bool_))
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, Info]:
@@ -89,10 +90,7 @@ class Symbolic(gymnasium.Env[Any, np.int64]):
         return "\n".join(sorted(shown))
 
     def _observation(self) -> Any:
-        arrays = _observed(self.task, self.observation, self._batch.states)
-        if isinstance(arrays, dict):
-            return {name: values[0] for name, values in arrays.items()}
-        return arrays[0]
+        return _of_one(_observed(self.task, self.observation, self._batch.states), 0)
 
     def _info(self) -> Info:
         return {"action_mask": self._batch.masks[0].copy()}
@@ -102,8 +100,10 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
     """Many episodes of a problem at once, carried out together in compiled code: `gymnasium.make_vec` with
     `vectorization_mode="vector_entry_point"`. Each is, draw by draw, that of a `Symbolic` with its seed.
 
-    An episode that has ended begins anew at the next step, whose action counts for nothing (Gymnasium's
-    `AutoresetMode.NEXT_STEP`). Parameters and errors are those of `Symbolic`.
+    By `autoreset_mode`, Gymnasium's `AutoresetMode`, an episode that has ended begins anew at the next step,
+    whose action counts for nothing ("NextStep"), or at once ("SameStep"): then the observation is the new
+    episode's, and `info["final_obs"]` and `info["final_info"]` have the last ones of those that
+    `info["_final_obs"]` is true of. Other parameters and errors are those of `Symbolic`.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}  # noqa: RUF012 (as declared there)
@@ -116,12 +116,18 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
         observation: Observed = "array",
         max_actions: int = MOST_ACTIONS,
         render_mode: None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
         if num_envs < 1:
             raise ValueError(f"num_envs must be at least 1, not {num_envs}")
+        mode = AutoresetMode(autoreset_mode)
+        if mode is AutoresetMode.DISABLED:
+            raise ValueError('autoreset_mode must be "NextStep" or "SameStep"')
         found = _checked(problem, domain, observation, max_actions)
         self.task, self.observation, self.num_envs = found.task, observation, num_envs
         self.choices, self.render_mode = choices(self.task), render_mode
+        self.metadata = self.metadata | {"autoreset_mode": mode}
+        self._begins_at_once = mode is AutoresetMode.SAME_STEP
         self.single_observation_space, self.single_action_space = _spaces(self.task, observation)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -143,7 +149,7 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
         self._begun = True
         self._batch.seed({place: one for place, one in enumerate(given) if one is not None})
         self._ended[:] = False
-        self._batch.restart()
+        self._batch.restart(self._all)
         return self._observation(), self._info()
 
     def step(self, actions: Any) -> tuple[Any, Floats, Bools, Bools, Info]:
@@ -158,9 +164,16 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
             raise ValueError(f"an action is a number from 0 to {len(self.choices) - 1}")
         batch = self._batch
         batch.step(chosen.astype(np.int32), self._ended)
-        np.logical_or(batch.terminated, batch.truncated, out=self._ended)
-        ended = batch.terminated.copy(), batch.truncated.copy()
-        return self._observation(), batch.rewards.copy(), *ended, self._info()
+        over = batch.terminated | batch.truncated
+        last = {}
+        if self._begins_at_once:
+            if over.any():
+                last = self._last(over)
+                batch.restart(over)
+        else:
+            self._ended = over
+        came_to = batch.rewards.copy(), batch.terminated.copy(), batch.truncated.copy()
+        return self._observation(), *came_to, self._info() | last
 
     def action_masks(self) -> Bools:
         """Which actions a rule covers now, (num_envs, A)."""
@@ -168,6 +181,15 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
 
     def _observation(self) -> Any:
         return _observed(self.task, self.observation, self._batch.states)
+
+    def _last(self, over: Bools) -> Info:
+        """How the episodes that are over ended; as Gymnasium's own vectors tell it, an object an episode."""
+        last: NDArray[np.object_] = np.full(self.num_envs, None, dtype=object)
+        states = _observed(self.task, self.observation, self._batch.states)
+        for place in np.flatnonzero(over):
+            last[place] = _of_one(states, int(place))
+        told = self._info() | {"_action_mask": over}
+        return {"final_obs": last, "_final_obs": over, "final_info": told, "_final_info": over}
 
     def _info(self) -> Info:
         return {"action_mask": self._batch.masks.copy(), "_action_mask": self._all}
@@ -202,6 +224,12 @@ def _observed(task: Task, observation: Observed, states: Ints) -> Any:
     if observation == "array":
         return values
     return {fact_name(variable): values[:, place] for place, variable in enumerate(task.variables)}
+
+
+def _of_one(observations: Any, place: int) -> Any:
+    if isinstance(observations, dict):
+        return {name: values[place] for name, values in observations.items()}
+    return observations[place]
 
 
 def _each(seed: int | Sequence[int | None] | None, number: int) -> list[int | None]:
