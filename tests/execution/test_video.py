@@ -17,7 +17,7 @@ def test_a_video_that_was_never_finished_plays_up_to_its_last_whole_second(tmp_p
     picture = np.full((120, 160, 3), 200, np.uint8)
     for number in range(3 * VIDEO_RATE + 5):
         picture[:, number : number + 20] = number
-        video.add(picture, float(number), "pushing")
+        video.add(picture, float(number), "pushing", "actions 1.0 s")
         if number == 2 * VIDEO_RATE + 5:
             shutil.copy(tmp_path / "whole.mp4", tmp_path / "cut.mp4")
     video.close()

@@ -152,7 +152,7 @@ def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browse
     run_folder = write_run(tmp_path / "two_groups-seed1-001")
     video = Video(run_folder / "video.mp4")
     for number in range(60):
-        video.add(np.full((300, 400, 3), 4 * number, np.uint8), number * VIDEO_INTERVAL, "wiping")
+        video.add(np.full((300, 400, 3), 4 * number, np.uint8), number * VIDEO_INTERVAL, "wiping", "")
     video.close()
     assert run(["report", str(run_folder)]) == 0
     page, wrong = opened(browser, run_folder / "report.html")
@@ -166,7 +166,7 @@ def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browse
           return [video.videoWidth, video.videoHeight, video.error, video.currentTime];
         }"""
     )
-    assert played[:3] == [400, 328, None]
+    assert played[:3] == [400, 364, None]
     assert played[3] > 0
     assert [each for each in wrong if "video.mp4" not in each] == []
 

@@ -16,6 +16,7 @@ from cleancli.files.replace import replace_file
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.perception.pictures import draw, project
+from cleancli.recording.caption import captioned
 
 STROKE_COLOUR = (30, 90, 220)
 TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
@@ -35,7 +36,7 @@ def step_picture(frame: Frame, situation: Situation, started: Started | None, ro
     height = seen.shape[0]
     width = round(room.shape[1] * height / room.shape[0])
     both = np.hstack([seen, cv2.resize(room, (width, height), interpolation=cv2.INTER_AREA)])
-    return captioned(both, title)
+    return captioned(both, (title, ""))
 
 
 def write_png(path: Path, picture: Image) -> None:
@@ -47,13 +48,6 @@ def png_of(picture: Image) -> bytes:
     """An RGB picture as a PNG file holds it."""
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     return data.tobytes()
-
-
-def captioned(picture: Image, caption: str) -> Image:
-    """The picture under a strip with a line of text."""
-    strip = np.full((28, picture.shape[1], 3), 255, np.uint8)
-    cv2.putText(strip, caption, (8, 19), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (20, 20, 20), 1, cv2.LINE_AA)
-    return np.vstack([strip, picture])
 
 
 def _pair(point: NDArray[np.int_]) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import IO, Self
 
 from cleancli.array_types import Image
-from cleancli.execution.episode_state import EpisodeState, World
+from cleancli.execution.episode_state import Account, EpisodeState, World
 from cleancli.execution.events import (
     Acted,
     Checkpoint,
@@ -38,9 +38,13 @@ from cleancli.recording.journal_writer import Entries
 from cleancli.recording.pictures import step_picture, write_png
 from cleancli.recording.video import Video
 
+VIDEO_SIZE = (960, 720)
 STEP_SIZE = (640, 480)
-VIDEO_SIZE = (400, 300)
-"""Width and height of the room in a step's picture and in the video, which needs many more of them."""
+"""Width and height of the room in the video, and in the pictures of steps where there is no video: the first
+picture of a size takes as long as many later ones."""
+
+LEAST_SHOWN = 0.05
+"""Seconds of a kind below which a video does not tell it."""
 
 
 def write_run(folder: Path, fields: Mapping[str, object]) -> None:
@@ -87,6 +91,7 @@ class Recorder:
         self._before: Looked | None = None
         self._started: Started | None = None
         self._room: Image | None = None
+        self._spent, self._told, self._clock = Account(), 0.0, 0.0
         self._write_run()
         self._experience: IO[str] = (folder / EXPERIENCE).open("a", encoding="utf-8")
         self._journal: IO[str] = (folder / JOURNAL).open("a", encoding="utf-8")
@@ -119,6 +124,7 @@ class Recorder:
                 self._started, self._before = event, self._last
             case Moved(clock):
                 self._film(clock)
+                self._clock = clock
             case StrokeEnded() | Failed():
                 self._room = self._photographed()
             case Acted():
@@ -127,6 +133,7 @@ class Recorder:
                 self._totals["episode"] = _totals(event)
             case Checkpoint(state):
                 self._checkpoint(state)
+                self._spent, self._told = state.spent, self._clock
             case Decided() | Learned():
                 pass
 
@@ -149,7 +156,7 @@ class Recorder:
     def _film(self, clock: float) -> None:
         """Add the room as it is now to the video, where one is made and the next picture is due."""
         if self._video is not None and self._snapshot is not None and self._video.wants(clock):
-            self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption())
+            self._video.add(self._snapshot(*VIDEO_SIZE), clock, self._caption(), self._account(clock))
 
     def _acted(self, event: Acted) -> None:
         if event.transition is not None and event.seen:
@@ -174,7 +181,8 @@ class Recorder:
         self._saved = state.actions
 
     def _photographed(self) -> Image | None:
-        return None if self._snapshot is None else self._snapshot(*STEP_SIZE)
+        size = STEP_SIZE if self._video is None else VIDEO_SIZE
+        return None if self._snapshot is None else self._snapshot(*size)
 
     def _picture(self, number: int, before: Looked) -> None:
         if before.frame is not None and self._room is not None:
@@ -183,6 +191,12 @@ class Recorder:
 
     def _caption(self) -> str:
         return "looking" if self._started is None else f"{self._started.number}. {self._started.move}"
+
+    def _account(self, clock: float) -> str:
+        """What time was spent on before the motion under way, and how long that has lasted."""
+        spent = {kind: seconds for kind, seconds in self._spent.by_kind().items() if seconds >= LEAST_SHOWN}
+        told = {**spent, "under way": clock - self._told}
+        return "   ".join(f"{kind.replace('_', ' ')} {seconds:.1f} s" for kind, seconds in told.items())
 
     def _write_run(self) -> None:
         write_run(self._folder, {**self._header, **self._totals})
