@@ -77,10 +77,32 @@ def test_functions_and_classes_that_pages_name_are_there() -> None:
     assert not missing
 
 
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
 def test_readme_states_the_two_commands() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert "<!-- test command -->\n```sh\n" in text, ".ci/run finds the test command by this mark"
-    assert "cleancli execute cleaning two_groups --seed 1\n" in text
+    assert "<!-- test command -->\n```sh\n" in README, ".ci/run finds the test command by this mark"
+    assert "cleancli execute cleaning two_groups --seed 1\n" in README
+
+
+def test_the_first_run_ends_as_the_readme_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where `...` stands, real time goes on."""
+    monkeypatch.chdir(tmp_path)
+    assert run(["execute", "cleaning", "two_groups", "--seed", "1"]) == 0
+    (summary,) = re.findall(r"^```text\n(clean: .*?)^```$", README, re.M | re.S)
+    assert re.fullmatch(re.escape(summary).replace(re.escape("..."), r"[\d.]+"), capsys.readouterr().out)
+
+
+def test_commands_of_the_table_are_run_from_some_page() -> None:
+    """What the README offers begins a command that a page shows, and that is so carried out by a test."""
+    table = re.findall(r"^\| .* \|$", README, re.M)
+    offered = [command.split() for row in table for command in re.findall(r"`(cleancli [^`]+)`", row)]
+    assert len(offered) >= 8
+    shown = [words for page in PAGES for words in commands(page)]
+    for words in offered:
+        assert any(words == other[: len(words)] for other in shown), " ".join(words)
 
 
 @pytest.mark.parametrize("page", docs_numbers.PAGES, ids=docs_numbers.called)
