@@ -41,6 +41,13 @@ def docs(session: nox.Session) -> None:
 
 
 @nox.session
+def site(session: nox.Session) -> None:
+    """The documentation as a site, in build/site; warnings and dead links are errors."""
+    session.install("-e", ".[docs]")
+    session.run("python", "-m", "sphinx", "-W", "--keep-going", "docs", "build/site")
+
+
+@nox.session
 def bench_quick(session: nox.Session) -> None:
     """A little of each benchmark."""
     _installed(session)
