@@ -29,7 +29,7 @@ myst_heading_anchors = (
 
 NAVIGATION = {
     "index": {
-        "First steps": "gallery",
+        "First steps": "gallery comparison",
         "Guides": "execution learning simulation experiments report recording real_tables gym editors",
         "Reference": "language diagnostics commands exit-codes python runs",
         "How it works": "planning perception world physics statistics",
