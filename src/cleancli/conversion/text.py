@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from cleancli.conversion.comments import commented
 from cleancli.conversion.rules import Translated
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.model import Domain, Problem
@@ -36,27 +37,10 @@ def domain_text(domain: Domain, remarks: Remarks) -> str:
     for each in remarks.translated:
         if each.rule is not None:
             above[f"  rule {each.rule.name}:"] = (f"{rules}, line {each.line}", *each.remarks)
-    return layout(_commented(print_domain(domain), head, above))
+    return layout(commented(print_domain(domain), head, above))
 
 
 def problem_text(problem: Problem, remarks: Remarks) -> str:
     """The problem, laid out."""
     head = [f"Converted from libPRADA's {Path(remarks.state.path).name} by `cleancli convert`."]
-    return layout(_commented(print_problem(problem), head, {}))
-
-
-def _commented(text: str, head: Iterable[str], above: Mapping[str, tuple[str, ...]]) -> str:
-    """The text with comments at its head, and above the first line that begins with each key."""
-    waiting = dict(above)
-    lines = [f"# {_plain(line)}" for line in head] + [""]
-    for line in text.splitlines():
-        for key in [key for key in waiting if line.startswith(key)]:
-            indent = key[: len(key) - len(key.lstrip())]
-            lines += [f"{indent}# {_plain(remark)}" for remark in waiting.pop(key)]
-        lines.append(line)
-    return "\n".join(lines) + "\n"
-
-
-def _plain(remark: str) -> str:
-    """Names of files may hold anything."""
-    return " ".join(remark.split())
+    return layout(commented(print_problem(problem), head, {}))
