@@ -1,0 +1,141 @@
+"""PPDDL files to the texts of a domain and its problems, which the checker has looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.conversion.pddl.define import Definitions
+from cleancli.conversion.pddl.domain import domain_of, problem_of
+from cleancli.conversion.pddl.effects import Effects
+from cleancli.conversion.pddl.naming import Naming, readable
+from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
+from cleancli.conversion.pddl.read import read
+from cleancli.conversion.pddl.resolve import Words
+from cleancli.conversion.pddl.schemas import Schema, schemas_of
+from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
+from cleancli.conversion.pddl.text import domain_text, problem_text
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.load import checked_domain, checked_problem
+from cleancli.language.model import Domain, Horizon, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
+    rewards (None: a guess)."""
+
+    name: str | None = None
+    horizon: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """The names and texts of a domain and its problems, and what has to be told about them. `diagnostics` are
+    warnings about the PPDDL files, then what the checker finds in the texts; `sources` has both."""
+
+    name: str
+    domain: str
+    problems: Mapping[str, str]
+    notes: tuple[str, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    sources: tuple[Source, ...]
+
+
+def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
+    """The texts of the domain, and of all problems, that some files define together.
+
+    Raises Refused with every mistake (E915 to E918).
+    """
+    findings = Findings(sources[0])
+    for source in sources[1:]:
+        findings.include(source, (), frozenset())
+    texts = {source.path: source for source in sources}
+    domain, problems = _definitions(sources, findings)
+    findings.refuse_errors()
+    assert domain is not None
+    words = Words(domain, problems, findings, texts)
+    metric = metric_of(domain, problems, findings)
+    definitions = Definitions(words.symbols)
+    effects = Effects(words, metric.counted)
+    schemas = schemas_of(domain.actions, words, effects, definitions, Naming(texts))
+    starts = starts_of(problems, words, definitions)
+    findings.refuse_errors()
+    name = wishes.name or readable(Naming(texts).written(domain.name), "d")
+    made = domain_of(name, schemas, starts, metric, words, definitions)
+    notes = _notes(domain, made, schemas, words, effects)
+    text = domain_text(made, schemas, domain.name.span, texts, notes)
+    titles = names_of(problems, Naming(texts))
+    written: dict[str, str] = {}
+    for title, start in zip(titles, starts, strict=True):
+        problem = problem_of(title, start, made, metric, words, wishes.horizon)
+        written[title] = problem_text(problem, made, start.node.name.span, _guesses(start, problem, wishes))
+    found, outputs = _looked_at(name, text, written)
+    return Converted(name, text, written, notes, (*findings.sorted, *found), (*sources, *outputs))
+
+
+def _definitions(
+    sources: Sequence[Source], findings: Findings
+) -> tuple[DomainNode | None, tuple[ProblemNode, ...]]:
+    """The one domain of the files, and their problems; E915 for none and for several."""
+    domains: list[DomainNode] = []
+    problems: list[ProblemNode] = []
+    for source in sources:
+        some, others = read(source, findings)
+        domains += some
+        problems += others
+    if not domains and not findings.errors:
+        start = Span(sources[0].path, 0, 0)
+        findings.error("E915", "no domain is defined", start, help="give the domain's file as well")
+    for domain in domains[1:]:
+        findings.error("E915", "a second domain is defined", domain.name.span, help="convert one at a time")
+    for problem in problems:
+        if domains and problem.domain is not None and problem.domain != domains[0].name:
+            message = f"the problem is for `{problem.domain.text}`, not for `{domains[0].name.text}`"
+            findings.warning("W911", message, problem.domain.span, "taken to be for it")
+    return (domains[0] if domains else None), tuple(problems)
+
+
+def _notes(
+    node: DomainNode, domain: Domain, schemas: Sequence[Schema], words: Words, effects: Effects
+) -> tuple[str, ...]:
+    """What the texts do not say as the files do."""
+    declared = {symbol.name for symbol in domain.symbols}
+    unused = [each.name for each in words.predicates.values() if each.name not in declared]
+    acting = {rule.action for rule in domain.rules}
+    placed = {schema.place for schema in schemas if schema.action.name in acting}
+    idle = [action.name.text for action in node.actions if action.name.span not in placed]
+    functions = [each.name.text for each in node.functions if each.name.text not in effects.counted]
+    parts = (
+        ("predicates that nothing asks for and nothing changes", unused),
+        ("actions that change nothing", idle),
+        ("functions that no metric names", functions),
+    )
+    left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
+    if effects.written_out:
+        left.append("rules are written out for the problem's objects where chance decides for each of them")
+    return tuple(left)
+
+
+def _guesses(start: Start, problem: Problem, wishes: Wishes) -> tuple[str, ...]:
+    """What was left open, and what has no word in .nid files."""
+    found = []
+    if isinstance(problem.horizon, Horizon) and wishes.horizon is None:
+        found.append("the horizon is a guess: PPDDL has none")
+    if start.node.goal_probability is not None:
+        found.append("the goal is to be reached as surely as can be, whatever :goal-probability asks")
+    return tuple(found)
+
+
+def _looked_at(
+    name: str, domain: str, problems: Mapping[str, str]
+) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """What the checker finds in the texts, but that something is declared for a problem alone, and they."""
+    source = Source(f"{name}.nid", domain)
+    checked = checked_domain(source)
+    found = [each for each in checked.diagnostics if not (problems and each.code == "W201")]
+    others = [Source(f"{title}.nid", text) for title, text in problems.items()]
+    if checked.model is not None:
+        found += [each for other in others for each in checked_problem(other, checked.model).diagnostics]
+    return tuple(found), (source, *others)

@@ -1,0 +1,318 @@
+"""Effects of PDDL as trees over .nid symbols, and what such a tree comes to.
+
+`forall` is pushed inwards to the atoms that are set. Where chance has a part inside of it, which is drawn for
+each object by itself, it is written out for all objects of the problem (Younes and Littman 2004, section
+2.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+from math import prod
+
+from cleancli.conversion.pddl.formula import (
+    ALWAYS,
+    NEVER,
+    Formula,
+    MayBeOne,
+    assuming,
+    both,
+    quantified,
+    substituted,
+)
+from cleancli.conversion.pddl.resolve import Scope, Words
+from cleancli.conversion.pddl.syntax import (
+    AllNode,
+    AtomNode,
+    ChanceNode,
+    EachNode,
+    EffectNode,
+    Name,
+    PayNode,
+    SetNode,
+    WhenNode,
+)
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.model import Object, Term, Variable
+
+MOST_OUTCOMES = 1024
+"""Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
+
+MOST_BINDINGS = 1000
+"""Bindings that one `forall` may be written out for. Chosen: where chance has a part far fewer are of use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A predicate becomes `value` for some terms, for each binding of `variables` that `guard` holds for;
+    each of these variables is among the terms. Without variables there is no guard."""
+
+    variables: tuple[Variable, ...]
+    guard: Formula
+    symbol: str
+    terms: tuple[Term, ...]
+    value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class All:
+    """All of these happen; none is no change."""
+
+    parts: tuple[Tree, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """This happens where a condition held before."""
+
+    condition: Formula
+    part: Tree
+
+
+@dataclass(frozen=True, slots=True)
+class Chance:
+    """One of these happens; what their probabilities leave of 1 changes nothing."""
+
+    branches: tuple[tuple[Fraction, Tree], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pay:
+    """The action costs so much."""
+
+    amount: Fraction
+
+
+Tree = Change | All | Branch | Chance | Pay
+
+NOTHING = All(())
+
+
+class TooMany(Exception):
+    """An action has more outcomes than `MOST_OUTCOMES`."""
+
+
+class Effects:
+    """Makes trees of effects. `counted` is the numeric function that is to be small, with 1, or great, with
+    -1; other functions count nothing. `written_out` tells whether a `forall` was."""
+
+    def __init__(self, words: Words, counted: Mapping[str, int]) -> None:
+        self._words = words
+        self.counted = counted
+        self.written_out = False
+
+    def tree(
+        self, node: EffectNode, scope: Scope, variables: tuple[Variable, ...] = (), guard: Formula = ALWAYS
+    ) -> Tree:
+        """The tree of an effect, for each binding of the variables that a guard holds for; E916, E917."""
+        match node:
+            case SetNode():
+                return self._set(node, scope, variables, guard)
+            case AllNode(parts):
+                return All(tuple(self.tree(part, scope, variables, guard) for part in parts))
+            case WhenNode():
+                condition = self._words.formula(node.condition, scope)
+                if variables:
+                    return self.tree(node.effect, scope, variables, both([guard, condition]))
+                part = self.tree(node.effect, scope)
+                return NOTHING if condition == NEVER else Branch(condition, part)
+            case EachNode():
+                return self._each(node, scope, variables, guard)
+            case ChanceNode(branches):
+                return Chance(tuple((p, self.tree(part, scope)) for p, part in branches if p))
+            case PayNode():
+                return self._pay(node, bool(variables))
+
+    def _set(self, node: SetNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
+        found = self._words.atom(node.atom, scope)
+        if found is None:
+            return NOTHING
+        symbol, terms = found
+        bound = tuple(variable for variable in variables if variable in terms)
+        others = [variable for variable in variables if variable not in terms]
+        asked = quantified(True, others, guard)
+        if asked == NEVER:
+            return NOTHING
+        change = Change(bound, asked if bound else ALWAYS, symbol, terms, node.value)
+        return change if bound or asked == ALWAYS else Branch(asked, change)
+
+    def _each(self, node: EachNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
+        if _has_chance(node.effect):
+            return self._written_out(node, scope)
+        own, inner, asked = self._words.bound(node.variables, scope)
+        return self.tree(node.effect, inner, (*variables, *own), both([guard, asked]))
+
+    def _written_out(self, node: EachNode, scope: Scope) -> Tree:
+        """The effect once for each binding, in the order in which the objects are declared."""
+        words = self._words
+        found = [self._objects(each.types, node.span) for each in node.variables]
+        if prod(map(len, found)) > MOST_BINDINGS:
+            message = f"chance has a part in this for each of more than {MOST_BINDINGS} bindings"
+            words.findings.error("E917", message, node.span)
+            return NOTHING
+        self.written_out = True
+        parts = []
+        for chosen in product(*found):
+            bound = {each.name.text: thing for each, thing in zip(node.variables, chosen, strict=True)}
+            parts.append(self.tree(node.effect, {**scope, **bound}))
+        return All(tuple(parts))
+
+    def _objects(self, types: Sequence[Name], span: Span) -> tuple[Object, ...]:
+        kind, members = self._words.types.of(types)
+        objects = self._words.of_type(kind)
+        if objects is None:
+            message = "chance has a part in this for each object, and it is not known which objects there are"
+            help = "give the problem too; of several, one at a time"
+            self._words.findings.error("E917", message, span, help=help)
+            return ()
+        fits = self._words.types.is_a
+        return tuple(o for o in objects if not members or any(fits(o.type, one) for one in members))
+
+    def _pay(self, node: PayNode, each: bool) -> Tree:
+        sign = self.counted.get(node.function.symbol.text)
+        if sign is None:
+            return NOTHING
+        if each or not isinstance(node.amount, Fraction):
+            message = "what an action costs is one number in .nid files, whatever it is done to"
+            self._words.findings.error("E917", message, node.span)
+            return NOTHING
+        return Pay(sign * node.amount)
+
+
+def _has_chance(node: EffectNode) -> bool:
+    match node:
+        case ChanceNode():
+            return True
+        case AllNode(parts):
+            return any(map(_has_chance, parts))
+        case WhenNode() | EachNode():
+            return _has_chance(node.effect)
+        case SetNode() | PayNode() | AtomNode():
+            return False
+
+
+# ---- what a tree comes to
+
+
+def decided(tree: Tree, known: Sequence[Formula]) -> Tree:
+    """What is left of a tree where some formulas hold."""
+    match tree:
+        case Change():
+            guard = assuming(tree.guard, known)
+            return NOTHING if guard == NEVER else replace(tree, guard=guard)
+        case All(parts):
+            return All(tuple(found for part in parts if (found := decided(part, known)) != NOTHING))
+        case Branch(condition, part):
+            asked = assuming(condition, known)
+            inner = decided(part, [*known, asked])
+            if asked == NEVER or inner == NOTHING:
+                return NOTHING
+            return inner if asked == ALWAYS else Branch(asked, inner)
+        case Chance(branches):
+            return Chance(tuple((p, decided(part, known)) for p, part in branches))
+        case Pay():
+            return tree
+
+
+def renamed(tree: Tree, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Tree:
+    """The tree with other terms in place of some of the rule's own."""
+    match tree:
+        case Change():
+            guard = substituted(tree.guard, terms, may_be_one)
+            return replace(tree, guard=guard, terms=tuple(terms.get(term, term) for term in tree.terms))
+        case All(parts):
+            return All(tuple(renamed(part, terms, may_be_one) for part in parts))
+        case Branch(condition, part):
+            return Branch(substituted(condition, terms, may_be_one), renamed(part, terms, may_be_one))
+        case Chance(branches):
+            return Chance(tuple((p, renamed(part, terms, may_be_one)) for p, part in branches))
+        case Pay():
+            return tree
+
+
+def first_condition(tree: Tree) -> Formula | None:
+    """The condition of the first part that happens where one holds, None where there is no such part."""
+    match tree:
+        case Branch(condition, _):
+            return condition
+        case All(parts):
+            return next((c for part in parts if (c := first_condition(part)) is not None), None)
+        case Chance(branches):
+            return next((c for _, part in branches if (c := first_condition(part)) is not None), None)
+        case Change() | Pay():
+            return None
+
+
+Results = dict[frozenset[Change], tuple[Fraction, tuple[Change, ...]]]
+"""Changes that happen together, by what they are: how likely, and in the order of the text."""
+
+
+def results_of(tree: Tree) -> Results:
+    """What a tree without conditions may come to, with probabilities that sum to 1. Raises `TooMany`."""
+    match tree:
+        case Change():
+            return _merged([(Fraction(1), (tree,))])
+        case All(parts):
+            found = _merged([(Fraction(1), ())])
+            for part in parts:
+                inner = results_of(part)
+                if len(found) * len(inner) > 64 * MOST_OUTCOMES:
+                    raise TooMany
+                found = _merged(
+                    (p * q, (*one, *other)) for p, one in found.values() for q, other in inner.values()
+                )
+                if len(found) > MOST_OUTCOMES:
+                    raise TooMany
+            return found
+        case Chance(branches):
+            rest = 1 - sum((p for p, _ in branches), Fraction(0))
+            likely = [(p * q, one) for p, part in branches for q, one in results_of(part).values()]
+            return _merged([*likely, *([(rest, ())] if rest else [])])
+        case Pay():
+            return _merged([(Fraction(1), ())])
+        case Branch():
+            raise AssertionError("conditions are decided before")
+
+
+def _merged(results: Iterable[tuple[Fraction, tuple[Change, ...]]]) -> Results:
+    found: Results = {}
+    for chance, changes in results:
+        key = frozenset(changes)
+        before = found.get(key)
+        found[key] = (
+            (chance, tuple(dict.fromkeys(changes))) if before is None else (before[0] + chance, before[1])
+        )
+    return found
+
+
+def mean_cost(tree: Tree) -> Fraction:
+    """What a tree without conditions costs on average."""
+    match tree:
+        case Pay(amount):
+            return amount
+        case All(parts):
+            return sum(map(mean_cost, parts), Fraction(0))
+        case Chance(branches):
+            return sum((p * mean_cost(part) for p, part in branches), Fraction(0))
+        case Change():
+            return Fraction(0)
+        case Branch():
+            raise AssertionError("conditions are decided before")
+
+
+def changes_of(tree: Tree) -> list[Change]:
+    """All that a tree may change."""
+    match tree:
+        case Change():
+            return [tree]
+        case All(parts):
+            return [change for part in parts for change in changes_of(part)]
+        case Branch(_, part):
+            return changes_of(part)
+        case Chance(branches):
+            return [change for _, part in branches for change in changes_of(part)]
+        case Pay():
+            return []

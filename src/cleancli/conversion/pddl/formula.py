@@ -1,0 +1,188 @@
+"""Conditions of first-order logic over the symbols of a .nid file, in which only literals are negated.
+
+Every function that makes a formula leaves out what says nothing: parts that always hold or never do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from cleancli.language.model import Equality, Literal, Object, Term, Variable
+
+_BOTH = {True: frozenset({False}), False: frozenset({True})}
+
+
+@dataclass(frozen=True, slots=True)
+class Both:
+    """All parts hold; none is always true."""
+
+    parts: tuple[Formula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """One part holds at least; none is never true."""
+
+    parts: tuple[Formula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantified:
+    """Some binding of the variables satisfies `part` (`exists`), or each does."""
+
+    exists: bool
+    variables: tuple[Variable, ...]
+    part: Formula
+
+
+Formula = Literal | Equality | Both | Either | Quantified
+
+MayBeOne = Callable[[Term, Term], bool]
+"""Whether the types of two terms allow that they are one object."""
+
+ALWAYS = Both(())
+NEVER = Either(())
+
+
+def literal(symbol: str, terms: tuple[Term, ...], value: bool = True) -> Literal:
+    """That a predicate is true or false of terms."""
+    return Literal(symbol, terms, frozenset({value}))
+
+
+def equality(left: Term, right: Term, may_be_one: MayBeOne) -> Formula:
+    """That two terms are one object."""
+    if left == right:
+        return ALWAYS
+    if isinstance(left, Object) and isinstance(right, Object):
+        return NEVER
+    return Equality(left, right, True) if may_be_one(left, right) else NEVER
+
+
+def negated(formula: Formula) -> Formula:
+    """The opposite."""
+    match formula:
+        case Literal():
+            return replace(formula, values=_BOTH[True in formula.values])
+        case Equality():
+            return replace(formula, equal=not formula.equal)
+        case Both(parts):
+            return either(map(negated, parts))
+        case Either(parts):
+            return both(map(negated, parts))
+        case Quantified():
+            return Quantified(not formula.exists, formula.variables, negated(formula.part))
+
+
+def both(parts: Iterable[Formula]) -> Formula:
+    """The conjunction."""
+    found = dict.fromkeys(_flat(parts, Both))
+    if NEVER in found or any(_is_basic(part) and negated(part) in found for part in found):
+        return NEVER
+    return next(iter(found)) if len(found) == 1 else Both(tuple(found))
+
+
+def either(parts: Iterable[Formula]) -> Formula:
+    """The disjunction."""
+    found = dict.fromkeys(_flat(parts, Either))
+    if ALWAYS in found or any(_is_basic(part) and negated(part) in found for part in found):
+        return ALWAYS
+    return next(iter(found)) if len(found) == 1 else Either(tuple(found))
+
+
+def quantified(exists: bool, variables: Iterable[Variable], part: Formula) -> Formula:
+    """The quantified formula; a variable that `part` does not mention is left out, as if there were an object
+    of its type. Parts that mention none of the variables stand outside of the quantifier."""
+    free = free_variables(part)
+    bound = tuple(variable for variable in variables if variable in free)
+    if not bound:
+        return part
+    if exists and isinstance(part, Both):
+        outer = [each for each in part.parts if free_variables(each).keys().isdisjoint(bound)]
+        inner = both(each for each in part.parts if each not in outer)
+        return both([*outer, Quantified(True, bound, inner)])
+    if not exists and isinstance(part, Either):
+        outer = [each for each in part.parts if free_variables(each).keys().isdisjoint(bound)]
+        inner = either(each for each in part.parts if each not in outer)
+        return either([*outer, Quantified(False, bound, inner)])
+    return Quantified(exists, bound, part)
+
+
+def _flat(parts: Iterable[Formula], kind: type[Both] | type[Either]) -> Iterator[Formula]:
+    for part in parts:
+        if isinstance(part, Both | Either) and isinstance(part, kind):
+            yield from part.parts
+        else:
+            yield part
+
+
+def _is_basic(formula: Formula) -> bool:
+    return isinstance(formula, Literal | Equality)
+
+
+def free_variables(formula: Formula) -> dict[Variable, None]:
+    """The variables that no quantifier of the formula binds, in the order of the text."""
+    match formula:
+        case Literal():
+            return {term: None for term in formula.terms if isinstance(term, Variable)}
+        case Equality():
+            return {t: None for t in (formula.left, formula.right) if isinstance(t, Variable)}
+        case Both(parts) | Either(parts):
+            return {variable: None for part in parts for variable in free_variables(part)}
+        case Quantified():
+            inner = free_variables(formula.part)
+            return {v: None for v in inner if v not in formula.variables}
+
+
+def substituted(formula: Formula, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Formula:
+    """The formula with other terms for some; bound variables that these would meet get other names."""
+    match formula:
+        case Literal():
+            return replace(formula, terms=tuple(terms.get(term, term) for term in formula.terms))
+        case Equality():
+            left, right = (terms.get(term, term) for term in (formula.left, formula.right))
+            same = equality(left, right, may_be_one)
+            return same if formula.equal else negated(same)
+        case Both(parts):
+            return both(substituted(part, terms, may_be_one) for part in parts)
+        case Either(parts):
+            return either(substituted(part, terms, may_be_one) for part in parts)
+        case Quantified():
+            met = set(terms.values())
+            names: dict[Term, Term] = {}
+            for variable in formula.variables:
+                names[variable] = apart(variable, met)
+                met.add(names[variable])
+            bound = tuple(v for v in names.values() if isinstance(v, Variable))
+            inner = substituted(formula.part, {**terms, **names}, may_be_one)
+            return quantified(formula.exists, bound, inner)
+
+
+def apart(variable: Variable, met: Iterable[Term]) -> Variable:
+    """The variable, under another name where one of these has its name."""
+    names = {term.name for term in met}
+    name, number = variable.name, 2
+    while name in names:
+        name, number = f"{variable.name}_{number}", number + 1
+    return replace(variable, name=name)
+
+
+def assuming(formula: Formula, known: Iterable[Formula]) -> Formula:
+    """What is left of a formula where others hold."""
+    holds = set(_flat(known, Both))
+    return _assuming(formula, holds | {ALWAYS}, {negated(each) for each in holds} | {NEVER})
+
+
+def _assuming(formula: Formula, holds: set[Formula], fails: set[Formula]) -> Formula:
+    if formula in holds:
+        return ALWAYS
+    if formula in fails:
+        return NEVER
+    match formula:
+        case Both(parts):
+            return both(_assuming(part, holds, fails) for part in parts)
+        case Either(parts):
+            return either(_assuming(part, holds, fails) for part in parts)
+        case Quantified():
+            return formula
+    return formula

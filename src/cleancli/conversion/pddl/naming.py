@@ -1,0 +1,51 @@
+"""Names for .nid files: those of PDDL's files, in the letters that they were first written in, where they can
+stay. A hyphen, and any other sign that no name of a .nid file has, becomes an underscore.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from cleancli.conversion.pddl.syntax import Name
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.sink import RESERVED
+
+_SIGN = re.compile(r"[^A-Za-z0-9_]")
+
+
+class Naming:
+    """Gives a name to each thing of one kind, none twice.
+
+    Names are in lower case in syntax, so `sources` tell how they were written.
+    """
+
+    def __init__(self, sources: Mapping[str, Source]) -> None:
+        self._sources = sources
+        self._taken = set(RESERVED)
+        self._given: dict[str, str] = {}
+
+    def of(self, name: Name, initial: str) -> str:
+        """What something is called, now and each time; `initial` stands before a name that begins with a
+        digit."""
+        if name.text not in self._given:
+            self._given[name.text] = self.fresh(self.written(name), initial)
+        return self._given[name.text]
+
+    def fresh(self, wanted: str, initial: str = "n") -> str:
+        """The wanted name, with underscores behind it while it is taken."""
+        name = readable(wanted, initial)
+        while name in self._taken:
+            name += "_"
+        self._taken.add(name)
+        return name
+
+    def written(self, name: Name) -> str:
+        """A name in the letters that stand in the file."""
+        return self._sources[name.span.path].text[name.span.start : name.span.end]
+
+
+def readable(name: str, initial: str) -> str:
+    """The name in signs that a .nid file's names have."""
+    changed = _SIGN.sub("_", name.removeprefix("?"))
+    return changed if changed and not changed[0].isdigit() else f"{initial}{changed}"

@@ -1,0 +1,122 @@
+"""What a problem asks for, and where it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cleancli.conversion.pddl.define import Definitions
+from cleancli.conversion.pddl.formula import NEVER
+from cleancli.conversion.pddl.naming import Naming
+from cleancli.conversion.pddl.resolve import Words
+from cleancli.conversion.pddl.syntax import ChanceNode, DomainNode, ProblemNode
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.model import Condition, Fact, Object, RewardKind, RewardTerm
+
+_GOAL_WORDS = frozenset({"total-time", "goal-probability", "goal-achieved"})
+"""What a metric may name that is no function: the goal, and how many actions it takes, count anyway."""
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """What counts in all problems: the numeric functions that are to be small (1) or great (-1), what
+    reaching the goal pays, and whether that and the functions are to be earned within a horizon. Otherwise
+    the goal is to be reached, however long it takes."""
+
+    counted: Mapping[str, int]
+    goal_reward: Fraction
+    earned: bool
+
+    def reward(self, costs: bool, goals: bool) -> tuple[RewardTerm, ...]:
+        """The reward of the .nid domain; `costs` and `goals` tell whether there are any."""
+        paid = [RewardTerm(self.goal_reward, RewardKind.GOAL)] if goals and self.goal_reward else []
+        price = RewardTerm(Fraction(-1), RewardKind.COST)
+        return (*paid, *([price] if costs or not paid else []))
+
+
+def metric_of(domain: DomainNode, problems: Sequence[ProblemNode], findings: Findings) -> Metric:
+    """The metric that all problems have; E917 where they have different ones."""
+    found = [_metric(problem, findings) for problem in problems] or [_usual(domain)]
+    for problem, metric in zip(problems[1:], found[1:], strict=False):
+        if metric != found[0]:
+            message = f"`{problem.name.text}` wants something else than `{problems[0].name.text}`"
+            findings.error("E917", message, problem.name.span, help="convert one problem at a time")
+    return found[0]
+
+
+def _usual(domain: DomainNode) -> Metric:
+    """Without a problem: rewards count where there are some, otherwise costs."""
+    names = {function.name.text for function in domain.functions}
+    if "reward" in names or ":rewards" in names:
+        return Metric({"reward": -1}, Fraction(1), True)
+    return Metric({"total-cost": 1}, Fraction(1), False)
+
+
+def _metric(problem: ProblemNode, findings: Findings) -> Metric:
+    node, paid = problem.metric, problem.goal_reward
+    counted: dict[str, int] = {}
+    if node is None:
+        counted = {} if paid is None else {"reward": -1}
+    elif node.function is None:
+        findings.error("E917", "a metric is one function here", node.span)
+    elif node.function.text not in _GOAL_WORDS:
+        counted[node.function.text] = -1 if node.greatest else 1
+    earned = bool(counted) and (-1 in counted.values() or problem.goal is None)
+    usual = Fraction(0) if earned else Fraction(1)
+    return Metric(counted, usual if paid is None else paid, earned or problem.goal is None)
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A problem: its name, its objects, the facts that hold at first, and its goal."""
+
+    node: ProblemNode
+    objects: tuple[Object, ...]
+    facts: frozenset[Fact]
+    goal: Condition
+
+
+def starts_of(problems: Sequence[ProblemNode], words: Words, definitions: Definitions) -> tuple[Start, ...]:
+    """The problems; E916 and E917 for what can't be said."""
+    return tuple(
+        Start(
+            problem,
+            tuple(objects.values()),
+            _facts(problem, words),
+            _goal(problem, words, definitions),
+        )
+        for problem, objects in zip(problems, words.objects, strict=True)
+    )
+
+
+def _goal(problem: ProblemNode, words: Words, definitions: Definitions) -> Condition:
+    if problem.goal is None:
+        return ()
+    goal = words.formula(problem.goal, {})
+    if goal == NEVER:
+        words.findings.error("E917", "this goal can never hold", problem.goal.span)
+        return ()
+    return definitions.condition(goal)
+
+
+def _facts(problem: ProblemNode, words: Words) -> frozenset[Fact]:
+    found: set[Fact] = set()
+    for node in problem.init:
+        if isinstance(node, ChanceNode):
+            words.findings.error("E917", "a .nid problem starts from one state", node.span)
+            continue
+        atom = words.atom(node.atom, {})
+        if atom is None or not node.value:
+            continue
+        fact = Fact(atom[0], tuple(term.name for term in atom[1]))
+        if fact in found:
+            message = f"`{node.atom.symbol.text}` holds twice of the same"
+            words.findings.warning("W911", message, node.atom.span, "passed over")
+        found.add(fact)
+    return frozenset(found)
+
+
+def names_of(problems: Sequence[ProblemNode], naming: Naming) -> tuple[str, ...]:
+    """What the problems are called."""
+    return tuple(naming.fresh(naming.written(problem.name), "p") for problem in problems)

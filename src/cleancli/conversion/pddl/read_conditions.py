@@ -1,0 +1,196 @@
+"""The reader of names, typed lists, numbers and conditions, which says what it expected where."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+
+from cleancli.conversion.pddl.syntax import (
+    AndNode,
+    AtomNode,
+    CompareNode,
+    ConditionNode,
+    EqualNode,
+    Name,
+    NotNode,
+    OrNode,
+    QuantifiedNode,
+    Typed,
+)
+from cleancli.conversion.pddl.words import Group, Node, Word
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.sink import Findings
+
+# Numbers are bounded, so that none takes long to compute with.
+_NUMBER = re.compile(
+    r"-?([0-9]{1,18}(\.[0-9]{0,60})?|\.[0-9]{1,60})(e[-+]?[0-9]{1,2})?|-?[0-9]{1,18}/[0-9]{1,18}"
+)
+_COMPARES = frozenset({"<", "<=", ">", ">="})
+_CALCULATES = frozenset({"+", "-", "*", "/"})
+
+
+class Unreadable(Exception):
+    """What stands somewhere is not what PPDDL has there; by `code` E917 what .nid files cannot say."""
+
+    def __init__(self, message: str, span: Span, help: str = "", code: str = "E915") -> None:
+        super().__init__(message)
+        self.message = message
+        self.span = span
+        self.help = help
+        self.code = code
+
+
+class Reader:
+    """Reads parts of the file at `path`, and notes what is wrong in it."""
+
+    def __init__(self, path: str, findings: Findings) -> None:
+        self.path = path
+        self.findings = findings
+
+    def span(self, node: Node) -> Span:
+        """The place of a word; of a group its first line's beginning, as far as its first word."""
+        if isinstance(node, Word) or not isinstance(first := node.items[0] if node.items else None, Word):
+            return Span(self.path, node.start, node.end)
+        return Span(self.path, node.start, first.end)
+
+    def note(self, wrong: Unreadable) -> None:
+        """Notes what could not be read."""
+        self.findings.error(wrong.code, wrong.message, wrong.span, help=wrong.help)
+
+    def wrong(self, message: str, node: Node, help: str = "") -> None:
+        """Notes a mistake (E915)."""
+        self.findings.error("E915", message, self.span(node), help=help)
+
+    def unsaid(self, message: str, node: Node) -> None:
+        """Notes what .nid files cannot say (E917)."""
+        self.findings.error("E917", message, self.span(node))
+
+    def mended(self, message: str, node: Node, mend: str) -> None:
+        """Warns of a mistake whose mend is plain (W911)."""
+        self.findings.warning("W911", message, self.span(node), mend)
+
+    def name(self, node: Node, wanted: str) -> Name:
+        """A name or the name of a variable."""
+        if isinstance(node, Group) or node.text == "-" or node.text.startswith(":"):
+            shown = "a group" if isinstance(node, Group) else f"`{node.text}`"
+            raise Unreadable(f"expected {wanted}, but there is {shown}", self.span(node))
+        return Name(node.text, span=Span(self.path, node.start, node.start + len(node.text)))
+
+    def group(self, node: Node, wanted: str) -> Group:
+        """A group in parentheses."""
+        if isinstance(node, Word):
+            raise Unreadable(f"expected {wanted}, but there is `{node.text}`", self.span(node))
+        return node
+
+    def number(self, node: Node, wanted: str) -> Fraction:
+        """A number, which may be a fraction."""
+        value = number_in(node)
+        if value is None:
+            shown = "a group" if isinstance(node, Group) else f"`{node.text}`"
+            raise Unreadable(f"expected {wanted}, but there is {shown}", self.span(node))
+        return value
+
+    def typed(self, items: Sequence[Node], *, variables: bool = False) -> tuple[Typed, ...]:
+        """`a b - type c`: a type is for all names before it that have none; `(either ...)` is several."""
+        found: list[Typed] = []
+        waiting: list[Name] = []
+        place = 0
+        while place < len(items):
+            item = items[place]
+            if isinstance(item, Word) and item.text == "-" and waiting:
+                if place + 1 == len(items):
+                    raise Unreadable("no type stands behind this", self.span(item))
+                types = self._types(items[place + 1])
+                found += [Typed(name, types, span=name.span) for name in waiting]
+                waiting = []
+                place += 2
+                continue
+            name = self.name(item, "a variable" if variables else "a name")
+            if name.is_variable != variables:
+                what = "is no variable: write `?` before it" if variables else "is a variable"
+                raise Unreadable(f"`{name.text}` {what}", name.span)
+            waiting.append(name)
+            place += 1
+        return (*found, *(Typed(name, (), span=name.span) for name in waiting))
+
+    def _types(self, node: Node) -> tuple[Name, ...]:
+        if isinstance(node, Word):
+            return (self.name(node, "a type"),)
+        if node.head != "either" or len(node.items) < 2:
+            raise Unreadable("expected a type or `(either TYPE ...)`", self.span(node))
+        return tuple(self.name(item, "a type") for item in node.items[1:])
+
+    # ---- conditions
+
+    def condition(self, node: Node) -> ConditionNode:
+        """A condition; `()` always holds."""
+        if isinstance(node, Word):
+            raise Unreadable(
+                f"expected a condition in parentheses, but there is `{node.text}`", self.span(node)
+            )
+        span, head, parts = self.span(node), node.head, node.items[1:]
+        if not node.items:
+            return AndNode((), span=span)
+        match head:
+            case "and":
+                return AndNode(tuple(self.condition(part) for part in parts), span=span)
+            case "or":
+                return OrNode(tuple(self.condition(part) for part in parts), span=span)
+            case "not":
+                return NotNode(self.condition(self._only(node)), span=span)
+            case "imply":
+                if len(parts) != 2:
+                    raise Unreadable("`imply` has two conditions", span)
+                left = NotNode(self.condition(parts[0]), span=span)
+                return OrNode((left, self.condition(parts[1])), span=span)
+            case "exists" | "forall":
+                variables, part = self.quantified(node)
+                return QuantifiedNode(head == "exists", variables, self.condition(part), span=span)
+            case "=":
+                return self._equal(node)
+            case _ if head in _COMPARES:
+                return CompareNode(span=span)
+        return self.atom(node)
+
+    def quantified(self, node: Group) -> tuple[tuple[Typed, ...], Node]:
+        """The variables of a quantifier, and what it is about."""
+        if len(node.items) != 3:
+            raise Unreadable(f"expected `({node.head} (?x - type ...) ...)`", self.span(node))
+        group = self.group(node.items[1], "`(?x - type ...)`")
+        return self.typed(group.items, variables=True), node.items[2]
+
+    def atom(self, node: Node) -> AtomNode:
+        """`(p ?x a)`."""
+        group = self.group(node, "an atom in parentheses")
+        name = self.name(group.items[0] if group.items else group, "the name of a predicate")
+        if name.is_variable:
+            raise Unreadable(f"expected the name of a predicate, but there is `{name.text}`", name.span)
+        terms = tuple(self.name(term, "an object or a variable") for term in group.items[1:])
+        return AtomNode(name, terms, span=Span(self.path, group.start, group.end))
+
+    def _only(self, node: Group) -> Node:
+        if len(node.items) != 2:
+            raise Unreadable(f"`{node.head}` has one condition", self.span(node))
+        return node.items[1]
+
+    def _equal(self, node: Group) -> ConditionNode:
+        if len(node.items) != 3:
+            raise Unreadable("`=` compares two terms", self.span(node))
+        if any(isinstance(part, Group) or number_in(part) is not None for part in node.items[1:]):
+            return CompareNode(span=self.span(node))
+        left, right = (self.name(part, "an object or a variable") for part in node.items[1:])
+        return EqualNode(left, right, span=self.span(node))
+
+
+def number_in(node: Node) -> Fraction | None:
+    """The number that a word is; None if it is none."""
+    if isinstance(node, Group) or _NUMBER.fullmatch(node.text) is None:
+        return None
+    denominator = node.text.partition("/")[2]
+    return None if denominator and not int(denominator) else Fraction(node.text)
+
+
+def calculates(node: Node) -> bool:
+    """Whether a group is an arithmetic expression."""
+    return isinstance(node, Group) and node.head in _CALCULATES

@@ -1,0 +1,113 @@
+"""The reader of effects, and of what holds at first."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from cleancli.conversion.pddl.read_conditions import Reader, Unreadable, number_in
+from cleancli.conversion.pddl.syntax import (
+    AllNode,
+    AtomNode,
+    ChanceNode,
+    EachNode,
+    EffectNode,
+    PayNode,
+    SetNode,
+    ValueNode,
+    WhenNode,
+)
+from cleancli.conversion.pddl.words import Group, Node, Word
+from cleancli.language.printing.printer import print_fraction
+
+_CONDITIONS = frozenset({"or", "imply", "exists", "=", "<", "<=", ">", ">="})
+_ASSIGNS = frozenset({"assign", "scale-up", "scale-down"})
+
+
+def effect_of(node: Node, reader: Reader) -> EffectNode:
+    """An effect; `()` changes nothing. Raises `Unreadable`."""
+    if isinstance(node, Word):
+        raise Unreadable(f"expected an effect in parentheses, but there is `{node.text}`", reader.span(node))
+    span, head, parts = reader.span(node), node.head, node.items[1:]
+    if not node.items:
+        return AllNode((), span=span)
+    match head:
+        case "and":
+            return AllNode(tuple(effect_of(part, reader) for part in parts), span=span)
+        case "not":
+            if len(parts) != 1:
+                raise Unreadable("`not` has one atom", span)
+            return SetNode(reader.atom(parts[0]), False, span=span)
+        case "when":
+            if len(parts) != 2:
+                raise Unreadable("`when` has a condition and an effect", span)
+            return WhenNode(reader.condition(parts[0]), effect_of(parts[1], reader), span=span)
+        case "forall":
+            variables, part = reader.quantified(node)
+            return EachNode(variables, effect_of(part, reader), span=span)
+        case "probabilistic":
+            return _chance(node, reader)
+        case "increase" | "decrease":
+            return _pay(node, reader)
+        case _ if head in _CONDITIONS:
+            raise Unreadable(f"`{head}` is no effect", span)
+        case _ if head in _ASSIGNS:
+            raise Unreadable(f"`{head}` is not converted: numbers can only be costs here", span, code="E917")
+    return SetNode(reader.atom(node), True, span=span)
+
+
+def _chance(node: Group, reader: Reader) -> ChanceNode:
+    """`(probabilistic p e ...)`; E918 for what is no probability, and where the sum is above 1."""
+    parts = node.items[1:]
+    if not parts or len(parts) % 2:
+        raise Unreadable("`probabilistic` has pairs of a probability and an effect", reader.span(node))
+    branches: list[tuple[Fraction, EffectNode]] = []
+    for place in range(0, len(parts), 2):
+        chance = reader.number(parts[place], "a probability")
+        if not 0 <= chance <= 1:
+            shown = print_fraction(abs(chance))
+            message = f"`{'-' if chance < 0 else ''}{shown}` is no probability"
+            raise Unreadable(message, reader.span(parts[place]), "it lies between 0 and 1", "E918")
+        branches.append((chance, effect_of(parts[place + 1], reader)))
+    total = sum((chance for chance, _ in branches), Fraction(0))
+    if total > 1:
+        message = f"the probabilities sum to {print_fraction(total)}"
+        raise Unreadable(message, reader.span(node), "they sum to at most 1", "E918")
+    return ChanceNode(tuple(branches), span=reader.span(node))
+
+
+def _pay(node: Group, reader: Reader) -> PayNode:
+    """`(increase (f) amount)`; the function may stand without parentheses."""
+    span = reader.span(node)
+    if len(node.items) != 3:
+        raise Unreadable(f"`{node.head}` has a function and an amount", span)
+    sign = 1 if node.head == "increase" else -1
+    value = number_in(node.items[2])
+    amount: Fraction | AtomNode | None = None
+    if value is not None:
+        amount = sign * value
+    elif isinstance(node.items[2], Group) and node.items[2].head not in ("+", "-", "*", "/"):
+        amount = reader.atom(node.items[2])
+    return PayNode(_function(node.items[1], reader), sign, amount, span=span)
+
+
+def _function(node: Node, reader: Reader) -> AtomNode:
+    if isinstance(node, Word):
+        name = reader.name(node, "a function")
+        return AtomNode(name, (), span=name.span)
+    return reader.atom(node)
+
+
+# ---- what holds at first
+
+
+def initial_of(node: Node, reader: Reader) -> SetNode | ChanceNode | ValueNode:
+    """A fact, what chance decides, or the value of a function. Raises `Unreadable`."""
+    if isinstance(node, Group) and node.head == "=":
+        if len(node.items) != 3:
+            raise Unreadable("`=` gives a function a value", reader.span(node))
+        value = reader.number(node.items[2], "a number")
+        return ValueNode(_function(node.items[1], reader), value, span=reader.span(node))
+    found = effect_of(node, reader)
+    if isinstance(found, SetNode | ChanceNode):
+        return found
+    raise Unreadable("at first there are facts, values and what chance decides of them", reader.span(node))

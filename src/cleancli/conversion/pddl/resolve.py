@@ -1,0 +1,292 @@
+"""From names to what they mean: types, objects, predicates, and conditions as formulas over them.
+
+What is not declared is declared where its meaning is plain (W911), and otherwise a mistake (E916).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.conversion.pddl.formula import (
+    ALWAYS,
+    NEVER,
+    Formula,
+    apart,
+    both,
+    either,
+    equality,
+    literal,
+    negated,
+    quantified,
+)
+from cleancli.conversion.pddl.naming import Naming, readable
+from cleancli.conversion.pddl.syntax import (
+    AndNode,
+    AtomNode,
+    CompareNode,
+    ConditionNode,
+    DomainNode,
+    EqualNode,
+    Name,
+    NotNode,
+    OrNode,
+    ProblemNode,
+    QuantifiedNode,
+    Signature,
+    Typed,
+)
+from cleancli.conversion.pddl.types import Types
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.sink import Findings, meant
+from cleancli.language.model import Object, Symbol, Term, Variable
+
+Scope = Mapping[str, Term]
+"""What each variable of PDDL stands for at a place; an object where a `forall` is written out."""
+
+
+@dataclass(slots=True)
+class Predicate:
+    """A predicate under its name in .nid files. The types of its parameters grow where it is used of more
+    than what it is declared for."""
+
+    name: str
+    variables: tuple[str, ...]
+    types: list[str]
+
+    @property
+    def parameters(self) -> tuple[Variable, ...]:
+        """Its parameters."""
+        return tuple(map(Variable, self.variables, self.types))
+
+
+class Words:
+    """All names of a domain and its problems, and what they mean.
+
+    `constants` are the domain's, `objects` those of each problem.
+    """
+
+    def __init__(
+        self,
+        domain: DomainNode,
+        problems: Sequence[ProblemNode],
+        findings: Findings,
+        sources: Mapping[str, Source],
+    ) -> None:
+        self.findings = findings
+        self.types = Types(domain, findings, Naming(sources))
+        self.symbols = Naming(sources)
+        self.actions = Naming(sources)
+        self._names = Naming(sources)
+        self._is_alone = not problems
+        self.constants = self._declared(domain.constants, {})
+        self.objects = [self._declared(problem.objects, self.constants) for problem in problems]
+        self._known = {
+            name: thing for each in (self.constants, *self.objects) for name, thing in each.items()
+        }
+        self.predicates: dict[str, Predicate] = {}
+        for signature in domain.predicates:
+            self._declare(signature)
+
+    # ---- objects
+
+    @property
+    def everything(self) -> tuple[Object, ...]:
+        """The constants and the objects of all problems, each once."""
+        found = [*self.constants.values(), *(thing for each in self.objects for thing in each.values())]
+        return tuple(dict.fromkeys(found))
+
+    def _declared(self, typed: Iterable[Typed], constants: Mapping[str, Object]) -> dict[str, Object]:
+        found: dict[str, Object] = {}
+        for each in typed:
+            kind, members = self.types.of(each.types)
+            name = each.name.text
+            thing = Object(self._names.of(each.name, "o"), kind)
+            if members:
+                message = f"it is not said which of several types `{name}` is of"
+                self.findings.error("E917", message, each.types[0].span)
+            first = found.get(name, constants.get(name))
+            if first is None:
+                found[name] = thing
+            elif first == thing:
+                self.findings.warning("W911", f"`{name}` is declared twice", each.name.span, "passed over")
+            else:
+                self.findings.error("E916", f"`{name}` is declared with another type before", each.name.span)
+        return found
+
+    def of_type(self, kind: str) -> tuple[Object, ...] | None:
+        """The objects of a type that all problems have; None where they have different ones, or where there
+        is no problem."""
+        found = {
+            tuple(
+                thing
+                for thing in (*self.constants.values(), *each.values())
+                if self.types.is_a(thing.type, kind)
+            )
+            for each in self.objects
+        }
+        return next(iter(found)) if len(found) == 1 else None
+
+    # ---- predicates
+
+    def _declare(self, signature: Signature) -> None:
+        name = signature.name
+        types = [self.types.of(parameter.types)[0] for parameter in signature.parameters]
+        first = self.predicates.get(name.text)
+        if first is not None:
+            if first.types != types:
+                self.findings.error("E916", f"the predicate `{name.text}` is declared in two ways", name.span)
+            else:
+                message = f"the predicate `{name.text}` is declared twice"
+                self.findings.warning("W911", message, name.span, "passed over")
+            return
+        variables: list[Variable] = []
+        for parameter in signature.parameters:
+            variables.append(apart(Variable(readable(parameter.name.text, "v"), ""), variables))
+        names = tuple(variable.name for variable in variables)
+        self.predicates[name.text] = Predicate(self.symbols.of(name, "p"), names, types)
+
+    def predicate(self, atom: AtomNode, terms: Sequence[Term]) -> Predicate:
+        """The predicate of an atom, after it was noted of what it is used."""
+        name = atom.symbol.text
+        predicate = self.predicates.get(name)
+        if predicate is None:
+            predicate = self._undeclared(atom, terms)
+        elif len(predicate.types) != len(terms):
+            takes = plural(len(predicate.types), "term")
+            self.findings.error("E916", f"`{name}` takes {takes}, not {len(terms)}", atom.span)
+            return Predicate(predicate.name, (), [])
+        for place, term in enumerate(terms):
+            self._fit(predicate, place, term, atom)
+        return predicate
+
+    def _undeclared(self, atom: AtomNode, terms: Sequence[Term]) -> Predicate:
+        name = atom.symbol
+        help = meant(name.text, self.predicates, "predicate")
+        if help.startswith("did you mean"):
+            self.findings.error("E916", f"unknown predicate `{name.text}`", name.span, help=help)
+        else:
+            message = f"the predicate `{name.text}` is not declared"
+            self.findings.warning("W911", message, name.span, "declared for what it is used of")
+        letters = "xyz" if len(terms) <= 3 else ""
+        names = tuple(letters[: len(terms)]) or tuple(f"x{n}" for n in range(1, len(terms) + 1))
+        predicate = Predicate(self.symbols.of(name, "p"), names, [term.type for term in terms])
+        self.types.mentioned.update(predicate.types)
+        self.predicates[name.text] = predicate
+        return predicate
+
+    def _fit(self, predicate: Predicate, place: int, term: Term, atom: AtomNode) -> None:
+        kind = predicate.types[place]
+        if self.types.is_a(term.type, kind):
+            return
+        what = (
+            f"`{atom.terms[place].text}` is of type `{term.type}`, and `{atom.symbol.text}` is for `{kind}`"
+        )
+        if self.types.is_a(kind, term.type):
+            predicate.types[place] = term.type
+            self.types.mentioned.add(term.type)
+            self.findings.warning("W911", what, atom.terms[place].span, f"taken to be for `{term.type}`")
+        else:
+            self.findings.error("E916", what, atom.terms[place].span)
+
+    # ---- terms and conditions
+
+    def term(self, name: Name, scope: Scope) -> Term | None:
+        """What a term stands for; None, and E916, for nothing that is known."""
+        if name.is_variable:
+            bound = scope.get(name.text)
+            if bound is None:
+                help = meant(name.text, scope, "variable")
+                self.findings.error("E916", f"the variable `{name.text}` is not bound", name.span, help=help)
+            return bound
+        thing = self._known.get(name.text)
+        if thing is None:
+            help = meant(name.text, self._known, "object")
+            self.findings.error("E916", f"unknown object `{name.text}`", name.span, help=help)
+        return thing
+
+    def atom(self, node: AtomNode, scope: Scope) -> tuple[str, tuple[Term, ...]] | None:
+        """The predicate and terms of an atom; None after a mistake."""
+        terms = [term for term in (self.term(each, scope) for each in node.terms) if term is not None]
+        if len(terms) < len(node.terms):
+            return None
+        predicate = self.predicate(node, terms)
+        return (predicate.name, tuple(terms)) if len(predicate.types) == len(terms) else None
+
+    def bound(
+        self, typed: Sequence[Typed], scope: Scope
+    ) -> tuple[tuple[Variable, ...], dict[str, Term], Formula]:
+        """The variables of a quantifier or a schema, what all names stand for inside of it, and what `either`
+        asks of the variables. No variable has the name of another around it, or of an object."""
+        taken: list[Term] = [*scope.values(), *self.constants.values()]
+        inner, own, asked = dict(scope), list[Variable](), list[Formula]()
+        seen: set[str] = set()
+        for each in typed:
+            if each.name.text in seen:
+                self.findings.error("E916", f"`{each.name.text}` is bound twice here", each.name.span)
+            seen.add(each.name.text)
+            kind, members = self.types.of(each.types)
+            variable = apart(Variable(readable(each.name.text, "v"), kind), taken)
+            taken.append(variable)
+            own.append(variable)
+            inner[each.name.text] = variable
+            asked.append(self._of_types(variable, members))
+        return tuple(own), inner, both(asked)
+
+    def _of_types(self, variable: Variable, members: tuple[str, ...]) -> Formula:
+        """That what a variable stands for is of one of some types; always true for none of them, and where
+        all objects that it may stand for are."""
+        fitting = [thing for thing in self.everything if self.types.is_a(thing.type, variable.type)]
+        others = [o for o in fitting if not any(self.types.is_a(o.type, one) for one in members)]
+        if not members or (self.objects and not others):
+            return ALWAYS
+        parts = []
+        for kind in members:
+            one = Variable(f"{kind}_{variable.name}", kind)
+            parts.append(quantified(True, [one], equality(one, variable, self.types.may_be_one)))
+        return either(parts)
+
+    def formula(self, node: ConditionNode, scope: Scope) -> Formula:
+        """What a condition says; after a mistake, something that it does not say."""
+        match node:
+            case AndNode(parts):
+                return both([self.formula(part, scope) for part in parts])
+            case OrNode(parts):
+                return either([self.formula(part, scope) for part in parts])
+            case NotNode(part):
+                return negated(self.formula(part, scope))
+            case EqualNode():
+                left, right = self.term(node.left, scope), self.term(node.right, scope)
+                if left is None or right is None:
+                    return ALWAYS
+                return equality(left, right, self.types.may_be_one)
+            case QuantifiedNode():
+                return self._quantified(node, scope)
+            case AtomNode():
+                found = self.atom(node, scope)
+                return ALWAYS if found is None else literal(*found)
+            case CompareNode():
+                message = "numbers are not compared in .nid conditions that are converted"
+                self.findings.error("E917", message, node.span)
+                return ALWAYS
+
+    def _quantified(self, node: QuantifiedNode, scope: Scope) -> Formula:
+        variables, inner, asked = self.bound(node.variables, scope)
+        part = self.formula(node.part, inner)
+        missing = [v for v in variables if self._is_empty(v.type)]
+        if missing:
+            return NEVER if node.exists else ALWAYS
+        if node.exists:
+            return quantified(True, variables, both([asked, part]))
+        return quantified(False, variables, either([negated(asked), part]))
+
+    def _is_empty(self, kind: str) -> bool:
+        """Whether no problem has an object of a type."""
+        every = [*self.constants.values(), *(thing for each in self.objects for thing in each.values())]
+        return not self._is_alone and not any(self.types.is_a(thing.type, kind) for thing in every)
+
+
+def as_symbol(predicate: Predicate, static: bool) -> Symbol:
+    """The predicate as a .nid file declares it."""
+    return Symbol(predicate.name, predicate.parameters, static=static)

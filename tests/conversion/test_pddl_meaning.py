@@ -1,0 +1,89 @@
+"""Converted PPDDL means what the file means by definition: small files of each construct, of every two, and
+drawn ones, in all reachable states."""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from cleancli.conversion.pddl.words import Group, groups_of
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.sink import Findings
+from support.pddl_compared import converted, disagreements
+from support.pddl_drawn import Drawn
+
+CORPUS = Path(__file__).parent.parent / "corpus"
+FEATURES = sorted(path.stem for path in CORPUS.glob("*.pddl"))
+_IN_PAIRS = 5
+"""States in which pairs are compared: enough to meet each branch, few enough for seconds."""
+
+
+def text_of(feature: str) -> str:
+    return (CORPUS / f"{feature}.pddl").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_a_construct_means_what_it_does(feature: str) -> None:
+    text = text_of(feature)
+    made = converted(text)
+    assert {d.code for d in made.diagnostics} <= {"W402"}
+    assert disagreements(text, made) == []
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_constructs_mean_the_same_beside_each_other(feature: str) -> None:
+    """The actions of a domain have the conditions and effects of this construct and another each."""
+    others = [pair for pair in combinations_with_replacement(FEATURES, 2) if pair[0] == feature]
+    actions = "\n".join(_joined(one, other) for one, other in others)
+    (action,) = _actions(text_of(feature))
+    text = text_of(feature)
+    text = f"{text[: action.start]}{actions}{text[action.end :]}"
+    made = converted(text)
+    assert {d.code for d in made.diagnostics} <= {"W402"}
+    assert disagreements(text, made, _IN_PAIRS) == []
+
+
+def _joined(one: str, other: str) -> str:
+    """An action with the parameters, conditions and effects of both files' actions."""
+    first, second = _parts(one), _parts(other)
+    parameters = {**first[0], **second[0]}
+    shown = " ".join(f"{name} - {kind}" for name, kind in parameters.items())
+    return (
+        f"(:action {one}-and-{other} :parameters ({shown}) :precondition (and {first[1]} {second[1]})"
+        f" :effect (and {first[2]} {second[2]}))"
+    )
+
+
+def _parts(feature: str) -> tuple[dict[str, str], str, str]:
+    """The parameters with their types, the condition and the effect of a file's action."""
+    text = text_of(feature)
+    (action,) = _actions(text)
+    found = {":parameters": "()", ":precondition": "()"}
+    for name, value in zip(action.items[2::2], action.items[3::2], strict=True):
+        found[text[name.start : name.end].lower()] = text[value.start : value.end].lower()
+    names, _, kind = found[":parameters"][1:-1].partition(" - ")
+    return dict.fromkeys(names.split(), kind), found[":precondition"], found[":effect"]
+
+
+def _actions(text: str) -> list[Group]:
+    source = Source("given.pddl", text)
+    domain = groups_of(text, source.path, Findings(source))[0]
+    return [item for item in domain.items if isinstance(item, Group) and item.head == ":action"]
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_drawn_domains_mean_what_they_say(seed: int) -> None:
+    text = Drawn(Random(seed)).text()
+    made = converted(text)
+    assert {d.code for d in made.diagnostics} <= {"W402", "W911"}
+    assert disagreements(text, made, 25) == []
+
+
+def test_the_comparison_can_fail() -> None:
+    """A text that means something else than what was converted is noticed."""
+    text = text_of("chance")
+    assert disagreements(text, converted(text.replace("0.8 (not", "0.7 (not")))
+    assert disagreements(text, converted(text.replace("(dirt ?a)\n", "(wet ?a)\n")))

@@ -1,0 +1,255 @@
+"""PPDDL files with mistakes: each is located, all are told at once, and what is plainly meant is mended."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from cleancli.conversion.pddl.convert import Converted, Wishes, convert
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.source_lines import Lines
+
+TEXT = """\
+(define (domain tidy)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (in ?a - area ?c - container))
+  (:functions (total-cost))
+  (:action push
+    :parameters (?a - area)
+    :precondition (dirt ?a)
+    :effect (and (probabilistic 0.8 (in ?a bin)) (not (dirt ?a)) (increase (total-cost) 2))))
+(define (problem two)
+  (:domain tidy)
+  (:objects a1 a2 - area)
+  (:init (dirt a1) (dirt a2))
+  (:goal (forall (?a - area) (not (dirt ?a))))
+  (:metric minimize (total-cost)))
+"""
+
+MISTAKES = {
+    # name: (what stands there, what it becomes, code, line and column, words of the message)
+    "nothing": (TEXT, "", "E915", (1, 1), "no domain is defined"),
+    "a word outside": (
+        "(define (domain",
+        "tidy (define (domain",
+        "E915",
+        (1, 1),
+        "outside of all parentheses",
+    ),
+    "no definition": ("(define (problem two)", "(defin (problem two)", "E915", (10, 2), "neither a domain"),
+    "two domains": (TEXT, TEXT * 2, "E915", (16, 17), "second domain"),
+    "action without name": ("(:action push", "(:action", "E915", (7, 5), "expected the name of the action"),
+    "unknown part": (":effect", ":effects", "E915", (9, 5), "`:effects`"),
+    "a group for a part": (
+        ":precondition (dirt ?a)\n    :effect (and",
+        ":effect (and (dirt ?a)) :precondition",
+        "E915",
+        (8, 75),
+        "expected",
+    ),
+    "no group": (
+        ":precondition (dirt ?a)",
+        ":precondition dirt",
+        "E915",
+        (8, 19),
+        "condition in parentheses",
+    ),
+    "no variable": ("(?a - area)\n    :pre", "(a - area)\n    :pre", "E915", (7, 18), "no variable"),
+    "object with question mark": ("a1 a2 - area", "?a1 a2 - area", "E915", (12, 13), "is a variable"),
+    "no type": ("a1 a2 - area", "a1 a2 -", "E915", (12, 19), "no type"),
+    "too deep": (
+        "(dirt ?a)\n    :eff",
+        f"{'(not ' * 90}(dirt ?a){')' * 90}\n    :eff",
+        "E915",
+        (8, 404),
+        "deep",
+    ),
+    "not of two": ("(not (dirt ?a)) (inc", "(not (dirt ?a) (dirt ?a)) (inc", "E915", (9, 50), "one atom"),
+    "or as effect": ("(not (dirt ?a)) (inc", "(or (dirt ?a)) (inc", "E915", (9, 50), "no effect"),
+    "no number": ("0.8 (in", "most (in", "E915", (9, 33), "expected a probability"),
+    "no pair": ("0.8 (in ?a bin)", "0.8", "E915", (9, 18), "pairs"),
+    "above one": ("0.8 (in", "80 (in", "E918", (9, 33), "`80` is no probability"),
+    "below zero": ("0.8 (in", "-0.8 (in", "E918", (9, 33), "`-0.8` is no probability"),
+    "sum": ("0.8 (in ?a bin)", "0.8 (in ?a bin) 0.3 (dirt ?a)", "E918", (9, 18), "sum to 1.1"),
+    "unbound": ("(not (dirt ?a)) (inc", "(not (dirt ?b)) (inc", "E916", (9, 61), "`?b` is not bound"),
+    "unknown object": ("(in ?a bin)", "(in ?a bim)", "E916", (9, 44), "unknown object `bim`"),
+    "unknown predicate": (":precondition (dirt", ":precondition (dirty", "E916", (8, 20), "`dirty`"),
+    "number of terms": (
+        ":precondition (dirt ?a)",
+        ":precondition (dirt ?a bin)",
+        "E916",
+        (8, 19),
+        "1 term, not 2",
+    ),
+    "type": ("(in ?a bin)", "(in ?a ?a)", "E916", (9, 44), "is of type `area`"),
+    "unknown type": (
+        "(?a - area)\n    :pre",
+        "(?a - aera)\n    :pre",
+        "E916",
+        (7, 23),
+        "unknown type `aera`",
+    ),
+    "bound twice": ("(?a - area)\n    :pre", "(?a ?a - area)\n    :pre", "E916", (7, 21), "bound twice"),
+    "circle": (
+        "area container - place)",
+        "area container - place place - area)",
+        "E916",
+        (2, 11),
+        "below itself",
+    ),
+    "two parents": (
+        "area container - place)",
+        "area - (either a b))",
+        "E917",
+        (2, 26),
+        "below several types",
+    ),
+    "declared in two ways": (
+        "(dirt ?a - area)",
+        "(dirt ?a - area) (dirt ?c - container)",
+        "E916",
+        (4, 34),
+        "in two ways",
+    ),
+    "comparison": (
+        ":precondition (dirt ?a)",
+        ":precondition (> (total-cost) 1)",
+        "E917",
+        (8, 19),
+        "compared",
+    ),
+    "assignment": ("(increase (total-cost) 2)", "(assign (total-cost) 2)", "E917", (9, 66), "`assign`"),
+    "cost of objects": ("(total-cost) 2)", "(total-cost) (far ?a))", "E917", (9, 66), "one number"),
+    "cost by condition": (
+        "(increase (total-cost) 2)",
+        "(when (in ?a bin) (increase (total-cost) 2))",
+        "E917",
+        (6, 12),
+        "one cost",
+    ),
+    "metric": ("minimize (total-cost)", "minimize (+ (total-cost) (x))", "E917", (15, 21), "one function"),
+    "initial chance": ("(dirt a2))", "(probabilistic 0.5 (dirt a2)))", "E917", (13, 20), "one state"),
+    "never": ("(forall (?a - area) (not (dirt ?a)))", "(= a1 a2)", "E917", (14, 10), "never hold"),
+    "derived": ("  (:functions", "  (:derived (p) (and)) (:functions", "E917", (5, 4), "derived predicates"),
+}
+
+MENDED = {
+    "parenthesis too many": ("2))))", "2)))))", (9, 94), "closes nothing"),
+    "parentheses missing at the end": (
+        "(total-cost)))\n",
+        "(total-cost)\n",
+        (10, 1),
+        "2 parentheses are missing",
+    ),
+    "parenthesis missing inside": (
+        "(?c - container))".replace("(?", "?"),
+        "?c - container)",
+        (4, 3),
+        "missing",
+    ),
+    "declared twice": ("(:constants bin", "(:constants bin bin", (3, 19), "`bin` is declared twice"),
+    "type declared twice": ("(:types area", "(:types area - place area", (2, 24), "`area` is declared twice"),
+    "predicate declared twice": ("(dirt ?a - area)", "(dirt ?a - area) (dirt ?b - area)", (4, 34), "twice"),
+    "a fact twice": ("(dirt a1)", "(dirt a1) (dirt a1)", (13, 20), "holds twice"),
+    "undeclared predicate": ("(not (dirt ?a)) (inc", "(seen ?a) (not (dirt ?a)) (inc", (9, 51), "`seen`"),
+    "undeclared type": ("a2 - area", "a2 - area m - machine", (12, 30), "`machine` is not declared"),
+    "narrow predicate": ("(?a - area)\n    :pre", "(?a - place)\n    :pre", (8, 25), "is of type `place`"),
+    "unknown section": ("(:functions", "(:fluents", (5, 3), "no section"),
+    "another domain": ("(:domain tidy)", "(:domain tidier)", (11, 12), "for `tidier`"),
+    "section behind the end": (
+        "(total-cost)))",
+        "(total-cost))) (:objects a3 - area)",
+        (15, 36),
+        "behind the end",
+    ),
+}
+
+
+def converted(text: str) -> Converted:
+    return convert([Source("given.pddl", text)], Wishes())
+
+
+def place(diagnostic: Diagnostic, text: str) -> tuple[int, int]:
+    assert diagnostic.span is not None
+    return Lines(text).place(diagnostic.span.start)
+
+
+def test_the_file_without_a_mistake_is_converted() -> None:
+    assert converted(TEXT).diagnostics == ()
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_each_mistake_is_located(name: str) -> None:
+    old, new, code, where, words = MISTAKES[name]
+    assert old in TEXT, "the mistake is not in the text"
+    text = TEXT.replace(old, new, 1)
+    with pytest.raises(Refused) as caught:
+        converted(text)
+    found = [(d.code, place(d, text), d.message) for d in caught.value.diagnostics]
+    assert any(each[:2] == (code, where) and words in each[2] for each in found), found
+
+
+@pytest.mark.parametrize("name", MENDED)
+def test_what_is_plainly_meant_is_a_warning(name: str) -> None:
+    old, new, where, words = MENDED[name]
+    assert old in TEXT, "the fault is not in the text"
+    text = TEXT.replace(old, new, 1)
+    made = converted(text)
+    found = [(place(d, text), d.message) for d in made.diagnostics if d.code == "W911"]
+    assert any(each[0] == where and words in each[1] for each in found), found
+    assert all(d.code in ("W911", "W402") and d.label for d in made.diagnostics if d.code == "W911")
+
+
+def test_mistakes_are_told_at_once() -> None:
+    text = TEXT.replace("(in ?a bin)", "(in ?a bim)").replace("(dirt a2))", "(dirt a9))")
+    text = text.replace(":precondition (dirt ?a)", ":precondition (dirt ?z)")
+    with pytest.raises(Refused) as caught:
+        converted(text)
+    assert [d.code for d in caught.value.diagnostics] == ["E916"] * 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_damaged_files_are_refused_or_converted(seed: int) -> None:
+    """Whatever stands in a file, it is a located refusal, or texts that the checker can read."""
+    rng = Random(seed)
+    for _ in range(60):
+        text = TEXT
+        for _ in range(rng.choice((1, 1, 3))):
+            text = damaged(text, rng)
+        made = converted_or_refused(text)
+        codes = {d.code for d in made.diagnostics}
+        if isinstance(made, Refused):
+            assert codes <= {"E915", "E916", "E917", "E918", "W911"}
+            assert all(d.span is not None for d in made.diagnostics)
+        else:
+            assert not [code for code in codes if code.startswith("E")], text
+
+
+def converted_or_refused(text: str) -> Converted | Refused:
+    try:
+        return converted(text)
+    except Refused as refused:
+        return refused
+
+
+def damaged(text: str, rng: Random) -> str:
+    """The text with a word lost, doubled or exchanged, or a sign in a wrong place."""
+    words = text.replace("(", " ( ").replace(")", " ) ").split(" ") or [""]
+    at = rng.randrange(len(words))
+    match rng.randrange(5):
+        case 0:
+            words[at] = ""
+        case 1:
+            words[at] += f" {words[at]}"
+        case 2:
+            words[at] = rng.choice(words)
+        case 3:
+            words[at] = rng.choice(
+                ["(", ")", "-", "?", ":", "?x", "1/0", "\x00", "é", "and", "when", ":init"]
+            )
+        case _:
+            words = words[:at]
+    return " ".join(words)

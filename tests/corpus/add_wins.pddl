@@ -1,0 +1,17 @@
+; Where two parameters are one object, what is deleted and added is added.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:action act
+    :parameters (?a ?b - area)
+    :precondition (dirt ?a)
+    :effect (and (dirt ?b) (not (dirt ?a)) (near ?b ?a) (not (near ?a ?b)))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))

@@ -1,0 +1,17 @@
+; What is deleted of all objects, and added of some.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:action act
+    :parameters (?a - area)
+    :effect (and (forall (?m - area) (not (wet ?m))) (when (dirt ?a) (wet ?a))
+                 (forall (?m - area) (when (near ?m ?a) (wet ?m))))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))

@@ -1,0 +1,17 @@
+; Probabilities that leave something: there nothing changes.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:action act
+    :parameters (?a - area)
+    :precondition (dirt ?a)
+    :effect (probabilistic 0.8 (not (dirt ?a)) 0.1 (and (wet ?a) (done)))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))

@@ -1,0 +1,17 @@
+; Something that is to exist.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:action act
+    :parameters (?a - area)
+    :precondition (exists (?m - area) (and (near ?a ?m) (dirt ?a)))
+    :effect (not (dirt ?a))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))

@@ -1,0 +1,17 @@
+; Letter case, which says nothing, and a hyphen.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:ACTION Act
+    :Parameters (?Some-Area - AREA)
+    :PRECONDITION (AND (Dirt ?some-area))
+    :effect (AND (NOT (dirt ?SOME-AREA)) (Done))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))

@@ -1,0 +1,80 @@
+"""A converted PPDDL problem compared with what the file means: in every reachable state, every action."""
+
+from __future__ import annotations
+
+from cleancli.compiler.ground import ground
+from cleancli.compiler.semantics import reaches_goal, successors
+from cleancli.compiler.task import GroundState, Task
+from cleancli.conversion.pddl.convert import Converted, Wishes, convert
+from cleancli.conversion.pddl.read import read
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.load import load_domain, load_problem
+from support.pddl_meaning import Called, Meaning, World
+
+MOST_STATES = 300
+
+
+def converted(text: str, path: str = "given.pddl") -> Converted:
+    """The conversion of a text that holds a domain and a problem."""
+    return convert([Source(path, text)], Wishes())
+
+
+def task_of(made: Converted) -> Task:
+    """The grounded task of a conversion with one problem."""
+    domain = load_domain(Source("domain.nid", made.domain))
+    (problem,) = made.problems.values()
+    return ground(domain, load_problem(Source("problem.nid", problem), domain))
+
+
+def meaning_of(text: str) -> Meaning:
+    """What a text means by definition."""
+    source = Source("given.pddl", text)
+    domains, problems = read(source, Findings(source))
+    return Meaning(domains[0], problems[0])
+
+
+def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[str]:
+    """Where the task of a conversion is not what a text means, in so many states; empty where they agree."""
+    meaning = meaning_of(text)
+    task, asked = task_of(made), "goal" in "".join(made.problems.values())
+    numbers = {_key(action.name, action.objects): n for n, action in enumerate(task.actions)}
+    found = []
+    known = {(v.symbol.lower(), *v.objects) for v in task.variables}
+    for world in meaning.reachable(most):
+        here = _state(task, world)
+        wanted = meaning.problem.goal is not None and meaning.holds(meaning.problem.goal, world, {})
+        if (reaches_goal(task, here) if asked else meaning.problem.goal is not None) != wanted:
+            found.append(f"the goal holds ({wanted}) in {sorted(world)}")
+        for called, action, binding in meaning.actions():
+            after = meaning.successors(world, action, binding)
+            if len(set().union(*after, world) - frozenset.intersection(world, *after)) and any(
+                _renamed(atom) not in known for w in after for atom in w ^ world
+            ):
+                found.append(f"{called} changes what is no variable")
+            expected: dict[GroundState, float] = {}
+            for each, chance in after.items():
+                state = _state(task, each)
+                expected[state] = expected.get(state, 0.0) + float(chance)
+            number = numbers.get(_key(*called))
+            actual = {here: 1.0} if number is None else {s: p for p, s in successors(task, here, number)}
+            states = expected.keys() | actual.keys()
+            if any(abs(expected.get(s, 0.0) - actual.get(s, 0.0)) > 1e-12 for s in states):
+                found.append(f"{called} in {sorted(world)}: {expected} and not {actual}")
+    return found
+
+
+def _key(name: str, objects: tuple[str, ...]) -> Called:
+    return name.replace("-", "_").lower(), tuple(each.replace("-", "_").lower() for each in objects)
+
+
+def _renamed(atom: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(word.replace("-", "_") for word in atom)
+
+
+def _state(task: Task, world: World) -> GroundState:
+    """The state of the task that is a world."""
+    atoms = {_renamed(atom) for atom in world}
+    return tuple(
+        int((v.symbol.lower(), *(each.lower() for each in v.objects)) in atoms) for v in task.variables
+    )

@@ -1,0 +1,189 @@
+"""What a PPDDL domain means by definition, state by state: slow, and with nothing of the conversion but the
+syntax tree.
+
+After Younes and Littman, PPDDL1.0 (2004): an action may be taken where its precondition holds. All conditions
+of an effect are asked of the state before. What is probabilistic is drawn independently of all else, for each
+binding of a `forall` by itself. Of what is deleted and added, all is added.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+
+from cleancli.conversion.pddl.syntax import (
+    ActionNode,
+    AllNode,
+    AndNode,
+    AtomNode,
+    ChanceNode,
+    CompareNode,
+    ConditionNode,
+    DomainNode,
+    EachNode,
+    EffectNode,
+    EqualNode,
+    Name,
+    NotNode,
+    OrNode,
+    PayNode,
+    ProblemNode,
+    QuantifiedNode,
+    SetNode,
+    Typed,
+    WhenNode,
+)
+
+Atom = tuple[str, ...]
+"""A predicate and its objects."""
+
+World = frozenset[Atom]
+"""The atoms that hold."""
+
+Binding = Mapping[str, str]
+Change = tuple[frozenset[Atom], frozenset[Atom]]
+"""What is added, and what is deleted."""
+
+Called = tuple[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """A domain and a problem of it."""
+
+    domain: DomainNode
+    problem: ProblemNode
+
+    # ---- types
+
+    def _is_a(self, kind: str, wanted: str) -> bool:
+        if wanted in ("object", kind):
+            return True
+        above = [parent.text for t in self.domain.types if t.name.text == kind for parent in t.types]
+        return any(self._is_a(parent, wanted) for parent in above)
+
+    def fitting(self, typed: Typed) -> list[str]:
+        """The objects that a variable may stand for."""
+        wanted = [name.text for name in typed.types] or ["object"]
+        return [
+            each.name.text
+            for each in (*self.domain.constants, *self.problem.objects)
+            if any(self._is_a(own, w) for own in [n.text for n in each.types] or ["object"] for w in wanted)
+        ]
+
+    def bindings(self, variables: tuple[Typed, ...]) -> Iterator[dict[str, str]]:
+        """All that variables may stand for."""
+        for chosen in product(*map(self.fitting, variables)):
+            yield {each.name.text: one for each, one in zip(variables, chosen, strict=True)}
+
+    # ---- conditions
+
+    def atom(self, node: AtomNode, binding: Binding) -> Atom:
+        """The ground atom."""
+        return (node.symbol.text, *(_stands(term, binding) for term in node.terms))
+
+    def holds(self, node: ConditionNode, world: World, binding: Binding) -> bool:
+        """Whether a condition holds."""
+        match node:
+            case AtomNode():
+                return self.atom(node, binding) in world
+            case EqualNode():
+                return _stands(node.left, binding) == _stands(node.right, binding)
+            case NotNode():
+                return not self.holds(node.part, world, binding)
+            case AndNode():
+                return all(self.holds(part, world, binding) for part in node.parts)
+            case OrNode():
+                return any(self.holds(part, world, binding) for part in node.parts)
+            case QuantifiedNode():
+                every = (
+                    self.holds(node.part, world, {**binding, **own}) for own in self.bindings(node.variables)
+                )
+                return any(every) if node.exists else all(every)
+            case CompareNode():
+                raise NotImplementedError
+
+    # ---- effects
+
+    def changes(self, node: EffectNode, world: World, binding: Binding) -> dict[Change, Fraction]:
+        """What an effect may add and delete, with its probabilities."""
+        match node:
+            case SetNode():
+                one = frozenset({self.atom(node.atom, binding)})
+                change = (one, frozenset[Atom]()) if node.value else (frozenset[Atom](), one)
+                return {change: Fraction(1)}
+            case AllNode():
+                return _together([self.changes(part, world, binding) for part in node.parts])
+            case WhenNode():
+                held = self.holds(node.condition, world, binding)
+                return self.changes(node.effect, world, binding) if held else _together([])
+            case EachNode():
+                own = self.bindings(node.variables)
+                return _together([self.changes(node.effect, world, {**binding, **one}) for one in own])
+            case ChanceNode():
+                found: dict[Change, Fraction] = {}
+                for chance, effect in node.branches:
+                    for change, likely in self.changes(effect, world, binding).items():
+                        found[change] = found.get(change, Fraction(0)) + chance * likely
+                rest = 1 - sum((chance for chance, _ in node.branches), Fraction(0))
+                nothing: Change = (frozenset(), frozenset())
+                found[nothing] = found.get(nothing, Fraction(0)) + rest
+                return found
+            case PayNode():
+                return _together([])
+
+    def successors(self, world: World, action: ActionNode, binding: Binding) -> dict[World, Fraction]:
+        """The worlds that an action may lead to, where it may be taken; otherwise the one that is."""
+        if not self.holds(action.precondition, world, binding):
+            return {world: Fraction(1)}
+        found: dict[World, Fraction] = {}
+        for (added, deleted), chance in self.changes(action.effect, world, binding).items():
+            if chance:
+                after = (world - deleted) | added
+                found[after] = found.get(after, Fraction(0)) + chance
+        return found
+
+    def actions(self) -> Iterator[tuple[Called, ActionNode, dict[str, str]]]:
+        """All actions on objects."""
+        for action in self.domain.actions:
+            for binding in self.bindings(action.parameters):
+                yield (action.name.text, tuple(binding.values())), action, binding
+
+    def initial(self) -> World:
+        """The world at first, where chance has no part in it."""
+        facts = [fact for fact in self.problem.init if isinstance(fact, SetNode)]
+        return frozenset(self.atom(fact.atom, {}) for fact in facts if fact.value)
+
+    def reachable(self, most: int) -> list[World]:
+        """The worlds that can come about, the initial one first; up to some number."""
+        found = {self.initial(): None}
+        waiting = deque(found)
+        actions = list(self.actions())
+        while waiting and len(found) < most:
+            world = waiting.popleft()
+            for _, action, binding in actions:
+                for after in self.successors(world, action, binding):
+                    if after not in found:
+                        found[after] = None
+                        waiting.append(after)
+        return list(found)
+
+
+def _stands(term: Name, binding: Binding) -> str:
+    return binding[term.text] if term.is_variable else term.text
+
+
+def _together(parts: list[dict[Change, Fraction]]) -> dict[Change, Fraction]:
+    """The changes of independent parts."""
+    found: dict[Change, Fraction] = {(frozenset(), frozenset()): Fraction(1)}
+    for part in parts:
+        joint: dict[Change, Fraction] = {}
+        for (added, deleted), chance in found.items():
+            for (more, less), likely in part.items():
+                change = added | more, deleted | less
+                joint[change] = joint.get(change, Fraction(0)) + chance * likely
+        found = joint
+    return found
