@@ -16,8 +16,6 @@ DEEPEST = 80
 """How deep groups may stand in one another. Chosen: far more than people write, and few enough to recurse."""
 
 _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
-# Letter case says nothing in PDDL; letters beyond ASCII stay, so that no place moves.
-_LOWER = str.maketrans(string.ascii_uppercase, string.ascii_lowercase)
 _SECTION_DEPTH = 2
 """How many groups are open where `define` and one section are."""
 
@@ -91,7 +89,8 @@ def groups_of(text: str, path: str, findings: Findings) -> tuple[Group, ...]:
 
 def _tokens(text: str) -> Iterator[tuple[str, int, str]]:
     """Words and parentheses with their places, and the beginning of what follows."""
-    lower = text.translate(_LOWER)
+    # Letter case says nothing in PDDL; letters beyond ASCII stay, so that no place moves.
+    lower = text.translate(str.maketrans(string.ascii_uppercase, string.ascii_lowercase))
     for match in _TOKEN.finditer(lower):
         token = match[0]
         if token[0] != ";":
