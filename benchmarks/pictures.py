@@ -34,7 +34,8 @@ from cleancli.cli.main import run
 from cleancli.execution.seeds import Stream, derived
 from cleancli.language.find import find
 from cleancli.language.load import read_source
-from cleancli.recording.pictures import VIDEO_RATE, write_png
+from cleancli.recording.pictures import write_png
+from cleancli.recording.video import VIDEO_RATE
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.table import PybulletTable
