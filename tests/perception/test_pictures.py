@@ -6,6 +6,7 @@ import numpy as np
 
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact
+from cleancli.perception import marks
 from cleancli.perception.area import Area
 from cleancli.perception.perceive import perceive
 from cleancli.perception.pictures import contact_sheet, draw, project
@@ -21,11 +22,11 @@ def test_projection_agrees_with_the_camera_that_drew_the_frame() -> None:
 def test_an_ellipse_is_drawn_where_it_is_and_as_long() -> None:
     frame = synthetic.frame(np.zeros((0, 2)), 1, noise=False)
     picture = draw(frame, [Area(Ellipse((0.1, -0.05), (0.06, 0.02), 0.0), 1e-4, "a1")])
-    red = (picture[:, :, 0].astype(int) - picture[:, :, 1] > 60) & (picture[:, :, 0] > 150)
-    rows, columns = np.nonzero(red[:, :400])
-    middle = 320 + 0.1 / 0.9 * 525
-    assert abs(columns.min() - (middle - 35)) <= 1.5
-    assert abs(rows.max() - (239 + (0.05 + 0.02) / 0.9 * 525)) <= 1.5
+    light = (np.abs(picture.astype(int) - marks.ELLIPSE) < 60).all(axis=2)
+    rows, columns = np.nonzero(light)
+    middle, beside = 320 + 0.1 / 0.9 * 525, marks.BESIDE
+    assert abs(columns.min() - (middle - 35 - beside)) <= 2
+    assert abs(rows.max() - (239 + (0.05 + 0.02) / 0.9 * 525 + beside)) <= 2
     assert not np.array_equal(picture, frame.colour)
     assert np.array_equal(frame.colour, synthetic.frame(np.zeros((0, 2)), 1, noise=False).colour)
 

@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from textwrap import wrap
 
 import cv2
 import numpy as np
 
-from cleancli.array_types import Depth, Image, Ints, Mask
+from cleancli.array_types import Depth, Image, Ints, Mask, Points
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.geometry.rgbd import Camera, Frame
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import State
+from cleancli.perception import marks
 from cleancli.perception.area import Area
 from cleancli.perception.geometry import project
+from cleancli.perception.labels import box_of, placed
 from cleancli.perception.perceive import Observation
 
-__all__ = ["contact_sheet", "draw", "margins", "not_clean", "outline", "project", "with_doubts", "words"]
-
-_Box = tuple[int, int, int, int]  # left, top, right, bottom
+__all__ = [
+    "busy",
+    "contact_sheet",
+    "draw",
+    "margins",
+    "not_clean",
+    "outline",
+    "project",
+    "with_doubts",
+    "words",
+]
 
 _INK = (15, 15, 15)
-_ELLIPSE = (200, 30, 40)
+_DOUBT = (200, 30, 40)
 _PAPER = (255, 255, 255)
 _REMOVED = (40, 44, 60)
 _REACHED = (230, 30, 40)
@@ -34,22 +44,44 @@ _LETTER = 7  # pixels that a letter is wide
 _CAPTION = 30  # height of a caption's strip in pixels
 
 
-def draw(frame: Frame, areas: Sequence[Area], state: State = frozenset()) -> Image:
-    """The colour image with each area's ellipse, its name and what `state` says of it alone; RGB."""
+def draw(
+    frame: Frame,
+    areas: Sequence[Area],
+    state: State = frozenset(),
+    stroke: Points | None = None,
+    dirt: Mask | None = None,
+) -> Image:
+    """The colour image with each area's ellipse, its name and what `state` says of it alone, and the way of
+    the tool through `stroke` (n, 2); RGB. Names keep off what is drawn, and off `dirt` (height, width)."""
     picture = np.ascontiguousarray(frame.colour).copy()
-    outlines = [outline(area.ellipse, frame.camera) for area in areas]
-    # Labels keep off the ellipses as well as off each other.
-    taken = [_box_of(line) for line in outlines]
+    # A line beside the dirt, not on it.
+    beside = marks.BESIDE * marks.scale_of(picture)
+    outlines = [marks.grown(outline(area.ellipse, frame.camera), beside) for area in areas]
+    way = None if stroke is None else project(frame.camera, stroke)
     for line in outlines:
-        cv2.polylines(picture, [line], True, _ELLIPSE, 1, cv2.LINE_AA)
-    for area, line in zip(areas, outlines, strict=True):
-        lines = [area.name, *words(area.name, state)]
-        around = _box_of(line)
-        box = _free_place(around, lines, taken, picture.shape[:2])
-        taken.append(box)
-        _connect(picture, box, around)
-        _write(picture, lines, box)
+        marks.line(picture, line, marks.ELLIPSE, closed=True)
+    if way is not None:
+        marks.arrow(picture, way, marks.STROKE)
+    lines = [[area.name, *words(area.name, state)] for area in areas]
+    sizes = [marks.size_of(each, marks.scale_of(picture)) for each in lines]
+    around = [box_of(line[:, 0, :].astype(np.int64)) for line in outlines]
+    boxes = placed(sizes, around, busy(picture.shape[:2], outlines, way, dirt))
+    for box, named in zip(boxes, around, strict=True):
+        marks.connect(picture, box, named, marks.ELLIPSE)
+    for box, texts in zip(boxes, lines, strict=True):
+        marks.label(picture, texts, box)
     return picture
+
+
+def busy(size: tuple[int, ...], outlines: Sequence[Ints], way: Points | None, dirt: Mask | None) -> Mask:
+    """Which pixels (height, width) no name should cover: ellipses, a way with its heads, and dirt."""
+    drawn = np.zeros(size, np.uint8)
+    for line in outlines:
+        cv2.fillPoly(drawn, [line], 1)
+        cv2.polylines(drawn, [line], True, 1, 4 * marks.WIDTH)
+    if way is not None:
+        cv2.polylines(drawn, [np.rint(way).astype(np.int32)[:, None, :]], False, 1, 2 * round(marks.HEAD))
+    return np.asarray(drawn > 0 if dirt is None else (drawn > 0) | dirt)
 
 
 def contact_sheet(
@@ -64,7 +96,10 @@ def contact_sheet(
         _captioned(_cut_out(frame, steps.without_edges), "(c) edges removed"),
         _captioned(_marked(steps.dirty, steps.without_edges), "(d) background subtracted"),
         _captioned(_marked(steps.believed, steps.without_edges), "(e) noise removed"),
-        _captioned(draw(replace(frame, camera=observation.camera), areas, state), f"(f) ellipses: {counted}"),
+        _captioned(
+            draw(replace(frame, camera=observation.camera), areas, state, dirt=steps.believed),
+            f"(f) ellipses: {counted}",
+        ),
     ]
     return with_doubts(np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])]), observation.doubts)
 
@@ -77,7 +112,7 @@ def with_doubts(picture: Image, doubts: Sequence[str]) -> Image:
         return picture
     strip = np.full((_LINE * len(lines) + 8, picture.shape[1], 3), 255, np.uint8)
     for number, line in enumerate(lines, start=1):
-        cv2.putText(strip, line, (4, _LINE * number), _FONT, _FONT_SCALE, _ELLIPSE, 1, cv2.LINE_AA)
+        cv2.putText(strip, line, (4, _LINE * number), _FONT, _FONT_SCALE, _DOUBT, 1, cv2.LINE_AA)
     return np.vstack([picture, strip])
 
 
@@ -122,57 +157,6 @@ def words(name: str, state: State) -> list[str]:
     """What the state says of one area alone, `dirt` aside: all that is drawn is dirty."""
     facts = sorted(fact for fact in state if fact.objects == (name,) and fact.symbol != "dirt")
     return [fact.symbol if fact.value is True else str(fact.value) for fact in facts]
-
-
-def _box_of(outline: Ints) -> _Box:
-    (left, top), (right, bottom) = outline.min(axis=(0, 1)).tolist(), outline.max(axis=(0, 1)).tolist()
-    return left, top, right, bottom
-
-
-def _free_place(around: _Box, lines: Sequence[str], taken: Sequence[_Box], size: tuple[int, ...]) -> _Box:
-    """Where a label of these lines beside the box `around` covers least of what is drawn already."""
-    width = max(cv2.getTextSize(line, _FONT, _FONT_SCALE, 1)[0][0] for line in lines) + 4
-    height = _LINE * len(lines) + 2
-    return min(_places(around, width, height, size), key=lambda place: sum(_overlap(place, t) for t in taken))
-
-
-def _places(around: _Box, width: int, height: int, size: tuple[int, ...]) -> Iterator[_Box]:
-    """Places of a label around a box, the nearest first, moved into the picture where they stick out."""
-    left, top, right, bottom = around
-    middle_x, middle_y = (left + right - width) // 2, (top + bottom - height) // 2
-    for away in (2, 8, 16, 26):
-        west, east = left - width - away, right + away
-        north, south = top - height - away, bottom + away
-        for x, y in (
-            *((east, middle_y), (middle_x, north), (west, middle_y), (middle_x, south)),
-            *((east, north), (east, south), (west, north), (west, south)),
-        ):
-            x, y = min(max(x, 0), size[1] - width), min(max(y, 0), size[0] - height)
-            yield x, y, x + width, y + height
-
-
-def _overlap(first: _Box, second: _Box) -> int:
-    wide = min(first[2], second[2]) - max(first[0], second[0])
-    high = min(first[3], second[3]) - max(first[1], second[1])
-    return max(wide, 0) * max(high, 0)
-
-
-def _connect(picture: Image, label: _Box, ellipse: _Box) -> None:
-    """The shortest line between a label and the box of its ellipse."""
-    x, y = (ellipse[0] + ellipse[2]) // 2, (ellipse[1] + ellipse[3]) // 2
-    end = min(max(x, label[0]), label[2]), min(max(y, label[1]), label[3])
-    start = min(max(end[0], ellipse[0]), ellipse[2]), min(max(end[1], ellipse[1]), ellipse[3])
-    cv2.line(picture, start, end, _ELLIPSE, 1, cv2.LINE_AA)
-
-
-def _write(picture: Image, lines: Sequence[str], box: _Box) -> None:
-    left, top, right, bottom = box
-    ground = picture[top:bottom, left:right]
-    # Half-transparent paper: text stays readable on dark dirt, and the dirt visible below.
-    ground[:] = (ground // 3 + np.uint8(170)).astype(np.uint8)
-    for number, line in enumerate(lines, start=1):
-        place = (left + 2, top + _LINE * number - 2)
-        cv2.putText(picture, line, place, _FONT, _FONT_SCALE, _INK, 1, cv2.LINE_AA)
 
 
 def _cut_out(frame: Frame, mask: Mask) -> Image:

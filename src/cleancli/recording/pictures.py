@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from cleancli.array_types import Image
 from cleancli.execution.episode_state import Situation
@@ -15,24 +13,17 @@ from cleancli.execution.events import Started
 from cleancli.files.replace import replace_file
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.diagnostics.plural import plural
-from cleancli.perception.pictures import draw, project
+from cleancli.perception.pictures import draw
 from cleancli.recording.caption import captioned
-
-STROKE_COLOUR = (30, 90, 220)
-TIP_LENGTH = 10.0  # of the arrow at a stroke's end, pixels
 
 
 def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Image) -> Image:
     """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
-    seen = draw(frame, situation.areas, situation.state)
-    title = f"0. first look: {plural(len(situation.areas), 'area')}"
+    title, stroke = f"0. first look: {plural(len(situation.areas), 'area')}", None
     if started is not None and started.path is not None:
         title = f"{started.number}. {started.move}"
-        points = [(w.x, w.y) for w in started.path.waypoints if w.z <= 0]
-        pixels = np.rint(project(frame.camera, np.array(points))).astype(int)
-        for start, end in pairwise(pixels):
-            tip = TIP_LENGTH / max(TIP_LENGTH, float(np.linalg.norm(end - start)))
-            cv2.arrowedLine(seen, _pair(start), _pair(end), STROKE_COLOUR, 2, cv2.LINE_AA, tipLength=tip)
+        stroke = np.array([(w.x, w.y) for w in started.path.waypoints if w.z <= 0]).reshape(-1, 2)
+    seen = draw(frame, situation.areas, situation.state, stroke)
     height = seen.shape[0]
     width = round(room.shape[1] * height / room.shape[0])
     both = np.hstack([seen, cv2.resize(room, (width, height), interpolation=cv2.INTER_AREA)])
@@ -48,7 +39,3 @@ def png_of(picture: Image) -> bytes:
     """An RGB picture as a PNG file holds it."""
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     return data.tobytes()
-
-
-def _pair(point: NDArray[np.int_]) -> tuple[int, int]:
-    return int(point[0]), int(point[1])
