@@ -45,7 +45,7 @@ def test_the_film_moves_is_wide_enough_and_not_large() -> None:
 def test_a_video_becomes_a_film_as_quick_as_the_video(pictures: ModuleType, tmp_path: Path) -> None:
     video = Video(tmp_path / "video.mp4")
     for number in range(12):
-        video.add(np.full((96, 128, 3), 20 * number, np.uint8), 0.2 * number, "an action")
+        video.add(np.full((96, 128, 3), 20 * number, np.uint8), 0.2 * number, "an action", "an account")
     video.close()
     pictures.animate(tmp_path / "video.mp4", tmp_path / "film.webp")
     with Pillow.open(tmp_path / "film.webp") as film:
