@@ -184,8 +184,13 @@ def test_what_came_of_an_action() -> None:
         "push", ("d",), (), values_of(frozenset({kept, gone})), values_of(frozenset({kept, new}))
     )
     nowhere = Situation((), (), frozenset({kept, new}))
-    assert came_of(frozenset(), replace(acted, transition=pushed, situation=nowhere)).endswith(
-        "2 facts changed"
+    told = came_of(frozenset(), replace(acted, transition=pushed, situation=nowhere))
+    assert told == "3. moveToContainerFast(a1): not open(d), shut(d)"
+    poured = pushed._replace(before={("pot", ()): 4}, after={("pot", ()): 3})
+    assert came_of(frozenset(), replace(acted, transition=poured, situation=nowhere)).endswith(": pot() = 3")
+    vain = pushed._replace(after=pushed.before)
+    assert came_of(frozenset(), replace(acted, transition=vain, situation=nowhere)).endswith(
+        ": nothing changed"
     )
 
 

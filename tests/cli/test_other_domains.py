@@ -54,7 +54,7 @@ def test_a_run_in_the_symbolic_world_speaks_of_counts_and_the_goal(
     assert "now: burning 1; the goal does not hold" in text
     assert "in the end: burning 0; the goal holds" in text
     assert "done: nothing is left to do, after 1 action\n" in text
-    assert "1 fact changed" in text
+    assert "1. press(l1): not lit(l1)" in text
     assert not OF_TABLES.search(text.replace("record: runs", "")), text
     (page,) = folder.glob("runs/*/report.html")
     body = page.read_text(encoding="utf-8").split("</style>")[1]

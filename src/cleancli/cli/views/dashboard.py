@@ -29,7 +29,8 @@ from cleancli.execution.events import (
     StrokeEnded,
 )
 from cleancli.language.diagnostics.diagnostic import printable
-from cleancli.language.diagnostics.plural import plural
+from cleancli.language.model import Fact, Value
+from cleancli.language.printing.printer import print_fact
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
 
@@ -120,14 +121,21 @@ def _started(shown: Shown, event: Started) -> Shown:
 
 def came_of(before: frozenset[str], event: Acted) -> str:
     """What became of an action, in a line: which areas are gone, and which are new since `before`; in the
-    symbolic world, how many facts are others."""
+    symbolic world, which facts are others, and what they are now."""
     after = names_of(event.situation)
     gone, new = sorted(before - after, key=_number), sorted(after - before, key=_number)
     parts = [f"{_listed(gone)} gone"] * bool(gone) + [f"{_listed(new)} new"] * bool(new)
     if not before and not after and event.transition is not None:
-        changed = len(event.transition.changed)
-        return f"{event.number}. {event.move}: {plural(changed, 'fact') if changed else 'no fact'} changed"
+        values = event.transition.after
+        changed = [_fact(*fluent, values.get(fluent, False)) for fluent in sorted(event.transition.changed)]
+        return f"{event.number}. {event.move}: {_listed(changed) or 'nothing changed'}"
     return f"{event.number}. {event.move}: {', '.join(parts) or 'no area came or went'}"
+
+
+def _fact(symbol: str, objects: tuple[str, ...], value: Value) -> str:
+    """What holds now: `pot() = 3`, `not dirt(a1)`."""
+    told = print_fact(Fact(symbol, objects, value))
+    return f"not {told}" if value is False else told
 
 
 def names_of(situation: Situation | None) -> frozenset[str]:
