@@ -97,17 +97,13 @@ class Change:
         return difflib.unified_diff(old, new, self.path, f"{self.path} (learned)", lineterm="")
 
 
-@dataclass(frozen=True, slots=True)
-class LearningResult:
-    """What was learned; `changes` holds the domain's text first, then those that it includes. It
-    `is_writable` where the domain is a file of the user's own."""
+class Rewritten:
+    """The texts of a domain before and after something was learned; the domain's own is the first of the
+    `changes`. It `is_writable` where the domain is a file of the user's own."""
 
-    rules: tuple[LearnedRule, ...]
-    durations: tuple[ActionDuration, ...]
-    corrections: tuple[ActionCorrection, ...]
-    rule_changes: tuple[FoundChange, ...]
+    __slots__ = ()
+
     changes: tuple[Change, ...]
-    notes: tuple[str, ...]
     is_writable: bool
 
     @property
@@ -120,8 +116,8 @@ class LearningResult:
         """What would change, as a unified diff."""
         return "\n".join(line for change in self.changes for line in change.lines)
 
-    def write(self, last: LearningResult | None = None) -> tuple[str, ...]:
-        """Put the new probabilities into the files, all of them or none, and return which were written.
+    def write(self, last: Rewritten | None = None) -> tuple[str, ...]:
+        """Put what was learned into the files, into all of them or none, and return which were written.
 
         `last` is what was learned and written of the same domain before. Raises Refused (E006) where one was
         edited meanwhile, ValueError for a domain that is no file of the user's own, and OSError.
@@ -150,6 +146,19 @@ class LearningResult:
                 f"what was learned is in {', '.join(included)} too: copy all files and use --write"
             )
         write_all([Replacement(path, self.text, None)])
+
+
+@dataclass(frozen=True, slots=True)
+class LearningResult(Rewritten):
+    """What was learned of a domain's numbers."""
+
+    rules: tuple[LearnedRule, ...]
+    durations: tuple[ActionDuration, ...]
+    corrections: tuple[ActionCorrection, ...]
+    rule_changes: tuple[FoundChange, ...]
+    changes: tuple[Change, ...]
+    notes: tuple[str, ...]
+    is_writable: bool
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli learn --json` prints."""

@@ -174,11 +174,11 @@ def taught(
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     model, sources = domain.model, domain.sources
     learned = lesson.rules
-    edited = (
+    changed = (
         *edits(model, sources, learned, lesson.durations),
         *learned_edits(model, sources[0], rests_on),
     )
-    texts = _edited(sources, edited)
+    texts = edited(sources, changed)
     checked_domain(texts[sources[0].path], include_outside, lambda file: texts[str(file)]).get()
     transitions = sum(each.transitions for each in rests_on.experience)
     return LearningResult(
@@ -223,7 +223,7 @@ def _runs_in(path: Path) -> Iterator[Path]:
         yield from sorted((run.parent for run in folder.glob(f"*/{RUN}")), key=by_numbers)
 
 
-def _edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
+def edited(sources: Sequence[Source], changes: Sequence[Edit]) -> dict[str, Source]:
     """The texts of the domain, with those that it includes, after the edits of each."""
     return {
         source.path: Source(

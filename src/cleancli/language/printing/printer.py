@@ -62,8 +62,8 @@ def print_domain(domain: Domain) -> str:
         _block("derived", [*derived, *(_count(count, symbols) for count in domain.counts)]),
         _block("parameters", [_parameter(parameter) for parameter in domain.parameters]),
         _block("actions", [_action(action) for action in domain.actions]),
-        *(_rule(rule, symbols) for rule in domain.rules),
-        _block("default", [print_outcome(outcome, symbols) for outcome in domain.default]),
+        *(print_rule(rule, symbols) for rule in domain.rules),
+        print_default(domain.default, symbols),
         _block("reward", [_reward(domain.reward)]),
         "" if domain.learned is None else print_learned(domain.learned),
     ]
@@ -339,7 +339,13 @@ def _seconds(duration: float) -> str:
     return f"{print_float(duration)} s"
 
 
-def _rule(rule: Rule, symbols: Symbols) -> str:
+def print_default(outcomes: Sequence[Outcome], symbols: Symbols) -> str:
+    """The block of the default rule, with a line end; empty without outcomes."""
+    return _block("default", [print_outcome(outcome, symbols) for outcome in outcomes])
+
+
+def print_rule(rule: Rule, symbols: Symbols) -> str:
+    """A rule as it stands in a domain, with a line end."""
     terms = ", ".join(f"?{variable.name}" for variable in rule.variables)
     when = f"    when {print_condition(rule.condition, symbols)}\n" if rule.condition else ""
     withs = "".join(f"    {print_reference(reference, symbols)}\n" for reference in rule.references)
