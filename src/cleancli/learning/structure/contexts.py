@@ -1,0 +1,278 @@
+"""In which states an action does what: a decision tree over what a context may ask for.
+
+A node is divided by the question that makes the description shortest, as long as one makes it shorter
+(Quinlan and Rivest 1989); the probabilities on both sides are fitted for all questions at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats, Longs
+from cleancli.language.model import Equality, Literal, Quantified, Reference, Term, Variable
+from cleancli.learning.structure.arrays import Arrays, holds, index_of, ranging, some
+from cleancli.learning.structure.effects import Named, Parts, negated
+from cleancli.learning.structure.literals import equalities, literals, symbols
+from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
+from cleancli.learning.structure.outcomes import Possible
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """A part of a condition that a node asks for.
+
+    Where it asks whether an object is as a reference says, that is the `reference`, and `further` what is
+    asked of it beside; or it asks whether `several` are. `never_several`: in no transition there are.
+    """
+
+    part: Literal | Equality | Quantified
+    reference: Reference | None = None
+    further: Parts = ()
+    several: bool = False
+    never_several: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Questions:
+    """What may be asked, what each costs in nats, what it saves is multiplied by where one is chosen, and the
+    answers, (n, questions)."""
+
+    listed: tuple[Question, ...]
+    costs: Floats
+    weights: Floats
+    answers: Bools
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A question and its answer on the way to a leaf."""
+
+    question: Question
+    answer: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leaf:
+    """The transitions of these rows, and what was asked on the way to them."""
+
+    path: tuple[Asked, ...]
+    rows: Longs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """The leaves, and the length of the description in nats, questions with it."""
+
+    leaves: tuple[Leaf, ...]
+    length: float
+
+
+EACH = 0.5
+"""Nats that a probability must save on each side of a question; chosen. By Akaike (1974) it is 1 for a
+probability more, and a question adds those of one side alone."""
+OF_OTHERS = 2.0
+"""Nats that a question about an object without a name costs beside what one costs of a term. It is also asked
+only where it saves so many times as much as the best of those, of which it may take two to say the same.
+Chosen."""
+
+
+def tree(possible: Possible, questions: Questions, rows: Longs) -> Tree:
+    """The tree that describes these transitions best, as far as one question after the other finds it."""
+    counts = possible.counts(rows)[None]
+    start = np.full(possible.likelihoods.shape[1], 1 / possible.likelihoods.shape[1])
+    beliefs = fitted(counts, possible.likelihoods, start)
+    length = _free(counts[0], beliefs[0]) - log_likelihoods(counts, possible.likelihoods, beliefs)[0]
+    return _grown(possible, questions, Leaf((), rows), float(length))
+
+
+def _grown(possible: Possible, questions: Questions, leaf: Leaf, length: float) -> Tree:
+    """The tree below a node, the answers yes first, where the node by itself has this length."""
+    best = _best(possible, questions, leaf.rows)
+    if best is None:
+        return Tree((leaf,), length)
+    question, lengths = best
+    yes = questions.answers[leaf.rows, question]
+    leaves: list[Leaf] = []
+    total = float(questions.costs[question])
+    for answer, own, alone in zip((True, False), (yes, ~yes), lengths, strict=True):
+        path = (*leaf.path, Asked(questions.listed[question], answer))
+        side = _grown(possible, questions, Leaf(path, leaf.rows[own]), alone)
+        leaves += side.leaves
+        total += side.length
+    return Tree(tuple(leaves), total)
+
+
+def _best(possible: Possible, questions: Questions, rows: Longs) -> tuple[int, tuple[float, float]] | None:
+    """The question that shortens the description most, if any does, and the lengths of both its sides."""
+    counts = possible.counts(rows)
+    used = counts > 0
+    likelihoods, every = possible.likelihoods[used], counts[used]
+    answers = questions.answers[rows].astype(np.float32)
+    patterns = (possible.pattern[rows][:, None] == np.flatnonzero(used)[None]).astype(np.float32)
+    yes = (answers.T @ patterns).astype(float)
+    splits = (yes.sum(axis=1) > 0) & (yes.sum(axis=1) < every.sum())
+    listed = np.flatnonzero(splits)
+    if not len(listed):
+        return None
+    start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
+    beliefs = fitted(every[None], likelihoods, start)[0]
+    free = _free(every, beliefs)
+    shorter = free - log_likelihoods(every[None], likelihoods, beliefs[None]) - questions.costs[listed]
+    start = np.maximum(beliefs, 1e-3)
+    sides = []
+    for side in (yes[listed], every - yes[listed]):
+        below = fitted(side, likelihoods, start / start.sum(), FEW_ROUNDS)
+        sides.append(free - log_likelihoods(side, likelihoods, below))
+        shorter = shorter - sides[-1]
+    best = int((shorter * questions.weights[listed]).argmax())
+    if shorter[best] <= 0:
+        return None
+    return int(listed[best]), (float(sides[0][best]), float(sides[1][best]))
+
+
+def _free(counts: Floats, beliefs: Floats) -> float:
+    """What the probabilities of a node's outcomes cost; as much on either side of a question, also where an
+    outcome is on one side alone."""
+    return EACH * float((beliefs * counts.sum() > 0.5).sum())
+
+
+# ---- what may be asked
+
+
+def asked_of(arrays: Arrays, known: Named) -> Questions:
+    """All questions whose answers differ in some transitions, each kind of answers once: the plain ones
+    first."""
+    plain = list(_plain(arrays, known))
+    alone = [each for each in plain if _is_of_one(each[0].part)]
+    related = [each for each in plain if not _is_of_one(each[0].part)]
+    kinds = (alone, related, _of_references(arrays, known), _of_others(arrays, known))
+    listed: list[Question] = []
+    columns: list[Bools] = []
+    costs: list[float] = []
+    weights: list[float] = []
+    seen: set[bytes] = set()
+    for number, kind in enumerate(kinds):
+        size = 0
+        for question, answers in kind:
+            if answers.all() or not answers.any():
+                continue
+            key = np.packbits(answers ^ answers[0]).tobytes()
+            if key not in seen:
+                seen.add(key)
+                listed.append(question)
+                columns.append(answers)
+                size += 1
+        is_last = number == len(kinds) - 1
+        costs += [float(np.log(len(kinds) * max(size, 1))) + OF_OTHERS * is_last] * size
+        weights += [1 / OF_OTHERS if is_last else 1.0] * size
+    answers = np.column_stack(columns) if columns else np.zeros((arrays.size, 0), dtype=bool)
+    return Questions(tuple(listed), np.array(costs), np.array(weights), answers)
+
+
+def _is_of_one(part: Literal | Equality | Quantified) -> bool:
+    return isinstance(part, Literal) and len(part.terms) < 2
+
+
+def _unreferenced(known: Named) -> tuple[list[Term], dict[Term, Longs]]:
+    """The terms that are no references, and their places."""
+    named = {variable for each in known.references for variable in each.variables}
+    terms = [term for term in known.columns if term not in named]
+    return terms, {term: known.columns[term] for term in terms}
+
+
+def _plain(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]:
+    terms, columns = _unreferenced(known)
+    index = index_of(arrays, columns)
+    listed: Iterable[Literal | Equality] = (
+        *literals(arrays.domain, terms),
+        *equalities(arrays.domain, terms),
+    )
+    for part in listed:
+        yield Question(part), np.broadcast_to(holds(arrays, (part,), index), (arrays.size,))
+
+
+def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]:
+    """What is asked of what a reference names: that some such object exists, of which it holds; and whether
+    there are several."""
+    terms, columns = _unreferenced(known)
+    for number, reference in enumerate(known.references):
+        before = known.references[: number + 1]
+        variables = tuple(variable for each in before for variable in each.variables)
+        definition: Parts = tuple(part for each in before for part in each.condition)
+        index, typed = ranging(arrays, index_of(arrays, columns), variables)
+        fits = typed & holds(arrays, definition, index)
+        several = fits.reshape(arrays.size, -1).sum(axis=1) > 1
+        exact = not several.any()
+        some_such = Quantified(True, variables, definition)
+        yield Question(some_such, reference, never_several=exact), some(fits, len(variables))
+        (variable,) = reference.variables
+        everything = (*terms, *variables)
+        further: Iterable[Literal | Equality] = (
+            *literals(arrays.domain, everything, variable),
+            *equalities(arrays.domain, everything, variable),
+        )
+        for part in further:
+            if part not in definition:
+                both = fits & holds(arrays, (part,), index)
+                asked = replace(some_such, condition=(*definition, part))
+                yield Question(asked, reference, (part,), never_several=exact), some(both, len(variables))
+
+
+def _several(reference: Reference, taken: Collection[str]) -> Quantified:
+    """That more than one object is as a reference says."""
+    (one,) = reference.variables
+    other = Variable(next(name for name in _NAMES if name not in taken), one.type)
+    renamed = tuple(_with_terms(part, {one: other}) for part in reference.condition)
+    return Quantified(True, (one, other), (*reference.condition, *renamed, Equality(one, other, False)))
+
+
+_NAMES = "zyxwvutsrqponmlkjihgfedcba"
+"""Of objects that nothing else names."""
+
+
+def _with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
+    """The part with other terms for some."""
+    if isinstance(part, Equality):
+        return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
+    return replace(part, terms=tuple(names.get(term, term) for term in part.terms))
+
+
+def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]:
+    """Whether some object exists of which one literal holds, or one that relates it to a term and another
+    that may be denied."""
+    terms, columns = _unreferenced(known)
+    types = dict.fromkeys(p.type for symbol in symbols(arrays.domain) for p in symbol.parameters)
+    taken = {term.name for term in known.columns if isinstance(term, Variable)}
+    for reference in known.references[:1]:
+        index, typed = ranging(arrays, index_of(arrays, columns), reference.variables)
+        number = (typed & holds(arrays, reference.condition, index)).sum(axis=1)
+        yield Question(_several(reference, taken), reference, several=True), number > 1
+    for type_name in types:
+        variable = Variable(next(name for name in _NAMES if name not in taken), type_name)
+        index, typed = ranging(arrays, index_of(arrays, columns), (variable,))
+        fitting = []
+        for literal in literals(arrays.domain, (*terms, variable), variable):
+            fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
+            if fits.any():
+                fitting.append((literal, fits))
+        for parts, fits in _conjunctions(arrays, fitting):
+            yield Question(Quantified(True, (variable,), parts)), some(fits, 1)
+
+
+def _conjunctions(
+    arrays: Arrays, fitting: Sequence[tuple[Literal, Bools]]
+) -> Iterator[tuple[tuple[Literal, ...], Bools]]:
+    """Each literal; and each that relates an object to a term with another one, or with its opposite."""
+    for literal, fits in fitting:
+        yield (literal,), fits
+    for one, fits in fitting:
+        if len(one.terms) < 2:
+            continue
+        for other, more in fitting:
+            if other != one and len(other.terms) < 3:
+                if len(other.terms) < 2 or str(other) > str(one):
+                    yield (one, other), fits & more
+                yield (one, negated(arrays.domain, other)), fits & ~more

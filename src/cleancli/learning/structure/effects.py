@@ -1,0 +1,532 @@
+"""What actions change, told of variables: by arguments, constants and references, or by a `forall`.
+
+References and guards are found by set cover: a condition on one object more is tried for all objects that
+changed and that nothing names yet, and the one that names most of them is taken, until none names two.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cleancli.array_types import Bools, Longs
+from cleancli.language.model import (
+    Assign,
+    Domain,
+    Equality,
+    ForAll,
+    Literal,
+    Reference,
+    Shift,
+    Symbol,
+    Term,
+    Variable,
+)
+from cleancli.learning.structure.arrays import (
+    UNDEFINED,
+    ActionArrays,
+    Arrays,
+    Codes,
+    Index,
+    codes_of,
+    holds,
+    index_of,
+    ranging,
+    some,
+)
+from cleancli.learning.structure.literals import equalities, literals
+
+MOST_REFERENCES = 3
+"""Conditions on other objects that are looked for in an action; chosen."""
+MOST_PARTS = 60
+"""Literals of which pairs are tried as such a condition, the ones that hold of most objects that changed;
+chosen."""
+
+Effect = Assign | Shift | ForAll
+Parts = tuple[Literal | Equality, ...]
+
+
+class Change(NamedTuple):
+    """A fluent that changed in the transition of a row: the places of its objects, and its codes."""
+
+    row: int
+    symbol: str
+    places: tuple[int, ...]
+    old: int
+    new: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Named:
+    """The terms that effects may be told of: `columns` are their places in each transition, (n,), or
+    UNDEFINED where a reference names nothing."""
+
+    columns: Mapping[Term, Longs]
+    references: tuple[Reference, ...] = ()
+    foralls: tuple[ForAll, ...] = ()
+
+    def terms(self) -> tuple[Term, ...]:
+        return tuple(self.columns)
+
+
+def named(action: ActionArrays, parameters: Sequence[Variable]) -> Named:
+    """The action's arguments and the domain's constants."""
+    columns: dict[Term, Longs] = dict(zip(parameters, action.columns, strict=True))
+    return Named({**columns, **index_of(action.arrays, {})})
+
+
+def changes_of(arrays: Arrays) -> list[Change]:
+    """All changes, but of values that are not known after."""
+    found = []
+    for symbol in arrays.domain.symbols:
+        if symbol.static:
+            continue
+        before, after = arrays.before[symbol.name], arrays.after[symbol.name]
+        rows, *places = np.nonzero((before != after) & (after >= 0) & (before >= 0))
+        for row, *at in zip(rows.tolist(), *(each.tolist() for each in places), strict=True):
+            if symbol.symmetric and at[0] > at[1]:
+                continue
+            old, new = int(before[(row, *at)]), int(after[(row, *at)])
+            found.append(Change(row, symbol.name, tuple(at), old, new))
+    return found
+
+
+# ---- objects that nothing names yet
+
+
+def with_references(action: ActionArrays, known: Named, changes: Sequence[Change]) -> Named:
+    """The same with references to the objects that changed, as far as any name two of them or more."""
+    for _ in range(MOST_REFERENCES):
+        holes = _holes(action.arrays, known, changes)
+        found = [
+            each
+            for type_name in sorted({each[2] for each in holes})
+            if (each := _reference(action.arrays, known, [h for h in holes if h[2] == type_name], type_name))
+        ]
+        if not found:
+            return known
+        _, reference, column = max(found, key=lambda each: each[0])
+        columns = {**known.columns, reference.variables[0]: column}
+        known = replace(known, columns=columns, references=(*known.references, reference))
+    return known
+
+
+def _holes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> list[tuple[int, int, str]]:
+    """Row, place and type of the objects that changed and that no term names, each once."""
+    symbols = {symbol.name: symbol for symbol in arrays.domain.symbols}
+    at = _terms_at(known)
+    explained = _explained(arrays, known)
+    holes: dict[tuple[int, int], str] = {}
+    for change in changes:
+        if change in explained:
+            continue
+        for parameter, place in zip(symbols[change.symbol].parameters, change.places, strict=True):
+            if place not in at[change.row]:
+                holes.setdefault((change.row, place), parameter.type)
+    return [(*where, type_name) for where, type_name in holes.items()]
+
+
+def _terms_at(known: Named) -> list[dict[int, Term]]:
+    """Of each row the first term that stands at a place."""
+    columns = [(term, column.tolist()) for term, column in known.columns.items()]
+    rows = len(columns[0][1]) if columns else 0
+    found: list[dict[int, Term]] = [{} for _ in range(rows)]
+    for term, column in columns:
+        for row, place in enumerate(column):
+            if place != UNDEFINED:
+                found[row].setdefault(place, term)
+    return found
+
+
+def _reference(
+    arrays: Arrays, known: Named, holes: Sequence[tuple[int, int, str]], type_name: str
+) -> tuple[int, Reference, Longs] | None:
+    """The condition that alone names most of these objects, how many it names, and what it names in each
+    transition."""
+    variable = fresh(known, type_name)
+    rows = np.array([row for row, _, _ in holes])
+    places = np.array([place for _, place, _ in holes])
+    best: tuple[tuple[int, int, int], Parts, Bools] | None = None
+    for parts, fits in _conditions(arrays, known, variable, rows, places):
+        count = fits.sum(axis=1)
+        covered = int((fits[rows, places] & (count[rows] == 1)).sum())
+        rank = covered, -len(parts), int((count == 1).sum())
+        if covered > 1 and (best is None or rank > best[0]):
+            best = rank, parts, fits
+    if best is None:
+        return None
+    (covered, *_), parts, fits = best
+    column = np.where(fits.sum(axis=1) == 1, fits.argmax(axis=1), UNDEFINED)
+    return covered, Reference((variable,), parts), column
+
+
+def fresh(known: Named, type_name: str) -> Variable:
+    """A variable that no term and no `forall` has: by the first letter of its type, or one after it."""
+    taken = {term.name for term in known.columns if isinstance(term, Variable)}
+    taken |= {each.variables[0].name for each in known.foralls}
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    start = letters.find(type_name[0].lower())
+    start = letters.index("m") if type_name[0].lower() in taken or start < 0 else start
+    for number in range(len(letters)):
+        letter = letters[(start + number) % len(letters)]
+        if letter not in taken:
+            return Variable(letter, type_name)
+    return Variable(f"{type_name}_{len(taken)}", type_name)
+
+
+def _conditions(
+    arrays: Arrays, known: Named, variable: Variable, rows: Longs, places: Longs
+) -> Iterator[tuple[Parts, Bools]]:
+    """Conditions of one or two parts on an object, and which places satisfy them in each transition, (n, N);
+    only those that hold for some of the objects at these rows and places."""
+    terms = tuple(known.columns)
+    index, typed = ranging(arrays, _index(known), (variable,))
+    listed = [*literals(arrays.domain, (*terms, variable), variable)]
+    candidates = []
+    for literal in listed:
+        if not _is_defined(literal, known):
+            continue
+        fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
+        fits = fits & _defined(literal, known)[:, None]
+        candidates.append((int(fits[rows, places].sum()), literal, fits))
+    candidates.sort(key=lambda each: -each[0])
+    positive = [each for each in candidates if each[0] > 0][:MOST_PARTS]
+    for _, literal, fits in positive:
+        yield (literal,), fits
+    for number, (_, one, fits) in enumerate(positive):
+        for _, other, more in positive[number + 1 :]:
+            if one.symbol != other.symbol or one.terms != other.terms:
+                yield (one, other), fits & more
+        for _, other, more in candidates[:MOST_PARTS]:
+            if other.symbol != one.symbol and (typed & ~more)[rows, places].any():
+                opposite = negated(arrays.domain, other)
+                yield (one, opposite), fits & ~more
+        for equality in equalities(arrays.domain, (*terms, variable), variable):
+            same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
+            yield (one, replace(equality, equal=False)), fits & ~same
+
+
+def _is_defined(literal: Literal, known: Named) -> bool:
+    return bool(_defined(literal, known).any())
+
+
+def _defined(literal: Literal, known: Named) -> Bools:
+    """Where all terms of a literal name something, (n,)."""
+    columns = [known.columns[term] for term in literal.terms if term in known.columns]
+    found: Bools = np.ones(len(next(iter(known.columns.values()))), dtype=bool)
+    for column in columns:
+        found = found & (column != UNDEFINED)
+    return found
+
+
+def _index(known: Named) -> Index:
+    return {term: np.maximum(column, 0) for term, column in known.columns.items()}
+
+
+def negated(domain: Domain, literal: Literal) -> Literal:
+    """The literal that holds where this one does not."""
+    symbol = next((each for each in domain.symbols if each.name == literal.symbol), None)
+    values = (False, True) if symbol is None else symbol.values
+    return replace(literal, values=frozenset(values) - literal.values)
+
+
+# ---- changes of all that satisfy a guard
+
+
+def with_foralls(action: ActionArrays, known: Named, changes: Sequence[Change]) -> Named:
+    """The same with effects on all objects that satisfy a guard, for changes of objects that nothing
+    names."""
+    for _ in range(2 * MOST_REFERENCES):
+        best = _forall(action.arrays, known, changes)
+        if best is None:
+            break
+        known = replace(known, foralls=(*known.foralls, best))
+    return replace(known, foralls=tuple(_alike(action.arrays, known, each) for each in known.foralls))
+
+
+def _alike(arrays: Arrays, known: Named, forall: ForAll) -> ForAll:
+    """The `forall` with the guard of another one, where it tells of the same changes with that."""
+    told = _explained(arrays, replace(known, foralls=(forall,)))
+    for other in known.foralls:
+        same = replace(forall, condition=other.condition, variables=other.variables)
+        (own,), (variable,) = forall.variables, other.variables
+        terms = tuple(variable if term == own else term for term in forall.effects[0].terms)
+        same = replace(same, effects=(replace(forall.effects[0], terms=terms),))
+        is_longer = len(other.condition) > len(forall.condition)
+        if (
+            is_longer
+            and own.type == variable.type
+            and _explained(arrays, replace(known, foralls=(same,))) == told
+        ):
+            return same
+    return forall
+
+
+def _forall(arrays: Arrays, known: Named, changes: Sequence[Change]) -> ForAll | None:
+    """The `forall` that tells wholly of the changes of its kind in most transitions."""
+    patterns = _open_patterns(arrays, known, changes)
+    found: tuple[tuple[int, int], ForAll] | None = None
+    guards = {each.condition for each in known.foralls}
+    for (symbol, terms, type_name), found_changes in patterns:
+        for value in sorted({new for _, _, new in found_changes}):
+            holes = [(row, place) for row, place, new in found_changes if new == value]
+            best = _guard(arrays, known, symbol, terms, type_name, value, holes, guards)
+            if best is not None and (found is None or best[0] > found[0]):
+                found = best
+    return None if found is None else found[1]
+
+
+_Pattern = tuple[Symbol, tuple[Term | None, ...], str]
+
+
+def _open_patterns(
+    arrays: Arrays, known: Named, changes: Sequence[Change]
+) -> list[tuple[_Pattern, list[tuple[int, int, int]]]]:
+    """Symbols with terms of which one, None, is an object that nothing names: the rows, its places and the
+    new codes of what changed so and is not told yet."""
+    symbols = {symbol.name: symbol for symbol in arrays.domain.symbols}
+    at = _terms_at(known)
+    explained = _explained(arrays, known)
+    patterns: dict[_Pattern, list[tuple[int, int, int]]] = {}
+    for change in changes:
+        terms = tuple(at[change.row].get(place) for place in change.places)
+        if terms.count(None) != 1 or change in explained:
+            continue
+        symbol = symbols[change.symbol]
+        hole = terms.index(None)
+        key = symbol, terms, symbol.parameters[hole].type
+        patterns.setdefault(key, []).append((change.row, change.places[hole], change.new))
+    return sorted(patterns.items(), key=lambda each: (-len(each[1]), each[0][0].name, str(each[0][1])))
+
+
+def _explained(arrays: Arrays, known: Named) -> set[Change]:
+    """The changes of objects without a name that some `forall` tells of wholly in their transitions."""
+    found: set[Change] = set()
+    for forall in known.foralls:
+        told = sets(arrays, known, forall)
+        wrong, moved = told.applies & ~told.right, told.applies & told.changed
+        for row, place in zip(*np.nonzero(moved & ~some(wrong, 1)[:, None]), strict=True):
+            found.add(told.change(int(row), int(place)))
+    return found
+
+
+def _guard(
+    arrays: Arrays,
+    known: Named,
+    symbol: Symbol,
+    terms: tuple[Term | None, ...],
+    type_name: str,
+    value: int,
+    holes: Sequence[tuple[int, int]],
+    guards: set[Parts],
+) -> tuple[tuple[int, int], ForAll] | None:
+    """The best guard of `forall` for a kind of change, with how many transitions it tells of."""
+    variable = fresh(replace(known, foralls=()), type_name)
+    effect = Assign(symbol.name, tuple(variable if t is None else t for t in terms), symbol.values[value])
+    every = sets(arrays, known, ForAll((variable,), (), (effect,)))
+    open_places = np.zeros(every.applies.shape, dtype=bool)
+    open_places[tuple(np.array(holes).T)] = True
+    would, right = every.applies & every.moves, every.right
+    has = open_places.any(axis=1)
+    best: tuple[tuple[int, int], ForAll] | None = None
+    rows, places = np.array(holes).T
+    for parts, fits in _conditions(arrays, known, variable, rows, places):
+        wanted = fits & would
+        covered = int((has & (~wanted | right).all(axis=1) & (~open_places | wanted).all(axis=1)).sum())
+        rank = covered, -2 * len(parts) + (parts in guards)
+        if covered > 1 and (best is None or rank > best[0]):
+            best = rank, ForAll((variable,), parts, (effect,))
+    return best
+
+
+# ---- what effects set
+
+
+class Sets(NamedTuple):
+    """What an effect sets in each transition: (n, 1), or (n, N) of a `forall`, for each object.
+
+    `applies`: whether it does so there; `fluents`: of what, by number; `right`: whether that is what it was
+    after; `moves`: whether that is another value than before; `changed`: whether it changed at all. `amount`
+    is that of a shift.
+    """
+
+    applies: Bools
+    fluents: Longs
+    right: Bools
+    moves: Bools
+    changed: Bools
+    symbol: Symbol
+    columns: tuple[Longs, ...]
+    before: Codes
+    after: Codes
+    amount: int | None
+
+    def change(self, row: int, place: int) -> Change:
+        """The change of what is set in a row for the object at a place."""
+        shape = self.applies.shape
+        places = [int(np.broadcast_to(column, shape)[row, place]) for column in self.columns]
+        if self.symbol.symmetric:
+            places.sort()
+        old, new = int(self.before[row, place]), int(self.after[row, place])
+        return Change(row, self.symbol.name, tuple(places), old, new)
+
+
+def sets(arrays: Arrays, known: Named, effect: Effect) -> Sets:
+    """What an effect sets in each transition; a `forall` has one effect here."""
+    index = {term: column[:, None] for term, column in _index(known).items()}
+    applies: Bools = np.ones((arrays.size, 1), dtype=bool)
+    inner: Assign | Shift
+    if isinstance(effect, ForAll):
+        ranged, typed = ranging(arrays, _index(known), effect.variables)
+        applies = typed & holds(arrays, effect.condition, ranged)
+        index, (inner,) = dict(ranged), effect.effects
+        variables = effect.variables
+        for part in effect.condition:
+            if isinstance(part, Literal):
+                applies = applies & _defined(part, known)[:, None]
+    else:
+        inner, variables = effect, ()
+    for term in inner.terms:
+        if term not in variables:
+            applies = applies & (known.columns[term] != UNDEFINED)[:, None]
+    symbol = next(each for each in arrays.domain.symbols if each.name == inner.symbol)
+    before = codes_of(arrays.before[symbol.name], inner.terms, index, 2)
+    after = codes_of(arrays.after[symbol.name], inner.terms, index, 2)
+    amount = inner.amount if isinstance(inner, Shift) else None
+    if isinstance(inner, Assign):
+        told = np.full(before.shape, symbol.values.index(inner.value))
+    else:
+        told = _shifted(before, symbol, inner.amount)
+    columns = tuple(index[term] for term in inner.terms)
+    shape = np.broadcast_shapes(before.shape, applies.shape)
+    before, after, told, applies = (np.broadcast_to(x, shape) for x in (before, after, told, applies))
+    fluents = np.broadcast_to(_numbers(arrays, symbol, columns), shape)
+    return Sets(
+        applies,
+        fluents,
+        told == after,
+        told != before,
+        before != after,
+        symbol,
+        columns,
+        before,
+        after,
+        amount,
+    )
+
+
+def _shifted(before: Codes, symbol: Symbol, amount: int | Longs) -> Longs:
+    """The codes after a shift, which stops at the bounds; where there is no number, it stays so."""
+    found: Longs = np.where(before < 0, before, np.clip(before + amount, 0, len(symbol.values) - 1))
+    return found
+
+
+def _numbers(arrays: Arrays, symbol: Symbol, columns: Sequence[Longs]) -> Longs:
+    """A number for each fluent of a transition."""
+    if symbol.symmetric:
+        columns = np.minimum(*columns), np.maximum(*columns)
+    number: Longs = np.zeros((1, 1), dtype=np.int64)
+    for column in columns:
+        number = number * arrays.places + column
+    offsets, start = {}, 0
+    for each in arrays.domain.symbols:
+        offsets[each.name] = start
+        start += arrays.places ** len(each.parameters)
+    return number + offsets[symbol.name]
+
+
+# ---- outcomes
+
+
+Outcome = frozenset[Effect]
+"""The effects of one result; none of `nothing`."""
+
+
+def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Counter[Outcome]:
+    """What happened in each transition, told of terms, as far as it can be told; and how often."""
+    at = _terms_at(known)
+    by_row: dict[int, set[Effect]] = {row: set() for row in range(arrays.size)}
+    untold: set[int] = set()
+    told: dict[Change, Effect] = {}
+    for forall in known.foralls:
+        for change in _explained(arrays, replace(known, foralls=(forall,))):
+            told.setdefault(change, forall)
+    plain: dict[tuple[str, tuple[Term, ...]], list[Change]] = {}
+    for change in changes:
+        terms = tuple(at[change.row].get(place) for place in change.places)
+        if None not in terms:
+            plain.setdefault((change.symbol, terms), []).append(change)  # type: ignore[arg-type]
+        elif change in told:
+            by_row[change.row].add(told[change])
+        else:
+            untold.add(change.row)
+    for (symbol, terms), found in sorted(plain.items(), key=str):
+        for change, effect in _plain_effects(arrays.domain, symbol, terms, found):
+            by_row[change.row].add(effect)
+    return Counter(frozenset(effects) for row, effects in by_row.items() if row not in untold)
+
+
+def _plain_effects(
+    domain: Domain, name: str, terms: tuple[Term, ...], found: Sequence[Change]
+) -> Iterator[tuple[Change, Assign | Shift]]:
+    """The effect that each change of a fluent is told by: of those that tell of most changes the first, and
+    so on."""
+    symbol = next(each for each in domain.symbols if each.name == name)
+    candidates: dict[Assign | Shift, set[Change]] = {}
+    for change in found:
+        candidates.setdefault(Assign(name, terms, symbol.values[change.new]), set()).add(change)
+    exact = {effect: len(told) for effect, told in candidates.items()}
+    if isinstance(symbol.values[0], int) and not symbol.is_predicate:
+        for amount in sorted({change.new - change.old for change in found}):
+            reached = {
+                change
+                for change in found
+                if min(max(change.old + amount, 0), len(symbol.values) - 1) == change.new
+            }
+            candidates[Shift(name, terms, amount)] = reached
+            exact[Shift(name, terms, amount)] = sum(c.new - c.old == amount for c in found)
+    left = set(found)
+    while left:
+        effect = max(candidates, key=lambda each: (len(candidates[each] & left), exact[each]))
+        for change in sorted(candidates[effect] & left):
+            yield change, effect
+        left -= candidates.pop(effect)
+
+
+def _right_with(told: Sets, chosen: Sequence[Sets]) -> Bools:
+    """Whether what an effect sets is what it was after, where all shifts of one number add up."""
+    shifts = [each for each in chosen if each.amount is not None]
+    if told.amount is None or (shifts == [told] and told.applies.shape[1] == 1):
+        return told.right
+    total = np.zeros(told.fluents.shape, dtype=np.int64)
+    for each in shifts:
+        same = (told.fluents[:, :, None] == each.fluents[:, None, :]) & each.applies[:, None, :]
+        total = total + (each.amount or 0) * same.sum(axis=2)
+    found: Bools = _shifted(told.before, told.symbol, total) == told.after
+    return found
+
+
+def fits(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Bools:
+    """Which outcomes may have made which transitions, (n, outcomes): what they set is what was after, and all
+    that changed is among it."""
+    effects = {effect: sets(arrays, known, effect) for outcome in outcomes for effect in outcome}
+    found = np.zeros((arrays.size, len(outcomes)), dtype=bool)
+    for number, outcome in enumerate(outcomes):
+        chosen = sorted((effects[effect] for effect in outcome), key=lambda each: each.applies.shape[1])
+        right: Bools = np.ones(arrays.size, dtype=bool)
+        changed: Longs = np.zeros(arrays.size, dtype=np.int64)
+        for place, told in enumerate(chosen):
+            if told.applies.shape[1] == 1:
+                right = right & told.applies[:, 0]
+            right = right & ~some(told.applies & ~_right_with(told, chosen), 1)
+            counts = told.applies & told.changed
+            for other in chosen[:place]:
+                same = (told.fluents[:, :, None] == other.fluents[:, None, :]) & other.applies[:, None, :]
+                counts = counts & ~same.any(axis=2)
+            changed = changed + counts.sum(axis=1)
+        found[:, number] = right & (changed == arrays.changed)
+    return found

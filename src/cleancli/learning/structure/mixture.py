@@ -1,0 +1,44 @@
+"""How likely transitions are where several outcomes may have made each, for many sets of them at once.
+
+A set is told by how many transitions of each pattern it has; a pattern is how likely each outcome makes such
+a transition (0 or 1 of an outcome that is modelled, little of noise). Expectation and maximisation (Dempster,
+Laird and Rubin 1977) finds the probabilities of outcomes that make a set likeliest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cleancli.array_types import Floats
+
+FEW_ROUNDS = 12
+"""Rounds that compare what may be asked for; chosen, since the order of candidates is then mostly settled."""
+ROUNDS = 400
+TOLERANCE = 1e-7
+_NEVER = 1e-300
+
+
+def fitted(counts: Floats, likelihoods: Floats, start: Floats, rounds: int = ROUNDS) -> Floats:
+    """The probabilities of outcomes in sets of transitions (b, outcomes).
+
+    `counts` are (b, patterns), `likelihoods` (patterns, outcomes), and `start` is (outcomes,) or (b,
+    outcomes); what is 0 there stays so. An empty set keeps the start.
+    """
+    totals = counts.sum(axis=1, keepdims=True)
+    beliefs = np.broadcast_to(start, (len(counts), likelihoods.shape[1])).astype(float)
+    for _ in range(rounds):
+        expected = np.maximum(beliefs @ likelihoods.T, _NEVER)
+        shares = beliefs * ((counts / expected) @ likelihoods)
+        after = np.where(totals > 0, shares / np.maximum(totals, _NEVER), beliefs)
+        moved = float(np.abs(after - beliefs).max(initial=0.0))
+        beliefs = after
+        if moved < TOLERANCE:
+            break
+    return beliefs
+
+
+def log_likelihoods(counts: Floats, likelihoods: Floats, beliefs: Floats) -> Floats:
+    """How likely sets of transitions are by probabilities of outcomes, as logarithms (b,)."""
+    logs = np.log(np.maximum(beliefs @ likelihoods.T, _NEVER))
+    found: Floats = (counts * logs).sum(axis=1)
+    return found

@@ -1,0 +1,103 @@
+"""Which outcomes an action has, and which of them a set of its transitions.
+
+An outcome is worth its place where it shortens a description in two parts (Rissanen 1978): the transitions,
+which take the negative logarithm of their likelihood, and what is said of them. Over all n transitions of an
+action each probability takes half a logarithm of n, and an outcome, for its effects and itself, the logarithm
+of how many effects there are. A transition that only noise makes is told fact by fact.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats, Longs
+from cleancli.learning.explained import RESULTS_OF_NOISE
+from cleancli.learning.structure.arrays import Arrays
+from cleancli.learning.structure.effects import Change, Named, Outcome, fits, raw_outcomes
+from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
+
+MOST_OUTCOMES = 30
+"""Different results of an action that are looked at, the most frequent ones; chosen."""
+MOST_JOINED = 8
+"""Of these the ones that are tried in pairs, as one result that in some states looks like either; chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Possible:
+    """The outcomes of an action, and noise as the last: how likely each makes a transition of each pattern
+    (patterns, outcomes + 1), and the pattern of each transition (n,)."""
+
+    outcomes: tuple[Outcome, ...]
+    likelihoods: Floats
+    pattern: Longs
+
+    def counts(self, rows: Longs | Bools) -> Floats:
+        """How many transitions of these rows have each pattern."""
+        return np.bincount(self.pattern[rows], minlength=len(self.likelihoods)).astype(float)
+
+    def only(self, kept: Sequence[int]) -> Possible:
+        """With these outcomes alone, and noise."""
+        chosen = tuple(self.outcomes[each] for each in kept)
+        return _possible(chosen, self.likelihoods[:, [*kept, -1]], self.pattern)
+
+
+def possible(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Possible:
+    """All outcomes that may have made a transition of an action."""
+    raw = raw_outcomes(arrays, known, changes)
+    raw.setdefault(frozenset(), 0)
+    listed = sorted(raw, key=lambda each: (-raw[each], len(each), sorted(map(str, each))))[:MOST_OUTCOMES]
+    joined = [one | other for one, other in itertools.combinations(listed[:MOST_JOINED], 2)]
+    listed += [each for each in dict.fromkeys(joined) if each not in raw]
+    may = fits(arrays, known, listed)
+    is_useful: Bools = np.logical_or.reduce(may, axis=0)
+    listed = [each for each, useful in zip(listed, is_useful, strict=True) if useful]
+    noise = (1 / RESULTS_OF_NOISE) ** np.maximum(arrays.changed, 1.0)
+    likelihoods = np.column_stack([may[:, is_useful], noise])
+    return _possible(tuple(listed), likelihoods, np.arange(len(likelihoods)))
+
+
+def needed(found: Possible) -> Possible:
+    """The outcomes that are worth their description over all transitions of an action."""
+    listed, number = found.outcomes, len(found.pattern)
+    effects = {effect for outcome in listed for effect in outcome}
+    of_effects = np.log(len(effects) + 1)
+    costs = np.array([of_effects * (1 + len(outcome)) for outcome in listed]) + 0.5 * np.log(number)
+    return found.only(chosen(found, found.counts(np.arange(number)), costs)[0])
+
+
+def _possible(outcomes: tuple[Outcome, ...], likelihoods: Floats, pattern: Longs) -> Possible:
+    """With patterns that differ."""
+    unique, inverse = np.unique(likelihoods, axis=0, return_inverse=True)
+    return Possible(outcomes, unique, inverse.reshape(-1)[pattern])
+
+
+def chosen(possible: Possible, counts: Floats, costs: Floats) -> tuple[list[int], Floats]:
+    """The outcomes that are worth what they cost in a set of transitions, and their probabilities, with that
+    of noise at the end.
+
+    One after the other is left out, as long as that makes the description shorter. `counts` are those of the
+    patterns, `costs` in nats those of the outcomes.
+    """
+    number = len(possible.outcomes)
+    kept = np.ones(number + 1, dtype=bool)
+    start = np.full(number + 1, 1 / (number + 1))
+    beliefs = fitted(counts[None], possible.likelihoods, start)[0]
+    while kept[:number].any():
+        likelihood = log_likelihoods(counts[None], possible.likelihoods, beliefs)
+        listed = np.flatnonzero(kept[:number])
+        starts = np.tile(np.where(kept, np.maximum(beliefs, 1e-6), 0), (len(listed), 1))
+        starts[np.arange(len(listed)), listed] = 0
+        starts /= starts.sum(axis=1, keepdims=True)
+        sets = np.tile(counts, (len(listed), 1))
+        tried = fitted(sets, possible.likelihoods, starts, FEW_ROUNDS)
+        gains = log_likelihoods(sets, possible.likelihoods, tried) - likelihood + costs[listed]
+        best = int(gains.argmax())
+        if gains[best] < 0:
+            break
+        kept[listed[best]] = False
+        beliefs = fitted(counts[None], possible.likelihoods, tried[best])[0]
+    return list(map(int, np.flatnonzero(kept[:number]))), beliefs[[*kept[:number], True]]

@@ -1,0 +1,158 @@
+"""How well rules explain transitions, and how much they say: what rules are compared by.
+
+The score is that of Pasula, Zettlemoyer and Kaelbling (2007, §4): the log-likelihood of the transitions less
+half a nat for each literal. Noise makes a transition with the probability of its results that learning takes
+(`RESULTS_OF_NOISE`), for each fact that changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats, Longs
+from cleancli.language.model import (
+    Assign,
+    Condition,
+    Domain,
+    ForAll,
+    Outcome,
+    OutcomeKind,
+    Quantified,
+    Rule,
+    Shift,
+    Term,
+)
+from cleancli.learning.explained import RESULTS_OF_NOISE
+from cleancli.learning.structure.arrays import UNDEFINED, ActionArrays, Arrays, holds, index_of, ranging
+from cleancli.learning.structure.effects import Effect, Named, fits, named
+from cleancli.learning.structure.mixture import fitted
+
+PER_LITERAL = 0.5
+"""The paper's α, in nats."""
+IMPOSSIBLE = 1e-3
+"""How likely it is taken to be that anything happens that rules do not allow; chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Of transitions by rules: how many there are, the logarithm of their likelihood, the literals of the
+    rules, and the total variation between what they foretell and what happened, in the mean."""
+
+    transitions: int = 0
+    log_likelihood: float = 0.0
+    literals: int = 0
+    variation: float = 0.0
+
+    @property
+    def score(self) -> float:
+        """In nats; more is better."""
+        return self.log_likelihood - PER_LITERAL * self.literals
+
+
+def together(scores: Sequence[Score]) -> Score:
+    """The score of all transitions by all rules."""
+    number = sum(each.transitions for each in scores)
+    off = sum(each.variation * each.transitions for each in scores)
+    return Score(
+        number,
+        sum(each.log_likelihood for each in scores),
+        sum(each.literals for each in scores),
+        off / number if number else 0.0,
+    )
+
+
+def scored(domain: Domain, action: str, given: ActionArrays, refitted: bool = False) -> Score:
+    """The score of an action's transitions by the domain's rules for it; where `refitted`, with those
+    probabilities of its outcomes that make the transitions likeliest."""
+    explained, foretold = _foretold(domain, action, given, refitted)
+    literals = sum(literals_of(rule) for rule in domain.rules if rule.action == action)
+    logs = np.log(np.where(explained > 0, explained, IMPOSSIBLE * _by_noise(given.arrays)))
+    number = given.arrays.size
+    return Score(number, float(logs.sum()), literals, float((1 - foretold).mean()) if number else 0.0)
+
+
+def literals_of(rule: Rule) -> int:
+    """How many literals a rule has: in its condition, its references and its effects."""
+    effects = [effect for outcome in rule.outcomes for effect in outcome.effects]
+    inner = [len(each.condition) + len(each.effects) if isinstance(each, ForAll) else 1 for each in effects]
+    return _literals(rule.condition) + sum(_literals(each.condition) for each in rule.references) + sum(inner)
+
+
+def _literals(condition: Condition) -> int:
+    return sum(len(part.condition) if isinstance(part, Quantified) else 1 for part in condition)
+
+
+def _by_noise(arrays: Arrays) -> Floats:
+    """How likely noise makes each transition (n,)."""
+    found: Floats = (1 / RESULTS_OF_NOISE) ** np.maximum(arrays.changed, 1.0)
+    return found
+
+
+def _foretold(domain: Domain, action: str, given: ActionArrays, refitted: bool) -> tuple[Floats, Floats]:
+    """How likely rules make each transition, (n,), and how likely they foretell the state after: as planners
+    read it, by whom noise is taken to change nothing."""
+    arrays, noise = given.arrays, _by_noise(given.arrays)
+    still = arrays.changed == 0
+    default = domain.default or (Outcome(Fraction(1), OutcomeKind.NOTHING),)
+    odd = float(sum(each.probability for each in default if each.kind is OutcomeKind.NOISE))
+    explained = np.where(still, 1 - odd, 0.0) + odd * noise
+    foretold = still.astype(float)
+    for rule in domain.rules:
+        if rule.action == action:
+            known, covered = _bound(rule, given)
+            may, stated = _of_outcomes(rule, arrays, known)
+            made = np.column_stack([may, noise])[covered]
+            if refitted and len(made):
+                start = (stated > 0) / (stated > 0).sum()
+                stated = fitted(np.ones((1, len(made))), made, start)[0]
+            explained[covered] = made @ stated
+            foretold[covered] = (may @ stated[:-1] + stated[-1] * still)[covered]
+    return explained, foretold
+
+
+def _bound(rule: Rule, given: ActionArrays) -> tuple[Named, Bools]:
+    """What a rule's variables stand for in each transition, and which of them it covers."""
+    known = named(given, rule.variables)
+    arrays = given.arrays
+    covered = np.broadcast_to(holds(arrays, rule.condition, index_of(arrays, known.columns)), (arrays.size,))
+    for reference in rule.references:
+        index = {term: np.maximum(column, 0) for term, column in known.columns.items()}
+        ranged, typed = ranging(arrays, index, reference.variables)
+        found = np.broadcast_to(
+            typed & holds(arrays, reference.condition, ranged),
+            (arrays.size, *(arrays.places,) * len(reference.variables)),
+        ).reshape(arrays.size, -1)
+        unique = found.sum(axis=1) == 1
+        covered = covered & unique
+        places = np.unravel_index(found.argmax(axis=1), (arrays.places,) * len(reference.variables))
+        columns: dict[Term, Longs] = {
+            variable: np.where(unique, place, UNDEFINED)
+            for variable, place in zip(reference.variables, places, strict=True)
+        }
+        known = replace(known, columns={**known.columns, **columns})
+    return known, covered
+
+
+def _of_outcomes(rule: Rule, arrays: Arrays, known: Named) -> tuple[Bools, Floats]:
+    """Which outcomes of a rule may have made which transitions, those of noise left out, and how likely they
+    are, noise at the end."""
+    plain = [each for each in rule.outcomes if each.kind is not OutcomeKind.NOISE]
+    may = fits(arrays, known, [frozenset(_single(each)) for each in plain])
+    odd = sum(float(each.probability) for each in rule.outcomes if each.kind is OutcomeKind.NOISE)
+    return may, np.array([*(float(each.probability) for each in plain), odd])
+
+
+def _single(outcome: Outcome) -> list[Effect]:
+    """The effects of an outcome, each `forall` with one effect."""
+    found: list[Effect] = []
+    for effect in outcome.effects:
+        if isinstance(effect, ForAll):
+            inner: tuple[Assign | Shift, ...] = effect.effects
+            found += [replace(effect, effects=(each,)) for each in inner]
+        else:
+            found.append(effect)
+    return found

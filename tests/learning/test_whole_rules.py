@@ -1,0 +1,109 @@
+"""Whole rules from experience alone: what must be found, and how the rules are written."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import checked_domain
+from cleancli.language.model import Domain
+from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_domain, print_rule, symbols_of
+from cleancli.learning.experience import Transition
+from cleancli.learning.structure.arrays import compiled
+from cleancli.learning.structure.induce import revised
+from support.hidden_rules import TEXTS, domain_of, starts
+from support.walks import variation, walks
+
+EXPECTED = {
+    "locks": {
+        "unlock": "when not jammed(?d), not open(?d) with ?k - key: held(?k), fits(?k, ?d)"
+        " then P: open(?d) P: not held(?k), bent(?k) P: nothing",
+        "grab": "when not exists ?z - key: held(?z), not bent(?k) then P: held(?k) P: nothing",
+        "slam_jammed": "when jammed(?d) then P: not jammed(?d) P: nothing",
+        "slam_not_jammed": "when not jammed(?d), open(?d) then P: not open(?d) P: not open(?d), jammed(?d)",
+    },
+    "lift": {
+        "up": "when load() != 4 then P: floor() += 1 P: nothing",
+        "down": "then P: floor() -= 1 P: floor() -= 2",
+        "leap": "when load() = 0 then P: floor() := 6",
+        "board": "when not inside(?p), load() != 4 then P: inside(?p), load() += 1 P: nothing",
+        "leave": "when floor() >= 2, inside(?p) then P: not inside(?p), load() -= 1",
+    },
+    "weather": {
+        "gust_raining": "when raining(?t) then"
+        " P: forall ?u - umbrella: at(?u, ?t), spread(?u) => (not spread(?u), torn(?u))"
+        " P: not raining(?t), forall ?m - town: beside(?t, ?m) => raining(?m) P: nothing",
+        "gust_not_raining": "when not raining(?t), not sheltered(?t) then P: raining(?t) P: nothing",
+        "unfold": "when not torn(?u), exists ?z - town: (at(?u, ?z), raining(?z))"
+        " then P: spread(?u) P: torn(?u)",
+        "carry": "when not spread(?u) with ?m - town: at(?u, ?m), beside(?t, ?m), ?m != ?t"
+        " then P: not at(?u, ?m), at(?u, ?t) P: nothing",
+    },
+}
+"""What 2,000 transitions tell, which is what the hidden rules say: an action that would change nothing at a
+bound or under an umbrella needs no literal, and `apart` sees to it that no fact gets two values."""
+
+
+def drawn(name: str, seed: int, number: int) -> list[Transition]:
+    rng = np.random.default_rng(seed)
+    return list(itertools.islice(walks(domain_of(name), starts(name, rng), rng), number))
+
+
+def learned(name: str, transitions: list[Transition]) -> Domain:
+    bare = replace(domain_of(name), rules=(), default=())
+    return revised(bare, compiled(bare, transitions), [action.name for action in bare.actions]).domain
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_the_hidden_rules_are_found(name: str) -> None:
+    found = learned(name, drawn(name, 3, 2000))
+    symbols = symbols_of(found)
+    texts = {rule.name: " ".join(print_rule(rule, symbols).split()) for rule in found.rules}
+    bodies = {
+        each: re.sub(r"\b[01][.\d]*:", "P:", text[text.index("{") + 2 : -2]) for each, text in texts.items()
+    }
+    assert bodies == EXPECTED[name]
+    assert variation(domain_of(name), found, drawn(name, 4, 300)) < 0.03
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("number", [1, 7, 40, 150])
+def test_rules_from_little_are_a_domain_without_mistakes_and_in_layout(name: str, number: int) -> None:
+    found = learned(name, drawn(name, 5, number))
+    text = layout(print_domain(found))
+    checked = checked_domain(Source("found.nid", text))
+    assert not {each.code for each in checked.diagnostics} - {"W201", "W202", "W203"}
+    assert layout(text) == text
+    assert checked.get().rules == found.rules
+
+
+def test_the_order_of_transitions_does_not_matter_but_for_rounding() -> None:
+    transitions = drawn("locks", 3, 600)
+    one, other = learned("locks", transitions), learned("locks", transitions[::-1])
+    assert [rule.name for rule in one.rules] == [rule.name for rule in other.rules]
+    assert variation(one, other, transitions[:100]) < 0.001
+
+
+def test_rules_that_explain_as_well_stay() -> None:
+    hidden = domain_of("locks")
+    transitions = drawn("locks", 3, 2000)
+    wrong = replace(hidden, rules=tuple(r for r in hidden.rules if r.name != "slam_jammed"))
+    found = revised(wrong, compiled(wrong, transitions), [action.name for action in wrong.actions])
+    assert found.kept == ("unlock", "grab")
+    assert [rule.name for rule in found.dropped] == ["slam_open"]
+    assert found.domain.rules[:2] == hidden.rules[:2]
+    assert found.after["slam"].score > found.before["slam"].score
+
+
+def test_an_action_without_transitions_and_one_that_is_not_asked_for_keep_their_rules() -> None:
+    hidden = domain_of("locks")
+    transitions = [each for each in drawn("locks", 3, 300) if each.action != "grab"]
+    found = revised(hidden, compiled(hidden, transitions), ["grab", "slam"])
+    assert set(found.after) == {"slam"}
+    assert {r.name for r in hidden.rules if r.action != "slam"} <= {r.name for r in found.domain.rules}

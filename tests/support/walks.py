@@ -1,0 +1,90 @@
+"""Experience that is drawn from a domain's rules: walks of random actions from given states."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from cleancli.compiler.conflict import results
+from cleancli.compiler.fluents import Fluent, Values
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.model import Domain, Object, Value
+from cleancli.learning.experience import Transition
+
+Start = tuple[tuple[Object, ...], Values]
+"""The objects of a state, without constants, and its values."""
+
+
+def walks(
+    domain: Domain, starts: Sequence[Start], rng: np.random.Generator, steps: int = 12, covered: float = 0.75
+) -> Iterator[Transition]:
+    """Transitions without end, from one of the starts so many `steps` each. The action is drawn uniformly,
+    its arguments from those that a rule covers with the probability `covered`, else from all."""
+    rules = LiftedRules(domain)
+    while True:
+        objects, values = starts[int(rng.integers(len(starts)))]
+        for _ in range(steps):
+            action = domain.actions[int(rng.integers(len(domain.actions)))]
+            everything = [*domain.constants, *objects]
+            among = [[o.name for o in everything if domain.is_a(o.type, p.type)] for p in action.parameters]
+            arguments = list(itertools.product(*among))
+            if rng.random() < covered:
+                state = rules.state(objects, values)
+                fitting = [each for each in arguments if rules.covering(state, action.name, each)]
+                arguments = fitting or arguments
+            if arguments:
+                chosen = arguments[int(rng.integers(len(arguments)))]
+                after = _after(domain, rules, objects, values, action.name, chosen, rng)
+                yield Transition(action.name, chosen, objects, values, after)
+                values = after
+
+
+def _after(
+    domain: Domain,
+    rules: LiftedRules,
+    objects: tuple[Object, ...],
+    values: Values,
+    action: str,
+    arguments: tuple[str, ...],
+    rng: np.random.Generator,
+) -> Values:
+    """The state after an action, noise changing nothing."""
+    state = rules.state(objects, values)
+    found = rules.covering(state, action, arguments)
+    if found is None:
+        return values
+    number, names = found
+    outcomes = domain.rules[number].outcomes
+    drawn = rng.choice(len(outcomes), p=[float(outcome.probability) for outcome in outcomes])
+    changes = results(rules, state, number, names)[drawn]
+    return {key: value for key, value in {**values, **changes}.items() if value is not False}
+
+
+def foretold(rules: LiftedRules, transition: Transition) -> dict[frozenset[tuple[Fluent, Value]], float]:
+    """What rules say that an action changes in a state, and how likely; noise changes nothing."""
+    state = rules.state(transition.objects, transition.before)
+    found = rules.covering(state, transition.action, transition.arguments)
+    if found is None:
+        return {frozenset(): 1.0}
+    number, names = found
+    likely: dict[frozenset[tuple[Fluent, Value]], float] = {}
+    outcomes = rules.domain.rules[number].outcomes
+    for outcome, changes in zip(outcomes, results(rules, state, number, names), strict=True):
+        before = {key: transition.before.get(key, rules.meaning.missing(key[0])) for key in changes}
+        moved = frozenset((key, value) for key, value in changes.items() if before[key] != value)
+        likely[moved] = likely.get(moved, 0.0) + float(outcome.probability)
+    return likely
+
+
+def variation(one: Domain, other: Domain, transitions: Sequence[Transition]) -> float:
+    """How far two domains are from each other, as the total variation of the states that follow these states
+    and actions, in the mean."""
+    both = LiftedRules(one), LiftedRules(other)
+    total = 0.0
+    for transition in transitions:
+        first, second = (foretold(rules, transition) for rules in both)
+        keys = first.keys() | second.keys()
+        total += sum(abs(first.get(key, 0.0) - second.get(key, 0.0)) for key in keys) / 2
+    return total / len(transitions)
