@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cleancli.api.observations import perceive
     from cleancli.api.plans import evaluate, plan
     from cleancli.api.simulations import simulate
+    from cleancli.api.structures import learn_structure
     from cleancli.experiment.conduct import run_study
     from cleancli.language.diagnostics.refused import Refused
 
@@ -26,6 +27,7 @@ __all__ = [
     "execute_series",
     "explain",
     "learn",
+    "learn_structure",
     "load_domain",
     "load_problem",
     "perceive",
@@ -43,6 +45,7 @@ _PLACES = {
     "execute_series": "api.executions",
     "explain": "api.explanations",
     "learn": "api.lessons",
+    "learn_structure": "api.structures",
     "load_domain": "api.inputs",
     "load_problem": "api.inputs",
     "perceive": "api.observations",

@@ -22,6 +22,7 @@ rename load weight two.nid --domain tower.nid
 simulate tower.nid two.nid --world elsewhere.nid
 convert kitchen --out out
 learn table.nid experience.jsonl
+learn --structure --vocabulary table.nid experience.jsonl --diff
 fmt --diff mistakes.nid table.nid
 """
 SCRIPT = """

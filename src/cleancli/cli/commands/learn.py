@@ -13,6 +13,7 @@ from cleancli.api.accounts import as_data as account_data
 from cleancli.api.agreements import agreement
 from cleancli.api.learned import LearningResult
 from cleancli.api.lessons import Counting, lessons
+from cleancli.api.structures import StructureResult, Wanted, structures
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
@@ -20,6 +21,7 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded, ships_with
 from cleancli.cli.progress import working
+from cleancli.cli.usage import usage_errors
 from cleancli.language.diagnostics.diagnostic import Source
 
 
@@ -41,6 +43,24 @@ from cleancli.language.diagnostics.diagnostic import Source
     is_flag=True,
     help="Learn nothing; say what each transition counts for, and which outcomes would explain noise.",
 )
+@click.option(
+    "--structure",
+    is_flag=True,
+    help="Learn whole rules: conditions, references, outcomes and probabilities; see the docs.",
+)
+@click.option(
+    "--vocabulary",
+    is_flag=True,
+    help="With --structure: keep no rule of DOMAIN, only what it declares.",
+)
+@click.option(
+    "--action",
+    "actions",
+    multiple=True,
+    metavar="NAME",
+    help="With --structure: learn the rules of this action; may be repeated.  [default: all]",
+)
+@options.seed("what --structure holds out", "0")
 @click.option(
     "--output",
     type=options.FILE,
@@ -64,6 +84,10 @@ def command(
     replace: bool,
     check: bool,
     explain: bool,
+    structure: bool,
+    vocabulary: bool,
+    actions: tuple[str, ...],
+    seed: int | None,
     output: Path | None,
     write: bool,
     diff: bool,
@@ -75,7 +99,7 @@ def command(
     Prints the change as a diff; only --write changes files, and says which. The prior stays in the file
     beside the learned number, and the file says which experience was counted, so that learning again from the
     same experience changes nothing: give every file that shall count, or --add to what was counted. With
-    --check the exit code is 1 if a rule disagrees.
+    --check the exit code is 1 if a rule disagrees. With --structure whole rules are learned.
     """
     if (check or explain) and (add or replace or write or output or diff):
         asked = "--check" if check else "--explain"
@@ -89,6 +113,18 @@ def command(
     if write and not is_own:
         raise ships_with(domain, loaded)
     counting = Counting(estimator, m, match, forgetting, add, replace)
+    if not structure and (vocabulary or actions or seed is not None):
+        raise click.UsageError("--vocabulary, --action and --seed are for --structure: add it")
+    if structure:
+        if counting != Counting() or check or explain:
+            raise click.UsageError(
+                "--structure learns rules from all that is given: leave out --estimator, --m, --match,"
+                " --forgetting, --add, --replace, --check and --explain"
+            )
+        with working("learning rules"), usage_errors():
+            wanted = Wanted(vocabulary, actions, seed or 0)
+            rules = structures(loaded, experience, wanted, is_own, may_include_outside())
+        return _finish(rules, write, output, diff, as_data)
     if check:
         with working("reading"):
             found = agreement(loaded, experience, counting)
@@ -99,6 +135,13 @@ def command(
         return ExitCode.DONE
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
+    return _finish(learned, write, output, diff, as_data)
+
+
+def _finish(
+    learned: LearningResult | StructureResult, write: bool, output: Path | None, diff: bool, as_data: bool
+) -> int:
+    """Tell what was learned, and write what is to be written."""
     if as_data:
         data = {**learned.to_dict(), "diff": learned.diff} if diff else learned.to_dict()
         click.echo(json.dumps(data, indent=2))
@@ -113,10 +156,12 @@ def command(
     return ExitCode.DONE
 
 
-def _tell(learned: LearningResult, diff: bool) -> None:
+def _tell(learned: LearningResult | StructureResult, diff: bool) -> None:
     """What is noteworthy of what was learned, below the change if that is wanted."""
     for change in learned.changes if diff else ():
         echo_difference(Source(change.path, change.before), change.after, "learned")
+    if isinstance(learned, StructureResult):
+        echo(str(learned.table()))
     for note in learned.notes:
         echo(note)
 

@@ -1,0 +1,241 @@
+"""Whole rules from experience: the new text of a domain, and how much better its rules are (§7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cleancli.api.checks import check_least
+from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
+from cleancli.api.learned import Change, Rewritten, check_writable
+from cleancli.api.lessons import edited, experience_files, is_own_file
+from cleancli.api.plain import plain
+from cleancli.api.tables import TextTable, preformatted, shown
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import checked_domain
+from cleancli.language.model import Domain
+from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.rule_edits import rule_edits
+from cleancli.learning.experience import Transition, read_experience
+from cleancli.learning.structure.arrays import compiled
+from cleancli.learning.structure.induce import Revised, revised
+from cleancli.learning.structure.score import Score, scored, together
+from cleancli.planning.plan import BadOption
+
+HELD_OUT = 5
+"""One transition of so many is held out, to see how well rules from the others foretell it; chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class StructureScore:
+    """How well rules explain transitions: the logarithm of their likelihood, the literals of the rules, what
+    the two come to, and how far what is foretold of transitions that were held out is from what happened
+    (total variation, in the mean; None where too few are held out)."""
+
+    rules: int
+    literals: int
+    log_likelihood: float
+    score: float
+    held_out: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class ActionStructure:
+    """What became of the rules of an action, of which there were so many transitions; they are `kept` where
+    those that were induced are no better."""
+
+    action: str
+    transitions: int
+    kept: bool
+    before: StructureScore
+    after: StructureScore
+
+
+@dataclass(frozen=True, slots=True)
+class StructureResult(Rewritten):
+    """The rules that were learned: a row for each action, and one of them all together."""
+
+    actions: tuple[ActionStructure, ...]
+    together: ActionStructure
+    changes: tuple[Change, ...]
+    notes: tuple[str, ...]
+    is_writable: bool
+
+    def to_dict(self) -> dict[str, object]:
+        """The same as `cleancli learn --structure --json` prints."""
+        return {"actions": plain(self.actions), "together": plain(self.together)}
+
+    def table(self) -> TextTable:
+        """A row for each action, and one of all."""
+        heads = ("action", "transitions", "rules", "literals", "log-likelihood", "score", "held-out TV", "")
+        rows = (
+            (
+                each.action,
+                str(each.transitions),
+                *(
+                    f"{_number(getattr(each.before, name))} -> {_number(getattr(each.after, name))}"
+                    for name in ("rules", "literals", "log_likelihood", "score", "held_out")
+                ),
+                "kept" if each.kept else "",
+            )
+            for each in (*self.actions, self.together)
+        )
+        return TextTable(heads, tuple(rows), (0, 7))
+
+    def __str__(self) -> str:
+        return "\n".join(part for part in (self.diff, str(self.table()), *self.notes) if part)
+
+    def _repr_html_(self) -> str:
+        told = "".join(f"<p>{shown(note)}</p>" for note in self.notes)
+        return f"<div>{self.table().html()}{told}{preformatted(self.diff)}</div>"
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return str(value) if isinstance(value, int) else f"{value:.1f}" if abs(value) >= 1 else f"{value:.3f}"
+
+
+def learn_structure(
+    domain: GivenDomain,
+    *experience: str | Path,
+    vocabulary: bool = False,
+    actions: Sequence[str] = (),
+    seed: int = 0,
+    write: bool = False,
+) -> StructureResult:
+    """Learn the rules of a domain from experience files or run folders: their conditions, references,
+    outcomes and probabilities. Nothing is written unless asked for: by `write`, or by the result's method.
+
+    The rules of an action stay where they explain the experience as well as those that were learned, and
+    where one of them is `fixed`; with `vocabulary`, none stays. `actions` names those to learn the rules of,
+    by default all. `seed` draws the transitions that are held out.
+
+    Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
+    OSError.
+    """
+    check_least(0, seed=seed)
+    if not experience:
+        raise BadOption("name experience files or run folders to learn from")
+    loaded, is_writable = load_domain(domain), is_own_file(domain)
+    if write:
+        check_writable(loaded.sources[0], is_writable)
+    wanted = Wanted(vocabulary, tuple(actions), seed)
+    result = structures(loaded, [Path(each) for each in experience], wanted, is_writable)
+    if write:
+        result.write()
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is to be learned: see `learn_structure`."""
+
+    vocabulary: bool = False
+    actions: tuple[str, ...] = ()
+    seed: int = 0
+
+
+def structures(
+    domain: LoadedDomain,
+    experience: Sequence[Path],
+    wanted: Wanted,
+    is_writable: bool,
+    include_outside: bool = False,
+) -> StructureResult:
+    """What was learned, after the new text was checked. Raises Refused, OSError, BadOption."""
+    model = domain.model
+    names, notes = _actions(model, wanted)
+    transitions = [
+        each for file in experience_files(experience) for each in read_experience(file.path, model)
+    ]
+    start = _without_rules(model, names) if wanted.vocabulary else model
+    found = revised(start, compiled(model, transitions), names)
+    dropped = {rule.name for rule in found.dropped}
+    if wanted.vocabulary:
+        dropped |= {rule.name for rule in model.rules if rule.action in names}
+    texts = edited(domain.sources, rule_edits(model, domain.sources, dropped, found.added, found.default))
+    main = domain.sources[0].path
+    texts[main] = Source(main, layout(texts[main].text, main))
+    checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
+    scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted.seed))
+    return StructureResult(
+        tuple(_row(name, [name], start, found, scores) for name in found.after),
+        _row("all", list(found.after), start, found, scores),
+        tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
+        (*notes, *_notes(names, found, len(transitions))),
+        is_writable,
+    )
+
+
+def _actions(model: Domain, wanted: Wanted) -> tuple[tuple[str, ...], list[str]]:
+    """The actions to learn the rules of, and what a person should know of the others."""
+    declared = [action.name for action in model.actions]
+    for name in wanted.actions:
+        if name not in declared:
+            raise BadOption(f"the domain has no action `{name}`; it has {', '.join(declared)}")
+    fixed = {rule.action for rule in model.rules if any(outcome.fixed for outcome in rule.outcomes)}
+    names = [name for name in declared if name in wanted.actions or not wanted.actions]
+    notes = [f"{name}: a rule of it is fixed, so all stay" for name in names if name in fixed]
+    return tuple(name for name in names if name not in fixed), notes
+
+
+def _without_rules(model: Domain, names: Sequence[str]) -> Domain:
+    return replace(model, rules=tuple(rule for rule in model.rules if rule.action not in names))
+
+
+class _Scores(NamedTuple):
+    """The scores of each action before and after, and those of what is held out."""
+
+    before: Mapping[str, Score]
+    after: Mapping[str, Score]
+    held_before: Mapping[str, Score]
+    held_after: Mapping[str, Score]
+
+
+def _held_out(
+    model: Domain, transitions: Sequence[Transition], names: Sequence[str], seed: int
+) -> tuple[dict[str, Score], dict[str, Score]]:
+    """The scores of what is held out of each action, by the rules as they are, and by those that are learned
+    from the others."""
+    held = np.random.default_rng(seed).permutation(len(transitions))[: len(transitions) // HELD_OUT]
+    out = set(held.tolist())
+    kept = [each for number, each in enumerate(transitions) if number not in out]
+    learned = revised(model, compiled(model, kept), names).domain
+    tested = compiled(model, [transitions[number] for number in sorted(out)])
+    concerned = [name for name in names if name in tested]
+    before, after = ({n: scored(d, n, tested[n]) for n in concerned} for d in (model, learned))
+    return before, after
+
+
+def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores: _Scores) -> ActionStructure:
+    before, after, held_before, held_after = (
+        together([each[name] for name in names if name in each]) for each in scores
+    )
+    return ActionStructure(
+        title,
+        before.transitions,
+        all(name in found.kept for name in names),
+        _score(before, sum(rule.action in names for rule in start.rules), held_before),
+        _score(after, sum(rule.action in names for rule in found.domain.rules), held_after),
+    )
+
+
+def _score(score: Score, rules: int, held_out: Score) -> StructureScore:
+    off = round(held_out.variation, 4) if held_out.transitions else None
+    return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), off)
+
+
+def _notes(names: Sequence[str], found: Revised, transitions: int) -> Iterator[str]:
+    yield (
+        f"{plural(transitions, 'transition')} of {plural(len(found.after), 'action')}:"
+        f" {plural(len(found.added), 'rule')} learned, {plural(len(found.dropped), 'rule')} dropped"
+    )
+    for name in names:
+        if name not in found.after:
+            yield f"{name}: the experience has no transition of it, so its rules stay as they are"

@@ -1,0 +1,136 @@
+"""`cleancli learn --structure`: what it prints, writes and keeps, and what it refuses."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cleancli
+from cleancli.cli.main import run
+from cleancli.language.printing.formatter import layout
+from cleancli.learning.experience import encode
+from support.hidden_rules import TEXTS, domain_of, starts
+from support.walks import walks
+
+WRONG = """  # mine
+  rule mine: slam(?d) {
+    then 1: nothing
+  }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The domain of locks with one wrong rule, and experience of the right ones."""
+    monkeypatch.chdir(tmp_path)
+    text = TEXTS["locks"]
+    start, end = text.index("  rule slam_open"), text.index("  reward")
+    Path("locks.nid").write_text(layout(text[:start] + WRONG + text[end:]), encoding="utf-8")
+    first, last = text.index("  rule"), text.index("  reward")
+    Path("bare.nid").write_text(layout(text[:first] + text[last:]), encoding="utf-8")
+    rng = np.random.default_rng(3)
+    drawn = itertools.islice(walks(domain_of("locks"), starts("locks", rng), rng), 600)
+    Path("seen.jsonl").write_text("".join(f"{encode(each, {})}\n" for each in drawn), encoding="utf-8")
+    return tmp_path
+
+
+def said(capsys: pytest.CaptureFixture[str], command: str, code: int = 0) -> str:
+    assert run(command.split()) == code
+    return capsys.readouterr().out
+
+
+def test_rules_from_nothing_are_written_and_learning_again_changes_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = said(capsys, "learn --structure bare.nid seen.jsonl --output new.nid")
+    assert text.splitlines()[0].split() == [
+        "action", "transitions", "rules", "literals", "log-likelihood", "score", "held-out", "TV"
+    ]  # fmt: skip
+    assert text.splitlines()[-2] == "600 transitions of 3 actions: 4 rules learned, 0 rules dropped"
+    new = Path("new.nid").read_text(encoding="utf-8")
+    assert layout(new) == new
+    assert [line.split()[1] for line in new.splitlines() if line.startswith("  rule")] == [
+        "unlock:", "grab:", "slam_jammed:", "slam_not_jammed:"
+    ]  # fmt: skip
+    said(capsys, "check new.nid")
+    text = said(capsys, "learn --structure new.nid seen.jsonl --write")
+    assert "0 rules learned, 0 rules dropped" in text
+    assert Path("new.nid").read_text(encoding="utf-8") == new
+    assert said(capsys, "learn --structure --vocabulary new.nid seen.jsonl --diff").startswith("action")
+
+
+def test_rules_that_explain_as_well_stay_with_their_comments(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = said(capsys, "learn --structure locks.nid seen.jsonl")
+    assert text.startswith("--- locks.nid\n+++ locks.nid (learned)\n")
+    assert "-  # mine\n-  rule mine: slam(?d) {\n" in text
+    assert "+  rule slam_jammed: slam(?d) {\n" in text
+    data = json.loads(said(capsys, "learn --structure locks.nid seen.jsonl --json"))
+    slam = next(each for each in data["actions"] if each["action"] == "slam")
+    assert not slam["kept"]
+    assert slam["after"]["score"] > slam["before"]["score"]
+    assert slam["after"]["held_out"] < slam["before"]["held_out"]
+    assert data["together"]["transitions"] == 600
+
+
+def test_only_asked_for_actions_and_none_with_fixed_rules_change(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "rule mine" not in said(capsys, "learn --structure --action grab locks.nid seen.jsonl")
+    text = Path("locks.nid").read_text(encoding="utf-8")
+    Path("locks.nid").write_text(text.replace("mine: slam(?d) {", "mine: slam(?d) [fixed] {"))
+    text = said(capsys, "learn --structure --vocabulary locks.nid seen.jsonl --diff")
+    assert "slam: a rule of it is fixed, so all stay\n" in text
+    assert "slam_jammed" not in text
+
+
+def test_the_seed_says_what_is_held_out_and_python_says_the_same(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = [
+        json.loads(said(capsys, f"learn --structure bare.nid seen.jsonl --json --seed {seed}"))["together"]
+        for seed in (0, 0, 1)
+    ]
+    assert rows[0] == rows[1] != rows[2]
+    assert {**rows[0], "after": None, "before": None} == {**rows[2], "after": None, "before": None}
+    found = cleancli.learn_structure("bare.nid", "seen.jsonl", seed=1)
+    assert found.to_dict()["together"] == rows[2]
+    found.write()
+    assert Path("bare.nid").read_text(encoding="utf-8") == found.text
+
+
+def test_a_shipped_domain_is_not_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["learn", "--structure", "cleaning", "seen.jsonl", "--write"]) == 2
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("--structure locks.nid seen.jsonl --add", "leave out --estimator"),
+        ("--structure locks.nid seen.jsonl --m 3", "leave out --estimator"),
+        ("--structure locks.nid seen.jsonl --explain", "leave out --estimator"),
+        ("locks.nid seen.jsonl --vocabulary", "are for --structure: add it"),
+        ("locks.nid seen.jsonl --seed 3", "are for --structure: add it"),
+        ("--structure locks.nid seen.jsonl --action wipe", "no action `wipe`; it has unlock, grab, slam"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str], command: str, message: str
+) -> None:
+    assert run(["learn", *command.split()]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_experience_without_transitions_leaves_the_rules(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("empty.jsonl").write_text("", encoding="utf-8")
+    text = said(capsys, "learn --structure locks.nid empty.jsonl --diff")
+    assert "grab: the experience has no transition of it, so its rules stay as they are" in text
+    assert "---" not in text
