@@ -586,3 +586,21 @@ def test_nothing_is_torn_left_over_or_overwritten_by_commands_that_write(tmp_pat
         assert f"kills of {name}: 4 (1 SIGHUP, 1 SIGINT, 1 SIGKILL, 1 SIGTERM), 0 failures" in result.stdout
     for name in ("fmt", "learn", "rename", "convert"):
         assert re.search(rf"races with {name}: 2 .*, 0 failures", result.stdout)
+
+
+def test_whole_rules_are_learned_from_hidden_ones(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _main("whole_rules", monkeypatch, "--quick")
+    told = capsys.readouterr().out
+    rows = re.findall(
+        r"^\| (\w+) \| ([\d,]+) \| (\d\.\d+) \| (\d\.\d+) \| (\d+) \((\d+)\) \|.*\|$", told, re.M
+    )
+    assert [row[:2] for row in rows] == [
+        (name, size) for name in ("locks", "lift", "weather") for size in ("100", "300", "1,000")
+    ]
+    assert told.count("| nothing |") == len(rows)
+    for _, size, off, least, found, hidden in rows:
+        if size == "1,000":
+            assert float(off) < 1.25 * float(least) + 0.005
+            assert abs(int(found) - int(hidden)) <= 1
