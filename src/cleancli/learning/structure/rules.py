@@ -7,6 +7,7 @@ rule has one and nothing else asks for the opposite.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -276,13 +277,30 @@ def _outcome(domain: Domain, share: Fraction, outcome: frozenset[Effect] | None)
 def apart(domain: Domain, rule: Rule) -> Rule:
     """The rule with what keeps the objects apart that one outcome would give two values."""
     for outcome in rule.outcomes:
-        effects = [each for each in outcome.effects if not isinstance(each, ForAll)]
-        for number, one in enumerate(effects):
-            for other in effects[number + 1 :]:
-                different = _different(domain, one, other)
-                if different is not None:
-                    rule = _with_part(rule, different)
-    return rule
+        plain = [each for each in outcome.effects if not isinstance(each, ForAll)]
+        for one, other in itertools.combinations(plain, 2):
+            different = _different(domain, one, other)
+            if different is not None:
+                rule = _with_part(rule, different)
+    outcomes = tuple(
+        replace(outcome, effects=tuple(_narrowed(domain, each, outcome.effects) for each in outcome.effects))
+        for outcome in rule.outcomes
+    )
+    return replace(rule, outcomes=outcomes)
+
+
+def _narrowed(
+    domain: Domain, effect: Assign | Shift | ForAll, others: Sequence[Assign | Shift | ForAll]
+) -> Assign | Shift | ForAll:
+    """A `forall` that passes over the objects to which an effect beside it gives another value."""
+    if not isinstance(effect, ForAll):
+        return effect
+    for inner, other in itertools.product(effect.effects, others):
+        if not isinstance(other, ForAll):
+            part = _different(domain, inner, other)
+            if part is not None and part not in effect.condition:
+                effect = replace(effect, condition=(*effect.condition, part))
+    return effect
 
 
 def _different(domain: Domain, one: Assign | Shift, other: Assign | Shift) -> Equality | None:
