@@ -198,6 +198,7 @@ def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Boo
     """What is asked of what a reference names: that some such object exists, of which it holds; and whether
     there are several."""
     terms, columns = _unreferenced(known)
+    taken = {term.name for term in known.columns if isinstance(term, Variable)}
     for number, reference in enumerate(known.references):
         before = known.references[: number + 1]
         variables = tuple(variable for each in before for variable in each.variables)
@@ -208,6 +209,8 @@ def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Boo
         exact = not several.any()
         some_such = Quantified(True, variables, definition)
         yield Question(some_such, reference, never_several=exact), some(fits, len(variables))
+        if not number:
+            yield Question(_several(reference, taken), reference, several=True), several
         (variable,) = reference.variables
         everything = (*terms, *variables)
         further: Iterable[Literal | Equality] = (
@@ -246,10 +249,6 @@ def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]
     terms, columns = _unreferenced(known)
     types = dict.fromkeys(p.type for symbol in symbols(arrays.domain) for p in symbol.parameters)
     taken = {term.name for term in known.columns if isinstance(term, Variable)}
-    for reference in known.references[:1]:
-        index, typed = ranging(arrays, index_of(arrays, columns), reference.variables)
-        number = (typed & holds(arrays, reference.condition, index)).sum(axis=1)
-        yield Question(_several(reference, taken), reference, several=True), number > 1
     for type_name in types:
         variable = Variable(next(name for name in _NAMES if name not in taken), type_name)
         index, typed = ranging(arrays, index_of(arrays, columns), (variable,))

@@ -456,9 +456,13 @@ def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Cou
         for change in _explained(arrays, replace(known, foralls=(forall,))):
             told.setdefault(change, forall)
     plain: dict[tuple[str, tuple[Term, ...]], list[Change]] = {}
+    symmetric = {symbol.name for symbol in arrays.domain.symbols if symbol.symmetric}
+    order = {term: number for number, term in enumerate(known.columns)}
     for change in changes:
         terms = tuple(at[change.row].get(place) for place in change.places)
         if None not in terms:
+            if change.symbol in symmetric:
+                terms = tuple(sorted(terms, key=lambda term: order[term]))  # type: ignore[index]
             plain.setdefault((change.symbol, terms), []).append(change)  # type: ignore[arg-type]
         elif change in told:
             by_row[change.row].add(told[change])

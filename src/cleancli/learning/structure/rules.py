@@ -24,6 +24,7 @@ from cleancli.language.model import (
     Equality,
     ForAll,
     Literal,
+    Object,
     Outcome,
     OutcomeKind,
     Quantified,
@@ -308,9 +309,15 @@ def _different(domain: Domain, one: Assign | Shift, other: Assign | Shift) -> Eq
     if one.symbol != other.symbol or one == other:
         return None
     pairs = [(a, b) for a, b in zip(one.terms, other.terms, strict=True) if a != b]
-    if not pairs or not all(meet(domain, a.type, b.type) for a, b in pairs):
+    if not pairs or not all(_may_be_one(domain, a, b) for a, b in pairs):
         return None
     return Equality(*pairs[0], False)
+
+
+def _may_be_one(domain: Domain, one: Term, other: Term) -> bool:
+    """Whether two terms may stand for one object."""
+    is_named = isinstance(one, Object) and isinstance(other, Object)
+    return not is_named and meet(domain, one.type, other.type)
 
 
 def _with_part(rule: Rule, part: Equality) -> Rule:
