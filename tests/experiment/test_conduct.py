@@ -43,7 +43,7 @@ def test_the_command_says_the_same(
 def test_runs_seed_quick_and_until_mean_what_they_mean_to_the_command(tmp_path: Path) -> None:
     seeded = cleancli.run_study(SMALL, runs=2, seed=7, output=tmp_path / "seeded")
     assert sorted({row.seed for row in seeded.rows}) == [7, 8]
-    long = "study s { scene = three_areas strategy = plan_1, plan_2 samples = 50 measure = actions runs = 20 }"
+    long = "study s { scene = three_areas strategy = plan_1, plan_2 samples = 50 measure = actions runs = 20}"
     assert len(cleancli.run_study(long, until=0.4, output=tmp_path / "until").rows) == 2 * 10
     quick = "study s { scene = three_areas samples = 50 runs = 3 quick { runs = 1 } }"
     assert len(cleancli.run_study(quick, quick=True, output=tmp_path / "quick").rows) == 1
