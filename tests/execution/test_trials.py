@@ -9,7 +9,7 @@ import pytest
 
 from cleancli.execution.trials import Trial, TrialResult, attempt, extent, judge, linked
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.recording.overlay import BORDER, SCALE, overlay
+from cleancli.recording.overlay import BAR, BORDER, SCALE, WAY, entries, legend, overlay
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 
@@ -17,8 +17,8 @@ NOTHING = np.empty((0, 2))
 HEAP = np.array([(0.0, 0.0), (0.01, 0.0), (0.0, 0.012)])
 
 
-def table(dirt: str) -> Scene:
-    return load_scene(Source("s", f"scene s {{ dirt {{ {dirt} }} }}"))
+def table(dirt: str, more: str = "") -> Scene:
+    return load_scene(Source("s", f"scene s {{ {more} dirt {{ {dirt} }} }}"))
 
 
 @pytest.mark.parametrize(
@@ -81,9 +81,33 @@ def test_an_area_that_is_not_seen_is_not_acted_on() -> None:
 def test_the_map_shows_before_and_after_where_they_are() -> None:
     scene = table("ink { along = (0 m, 0 m) }")
     before, after = np.array([(0.1, 0.2)]), np.array([(-0.3, -0.1)])
-    picture = overlay(scene, [("one", [Trial(1, TrialResult.SOME_LEFT, 1, 1, 0, 1.0, before, after)])])
+    stroke = np.array([(0.2, -0.2), (0.4, -0.2)])
+    trial = Trial(1, TrialResult.SOME_LEFT, 1, 1, 0, 1.0, before, after, stroke)
+    picture = overlay(scene, [("one", [trial])])
     for (x, y), red in (((0.1, 0.2), False), ((-0.3, -0.1), True)):
         column, row = round((x + 0.45) * SCALE) + BORDER, round((0.35 - y) * SCALE) + BORDER
         patch = picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3).astype(int)
         marked = patch[np.argmin(patch.sum(axis=1))]
         assert (marked[0] > marked[2]) == red
+    way = picture[round(0.55 * SCALE) + BORDER, round(0.66 * SCALE) + BORDER : round(0.8 * SCALE) + BORDER]
+    assert (np.abs(way.astype(int) - WAY) < 60).all()
+
+
+@pytest.mark.parametrize("width", [300, 460, 780])
+@pytest.mark.parametrize("zone", ["", "zone { at = (0 cm, 0 cm)  side = 10 cm }"])
+def test_the_legend_explains_each_sign_once_and_nothing_lies_on_anything(width: int, zone: str) -> None:
+    scene = table("ink { along = (0 m, 0 m) }", zone)
+    told = [text for _, text in entries(scene)]
+    assert len(told) == len(set(told)) == 5 + bool(zone)
+    assert "10 cm" in told
+    picture = legend(scene, width)
+    assert picture.shape[1] == width
+    assert (picture[:, : BORDER - 4] == 255).all()
+    assert (picture[:, -3:] == 255).all()
+
+
+def test_the_scale_bar_is_as_long_as_it_says() -> None:
+    picture = legend(table("ink { along = (0 m, 0 m) }"), 780)
+    rows = np.atleast_2d((picture < 60).all(axis=2)).tolist()
+    lengths = [len(run) for row in rows for run in "".join("01"[black] for black in row).split("0")]
+    assert max(lengths) == pytest.approx(BAR * SCALE, abs=4)

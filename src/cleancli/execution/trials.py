@@ -47,7 +47,8 @@ class TrialResult(enum.Enum):
 class Trial:
     """One try. `targets`: how many pieces of dirt the action was meant for, particles or cells of ink; `left`
     of them on the table. `lost`: particles on the floor. `before` and `after` (n, 2): where all dirt lay on
-    the table. `seconds` of robot time. `failure`: why the robot could not follow its path, or nothing."""
+    the table; `stroke` (n, 2): where the tool was meant to go on the surface. `seconds` of robot time.
+    `failure`: why the robot could not follow its path, or nothing."""
 
     seed: int
     outcome: TrialResult
@@ -57,6 +58,7 @@ class Trial:
     seconds: float
     before: Points
     after: Points
+    stroke: Points
     failure: str = ""
 
 
@@ -82,10 +84,12 @@ def attempt(
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:
-            return Trial(seed, TrialResult.NOT_TRIED, 0, 0, 0, 0.0, _on_surface(start), _on_surface(start))
+            lay = _on_surface(start), _on_surface(start)
+            return Trial(seed, TrialResult.NOT_TRIED, 0, 0, 0, 0.0, *lay, np.empty((0, 2)))
         ellipses = tuple(area.ellipse for area in chosen)
         targets = _within(start.positions[:, :2], ellipses)
-        table.start(path_of(action, ellipses, scene))
+        path = path_of(action, ellipses, scene)
+        table.start(path)
         status = finish(table)
         end = table.truth()
         before = _meant(start, targets, ellipses)
@@ -95,7 +99,9 @@ def attempt(
             outcome = judge(before, after, action in GATHERING, arity, scene.symbols.link)
         sizes = len(before), len(after), end.on_floor
         lay = _on_surface(start), _on_surface(end)
-        return Trial(seed, outcome, *sizes, table.clock, *lay, table.failure)
+        return Trial(
+            seed, outcome, *sizes, table.clock, *lay, np.array(path.stroke).reshape(-1, 2), table.failure
+        )
 
 
 def judge(before: Points, after: Points, gathering: bool, areas: int, link: float) -> TrialResult:

@@ -61,6 +61,11 @@ class ToolPath:
     interpolation: Interpolation
     dustpan: Dustpan | None = None
 
+    @property
+    def stroke(self) -> tuple[tuple[float, float], ...]:
+        """x and y of the waypoints on the surface, metres."""
+        return tuple((w.x, w.y) for w in self.waypoints if w.z <= 0)
+
 
 def along(poses: Sequence[tuple[float, float, float]], speed: float, how: Interpolation) -> ToolPath:
     """The path of a stroke over poses (x, y, yaw): down at the first, and up after the last (§3.2)."""

@@ -22,7 +22,7 @@ def step_picture(frame: Frame, situation: Situation, started: Started | None, ro
     title, stroke = f"0. first look: {plural(len(situation.areas), 'area')}", None
     if started is not None and started.path is not None:
         title = f"{started.number}. {started.move}"
-        stroke = np.array([(w.x, w.y) for w in started.path.waypoints if w.z <= 0]).reshape(-1, 2)
+        stroke = np.array(started.path.stroke).reshape(-1, 2)
     seen = draw(frame, situation.areas, situation.state, stroke)
     height = seen.shape[0]
     width = round(room.shape[1] * height / room.shape[0])

@@ -54,7 +54,7 @@ _Tried = TypeVar("_Tried")
 @click.option(
     "--plot",
     type=options.FILE,
-    help="Draw where particles lay before and after as a PNG picture.",
+    help="Draw where particles lay before and after, and the tool's way, as a PNG picture.",
 )
 @options.as_json("Print every trial as JSON, and nothing else.")
 def command(

@@ -121,7 +121,7 @@ def _covered(ellipse: Ellipse, scene: Scene, size: Cell) -> Iterator[Cell]:
 
 def _way(path: ToolPath, scene: Scene, size: Cell) -> Iterator[Cell]:
     """The cells that the stroke goes over."""
-    for begin, end in pairwise((w.x, w.y) for w in path.waypoints if w.z <= 0):
+    for begin, end in pairwise(path.stroke):
         yield from _line(begin, end, scene, size)
 
 
