@@ -30,9 +30,9 @@ myst_heading_anchors = (
 NAVIGATION = {
     "index": {
         "First steps": "gallery comparison",
-        "Guides": "execution learning simulation experiments report recording real_tables gym editors",
+        "Guides": "planning simulation execution learning experiments report recording real_tables gym editors",
         "Reference": "language diagnostics commands exit-codes python runs",
-        "How it works": "planning perception world physics statistics",
+        "How it works": "planners perception world physics statistics",
         "Behind it": "measurements/index decisions/index tests language-tests",
     },
     "measurements/index": {

@@ -20,16 +20,16 @@ from cleancli.planning.registry import PLANNERS
 
 ROOT = Path(__file__).parent.parent
 NUMBERS = """
-compiler.grounding_size.RULE_BYTES / 1024 | planning.md | at {:.0f} KiB each
-compiler.grounding_size.PART_BYTES | planning.md | literals and effects at {} bytes
-compiler.disjoint_cases.CASE_LIMIT | planning.md | into more than {:,} cases
-compiler.partial_evaluation.STEP_LIMIT | planning.md | too many paths ({:,} steps)
-compiler.semantics.SUPPORT_LIMIT | planning.md | follows the whole distribution, up to {:,} states
+compiler.grounding_size.RULE_BYTES / 1024 | planners.md | at {:.0f} KiB each
+compiler.grounding_size.PART_BYTES | planners.md | literals and effects at {} bytes
+compiler.disjoint_cases.CASE_LIMIT | planners.md | into more than {:,} cases
+compiler.partial_evaluation.STEP_LIMIT | planners.md | too many paths ({:,} steps)
+compiler.semantics.SUPPORT_LIMIT | planners.md | follows the whole distribution, up to {:,} states
 planning.evaluation.value.RUNS | planning.md | the mean of {:,} drawn runs
 planning.evaluation.forecast.FEW_STATES | planning.md | exact up to {:,} states
 planning.evaluation.forecast.RUNS | planning.md | from more, {:,} runs are drawn
-planning.kernels.belief_search.PORTION | planning.md | every {:,} samples of each thread
-planning.planners.prada_plus.FRESH_WORDS * 64 | planning.md | valued again by {:,} fresh runs
+planning.kernels.belief_search.PORTION | planners.md | every {:,} samples of each thread
+planning.planners.prada_plus.FRESH_WORDS * 64 | planners.md | valued again by {:,} fresh runs
 cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.FURTHER * 1000 | execution.md | the rag is pressed {:.0f} mm further each time
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
@@ -133,4 +133,4 @@ def test_the_document_states_the_number_of_the_code(expression: str, name: str, 
 def test_options_of_planners_are_as_documented(option: str) -> None:
     records = (Options(), *(planner.own for planner in PLANNERS.values()))
     (usual,) = {getattr(record, option) for record in records if hasattr(record, option)}
-    assert OPTIONS[option].format(usual) in page("planning.md")
+    assert OPTIONS[option].format(usual) in page("planning.md") + page("planners.md")

@@ -52,7 +52,8 @@ def test_the_table_lists_what_can_be_asked_for() -> None:
 
 def test_the_pages_tell_of_every_planner() -> None:
     """In the tables of what is preferred among equals, and of planners' options; beliefs have a section."""
-    page = (Path(__file__).parents[2] / "docs" / "planning.md").read_text(encoding="utf-8")
+    folder = Path(__file__).parents[2] / "docs"
+    page = "".join((folder / name).read_text(encoding="utf-8") for name in ("planning.md", "planners.md"))
     equals, options = (
         page.partition(head)[2].partition("\n\n")[0] for head in ("| of equals |", "| planner | options |")
     )

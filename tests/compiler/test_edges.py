@@ -1,4 +1,4 @@
-"""Limits just below and at, defaults of the reward, what libPRADA's grounding keeps (docs/planning.md)."""
+"""Limits just below and at, defaults of the reward, what libPRADA's grounding keeps (docs/planners.md)."""
 
 from __future__ import annotations
 

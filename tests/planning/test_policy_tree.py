@@ -59,7 +59,7 @@ def is_choice(task: Task, state: GroundState, action: int) -> bool:
 
 
 def expected(task: Task, kind: str, sequence: Sequence[int]) -> float:
-    """What docs/planning.md says of a base policy, exactly."""
+    """What docs/planners.md says of a base policy, exactly."""
     if kind == "tail":
         return exact_value(task, sequence)
 

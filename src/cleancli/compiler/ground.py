@@ -46,7 +46,7 @@ Called = tuple[str, tuple[str, ...]]
 
 @paused_collector()
 def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Collection[Called] = ()) -> Task:
-    """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planning.md.
+    """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planners.md.
 
     Actions that are `named` are listed even if they can change nothing. `compat` grounds as libPRADA does:
     each binding of the references is a rule of its own, whether or not others fit too, and rules may overlap
