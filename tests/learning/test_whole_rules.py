@@ -9,15 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cleancli.compiler.fluents import Values, values_of
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.load import checked_domain
-from cleancli.language.model import Domain
+from cleancli.language.load import checked_domain, load_domain
+from cleancli.language.model import Domain, Object
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.printer import print_domain, print_rule, symbols_of
 from cleancli.learning.experience import Transition
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import revised
 from support.hidden_rules import TEXTS, domain_of, starts
+from support.random_domains import Generator
 from support.walks import variation, walks
 
 EXPECTED = {
@@ -38,7 +40,7 @@ EXPECTED = {
     "weather": {
         "gust_raining": "when raining(?t) then"
         " P: forall ?u - umbrella: at(?u, ?t), spread(?u) => (not spread(?u), torn(?u))"
-        " P: not raining(?t), forall ?m - town: beside(?t, ?m) => raining(?m) P: nothing",
+        " P: not raining(?t), forall ?m - town: beside(?t, ?m), ?m != ?t => raining(?m) P: nothing",
         "gust_not_raining": "when not raining(?t), not sheltered(?t) then P: raining(?t) P: nothing",
         "unfold": "when not torn(?u), exists ?z - town: (at(?u, ?z), raining(?z))"
         " then P: spread(?u) P: torn(?u)",
@@ -70,6 +72,60 @@ def test_the_hidden_rules_are_found(name: str) -> None:
     }
     assert bodies == EXPECTED[name]
     assert variation(domain_of(name), found, drawn(name, 4, 300)) < 0.03
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_rules_of_random_domains_are_well_formed_whatever_happened(seed: int) -> None:
+    """Contradictions and all: a share of the literals after each transition is turned round."""
+    rng = np.random.default_rng(seed)
+    hidden = Generator(seed).domain()
+    problems = [Generator(100 * seed + number).problem() for number in range(10)]
+    states = [(problem.objects, values_of(problem.state)) for problem in problems]
+    number = int(rng.choice([1, 3, 20, 150]))
+    transitions = [
+        flipped(each, rng, 0.1) if seed % 2 else each
+        for each in itertools.islice(walks(hidden, states, rng), number)
+    ]
+    bare = replace(hidden, rules=(), counts=hidden.counts[:1], reward=hidden.reward[:1], parameters=())
+    found = revised(bare, compiled(bare, transitions), [action.name for action in bare.actions]).domain
+    checked = checked_domain(Source("found.nid", layout(print_domain(found))))
+    assert not {each.code for each in checked.diagnostics} - {"W201", "W202", "W203"}
+    assert checked.get().rules == found.rules
+
+
+def flipped(transition: Transition, rng: np.random.Generator, share: float) -> Transition:
+    """The transition after which some facts that held do not."""
+    kept = {
+        key: value for key, value in transition.after.items() if value is not True or rng.random() > share
+    }
+    return transition._replace(after=kept)
+
+
+def test_symbols_of_many_parameters_and_constant_states_are_no_trouble() -> None:
+    text = """domain wide {
+  types      { thing }
+  constants  { anchor - thing }
+  predicates { flag()  many(?a ?b ?c ?d ?e - thing)  red(?a - thing) [static] }
+  derived    { reds := count ?a - thing: red(?a) }
+  actions    { act(?a - thing)  idle() }
+  reward     { decrease(reds) }
+}
+"""
+    domain = load_domain(Source("wide.nid", text))
+    things = tuple(Object(f"t{number}", "thing") for number in range(3))
+    before: Values = {("many", ("t0", "t1", "t2", "t0", "anchor")): True}
+    still = [
+        Transition(name, arguments, things, before, before)
+        for name, arguments in [("act", ("t0",)), ("idle", ())]
+    ]
+    found = revised(domain, compiled(domain, 5 * still), ["act", "idle"])
+    assert not found.added
+    assert not found.default
+    raised = [each._replace(after={**before, ("flag", ()): True}) for each in still[1:]]
+    found = revised(domain, compiled(domain, 5 * still[:1] + 5 * raised), ["act", "idle"])
+    assert [print_rule(rule, symbols_of(domain)) for rule in found.added] == [
+        "  rule idle: idle() {\n    then 1: flag()\n  }\n"
+    ]
 
 
 @pytest.mark.parametrize("name", TEXTS)

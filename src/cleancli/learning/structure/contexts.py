@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
-from cleancli.language.model import Equality, Literal, Quantified, Reference, Term, Variable
+from cleancli.language.model import Domain, Equality, Literal, Quantified, Reference, Term, Variable
 from cleancli.learning.structure.arrays import Arrays, holds, index_of, ranging, some
-from cleancli.learning.structure.effects import Named, Parts, negated
-from cleancli.learning.structure.literals import equalities, literals, symbols
+from cleancli.learning.structure.effects import Named, Parts, needed_by, negated
+from cleancli.learning.structure.literals import equalities, is_provable, literals, symbols
 from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
 from cleancli.learning.structure.outcomes import Possible
 
@@ -25,22 +25,26 @@ class Question:
     """A part of a condition that a node asks for.
 
     Where it asks whether an object is as a reference says, that is the `reference`, and `further` what is
-    asked of it beside; or it asks whether `several` are. `never_several`: in no transition there are.
+    asked of it beside; or it asks whether `several` are. `never_several`: in no transition there are. `one`:
+    whether exactly one is, which is asked by the two questions before it, one after the other.
     """
 
     part: Literal | Equality | Quantified
     reference: Reference | None = None
     further: Parts = ()
     several: bool = False
+    one: bool = False
     never_several: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Questions:
     """What may be asked, what each costs in nats, what it saves is multiplied by where one is chosen, and the
-    answers, (n, questions)."""
+    answers, (n, questions). What others ask one after the other is asked `by` those, told by the
+    indices of all."""
 
     listed: tuple[Question, ...]
+    by: Mapping[int, tuple[int, ...]]
     costs: Floats
     weights: Floats
     answers: Bools
@@ -130,6 +134,9 @@ def _best(possible: Possible, questions: Questions, rows: Longs) -> tuple[int, t
     best = int((shorter * questions.weights[listed]).argmax())
     if shorter[best] <= 0:
         return None
+    by = questions.by.get(int(listed[best]))
+    if by is not None:
+        best = next(place for place, number in enumerate(listed) if number in by)
     return int(listed[best]), (float(sides[0][best]), float(sides[1][best]))
 
 
@@ -142,34 +149,46 @@ def _free(counts: Floats, beliefs: Floats) -> float:
 # ---- what may be asked
 
 
-def asked_of(arrays: Arrays, known: Named) -> Questions:
+_KINDS, _OF_OTHERS = 4, 3
+"""How many kinds of questions there are, and which is that about objects without a name."""
+
+
+def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questions:
     """All questions whose answers differ in some transitions, each kind of answers once: the plain ones
-    first."""
+    first, and no others if `plain_alone`."""
     plain = list(_plain(arrays, known))
     alone = [each for each in plain if _is_of_one(each[0].part)]
     related = [each for each in plain if not _is_of_one(each[0].part)]
-    kinds = (alone, related, _of_references(arrays, known), _of_others(arrays, known))
+    kinds: list[Iterable[tuple[Question, Bools]]] = [alone, related]
+    if not plain_alone:
+        kinds += [_of_references(arrays, known), _of_others(arrays, known)]
     listed: list[Question] = []
     columns: list[Bools] = []
     costs: list[float] = []
     weights: list[float] = []
-    seen: set[bytes] = set()
+    seen: dict[bytes, int] = {}
+    by: dict[int, tuple[int, ...]] = {}
+    about: dict[tuple[Reference | None, bool], int] = {}
     for number, kind in enumerate(kinds):
         size = 0
         for question, answers in kind:
             if answers.all() or not answers.any():
                 continue
             key = np.packbits(answers ^ answers[0]).tobytes()
-            if key not in seen:
-                seen.add(key)
+            index = seen.setdefault(key, len(listed))
+            if question.one and index == len(listed):
+                by[index] = about[question.reference, False], about[question.reference, True]
+            elif question.reference is not None and not question.further:
+                about[question.reference, question.several] = index
+            if index == len(listed):
                 listed.append(question)
                 columns.append(answers)
                 size += 1
-        is_last = number == len(kinds) - 1
-        costs += [float(np.log(len(kinds) * max(size, 1))) + OF_OTHERS * is_last] * size
+        is_last = number == _OF_OTHERS
+        costs += [float(np.log(_KINDS * max(size, 1))) + OF_OTHERS * is_last] * size
         weights += [1 / OF_OTHERS if is_last else 1.0] * size
     answers = np.column_stack(columns) if columns else np.zeros((arrays.size, 0), dtype=bool)
-    return Questions(tuple(listed), np.array(costs), np.array(weights), answers)
+    return Questions(tuple(listed), by, np.array(costs), np.array(weights), answers)
 
 
 def _is_of_one(part: Literal | Equality | Quantified) -> bool:
@@ -187,7 +206,7 @@ def _plain(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]:
     terms, columns = _unreferenced(known)
     index = index_of(arrays, columns)
     listed: Iterable[Literal | Equality] = (
-        *literals(arrays.domain, terms),
+        *(each for each in literals(arrays.domain, terms) if is_provable(arrays.domain, each, inside=False)),
         *equalities(arrays.domain, terms),
     )
     for part in listed:
@@ -199,8 +218,8 @@ def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Boo
     there are several."""
     terms, columns = _unreferenced(known)
     taken = {term.name for term in known.columns if isinstance(term, Variable)}
-    for number, reference in enumerate(known.references):
-        before = known.references[: number + 1]
+    for reference in known.references:
+        before = needed_by(known, reference)
         variables = tuple(variable for each in before for variable in each.variables)
         definition: Parts = tuple(part for each in before for part in each.condition)
         index, typed = ranging(arrays, index_of(arrays, columns), variables)
@@ -209,12 +228,14 @@ def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Boo
         exact = not several.any()
         some_such = Quantified(True, variables, definition)
         yield Question(some_such, reference, never_several=exact), some(fits, len(variables))
-        if not number:
+        if len(before) == 1:
             yield Question(_several(reference, taken), reference, several=True), several
+            exactly = some(fits, 1) & ~several
+            yield Question(some_such, reference, one=True, never_several=exact), exactly
         (variable,) = reference.variables
         everything = (*terms, *variables)
         further: Iterable[Literal | Equality] = (
-            *literals(arrays.domain, everything, variable),
+            *_inside(arrays.domain, everything, variable),
             *equalities(arrays.domain, everything, variable),
         )
         for part in further:
@@ -230,6 +251,16 @@ def _several(reference: Reference, taken: Collection[str]) -> Quantified:
     other = Variable(next(name for name in _NAMES if name not in taken), one.type)
     renamed = tuple(_with_terms(part, {one: other}) for part in reference.condition)
     return Quantified(True, (one, other), (*reference.condition, *renamed, Equality(one, other, False)))
+
+
+def _inside(domain: Domain, known: Sequence[Term], variable: Variable) -> Iterator[Literal]:
+    """The literals about a variable of a quantifier that, like their opposites, `check` can prove to exclude
+    these."""
+    for literal in literals(domain, known, variable):
+        if is_provable(domain, literal, inside=True) and is_provable(
+            domain, negated(domain, literal), inside=True
+        ):
+            yield literal
 
 
 _NAMES = "zyxwvutsrqponmlkjihgfedcba"
@@ -253,7 +284,7 @@ def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]
         variable = Variable(next(name for name in _NAMES if name not in taken), type_name)
         index, typed = ranging(arrays, index_of(arrays, columns), (variable,))
         fitting = []
-        for literal in literals(arrays.domain, (*terms, variable), variable):
+        for literal in _inside(arrays.domain, (*terms, variable), variable):
             fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
             if fits.any():
                 fitting.append((literal, fits))

@@ -73,6 +73,19 @@ class Named:
         return tuple(self.columns)
 
 
+def needed_by(known: Named, reference: Reference) -> tuple[Reference, ...]:
+    """A reference after those that its condition uses, and that these use."""
+    used = {term for part in reference.condition for term in terms_of(part)}
+    before = [each for each in known.references if each != reference and used & set(each.variables)]
+    found = dict.fromkeys(more for each in before for more in needed_by(known, each))
+    return (*found, reference)
+
+
+def terms_of(part: Literal | Equality) -> tuple[Term, ...]:
+    """The terms of a part of a condition."""
+    return part.terms if isinstance(part, Literal) else (part.left, part.right)
+
+
 def named(action: ActionArrays, parameters: Sequence[Variable]) -> Named:
     """The action's arguments and the domain's constants."""
     columns: dict[Term, Longs] = dict(zip(parameters, action.columns, strict=True))

@@ -7,7 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import checked_domain
 from cleancli.language.model import Action, Domain, Outcome, Rule
+from cleancli.language.printing.printer import print_domain
 from cleancli.learning.edits import is_written
 from cleancli.learning.structure.arrays import ActionArrays
 from cleancli.learning.structure.contexts import asked_of, tree
@@ -35,8 +38,9 @@ class Induced:
     odd: int
 
 
-def induced(domain: Domain, action: Action, given: ActionArrays) -> Induced:
-    """The rules that describe the transitions of an action best.
+def induced(domain: Domain, action: Action, given: ActionArrays, plain: bool = False) -> Induced:
+    """The rules that describe the transitions of an action best; where `plain`, with contexts that ask for
+    nothing but the action's arguments.
 
     Changes of objects that the action does not name are told by references first and by `forall` where these
     do not do, or the other way round: as is shorter.
@@ -46,17 +50,19 @@ def induced(domain: Domain, action: Action, given: ActionArrays) -> Induced:
     ways = [with_foralls(given, with_references(given, known, changes), changes)]
     if ways[0].references:
         ways.append(with_references(given, with_foralls(given, known, changes), changes))
-    leaves, _ = min((_described(given, way, changes) for way in ways), key=lambda each: each[1])
+    leaves, _ = min((_described(given, way, changes, plain) for way in ways), key=lambda each: each[1])
     left = np.delete(given.arrays.changed, rows_of(leaves))
     rules = rules_of(domain, action, leaves)
     return Induced(action.name, rules, int((left == 0).sum()), int((left > 0).sum()))
 
 
-def _described(given: ActionArrays, known: Named, changes: Sequence[Change]) -> tuple[list[Described], float]:
+def _described(
+    given: ActionArrays, known: Named, changes: Sequence[Change], plain: bool
+) -> tuple[list[Described], float]:
     """What the leaves of the best tree do, and the length of the description in nats."""
     everything = possible(given.arrays, known, changes)
     results = needed(everything)
-    questions = asked_of(given.arrays, known)
+    questions = asked_of(given.arrays, known, plain)
     grown = tree(results, questions, np.arange(given.arrays.size))
     return [described(results, everything, known, leaf) for leaf in grown.leaves], grown.length
 
@@ -90,6 +96,8 @@ def revised(domain: Domain, compiled: Mapping[str, ActionArrays], actions: Seque
     """
     declared = {each.name: each for each in domain.actions}
     found = {name: induced(domain, declared[name], compiled[name]) for name in actions if name in compiled}
+    for name in _overlapping(domain, list(found.values())):
+        found[name] = induced(domain, declared[name], compiled[name], plain=True)
     default = _default(domain, list(found.values()))
     new = tuple(rule for each in found.values() for rule in each.rules)
     others = tuple(rule for rule in domain.rules if rule.action not in found)
@@ -115,6 +123,20 @@ def revised(domain: Domain, compiled: Mapping[str, ActionArrays], actions: Seque
         added,
         default,
     )
+
+
+def _overlapping(domain: Domain, found: Sequence[Induced]) -> list[str]:
+    """The actions whose rules `check` cannot tell apart: where too much has to be looked at for that."""
+    rules = [rule for each in found for rule in each.rules]
+    if not _overlap(domain, rules):
+        return []
+    return [each.action for each in found if _overlap(domain, each.rules)]
+
+
+def _overlap(domain: Domain, rules: Sequence[Rule]) -> bool:
+    text = print_domain(replace(domain, rules=tuple(rules), default=(), parameters=(), learned=None))
+    codes = {each.code for each in checked_domain(Source(domain.name, text)).diagnostics}
+    return bool(codes & {"E307", "W307"})
 
 
 def _of(domain: Domain, actions: Sequence[str]) -> list[Rule]:

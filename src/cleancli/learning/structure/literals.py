@@ -6,9 +6,19 @@ What is listed is positive, or asks for values of a function; what asks for the 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from cleancli.language.model import Domain, Equality, Literal, Symbol, Term, Value, Variable
+from cleancli.language.model import (
+    DerivedPredicate,
+    Domain,
+    Equality,
+    Literal,
+    Quantified,
+    Symbol,
+    Term,
+    Value,
+    Variable,
+)
 
 MOST_TERMS = 3
 """Parameters of a symbol up to which literals of it are looked for; there are too many of others. Chosen."""
@@ -55,6 +65,39 @@ def value_sets(symbol: Symbol) -> Iterator[frozenset[Value]]:
     for number in chosen:
         if 0 < number < len(values) - 2:
             yield frozenset(values[: number + 1])
+
+
+def is_provable(domain: Domain, literal: Literal, inside: bool) -> bool:
+    """Whether `check` can tell a literal from its opposite: of a derived predicate if it reads both of them
+    as what they are defined by, or neither. `inside`: within a quantifier.
+
+    What would have to exist for every object it leaves unread (language/checking/first_order.py).
+    """
+    derived = {each.name: each for each in domain.derived}
+    holds = True in literal.values
+    both = ((holds, False), (not holds, inside))
+    return len({_is_read(derived, literal.symbol, *each) for each in both}) == 1
+
+
+def _is_read(derived: Mapping[str, DerivedPredicate], name: str, holds: bool, in_every: bool) -> bool:
+    """Whether all that a symbol is defined by can be read where it holds, or does not."""
+    if name not in derived:
+        return True
+    if derived[name].closure is not None:
+        return False
+    for part in derived[name].condition:
+        if isinstance(part, Literal):
+            if not _is_read(derived, part.symbol, holds == (True in part.values), in_every):
+                return False
+        elif isinstance(part, Quantified):
+            asks = part.exists == holds
+            inner = (each for each in part.condition if isinstance(each, Literal))
+            if (asks and in_every) or not all(
+                _is_read(derived, each.symbol, asks == (True in each.values), in_every or not asks)
+                for each in inner
+            ):
+                return False
+    return True
 
 
 def equalities(domain: Domain, known: Sequence[Term], among: Term | None = None) -> Iterator[Equality]:

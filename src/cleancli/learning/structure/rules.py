@@ -37,7 +37,7 @@ from cleancli.language.model import (
 from cleancli.learning.share import DIGITS, rounded
 from cleancli.learning.structure.arrays import UNDEFINED
 from cleancli.learning.structure.contexts import Asked, Leaf, Question
-from cleancli.learning.structure.effects import Effect, Named, negated
+from cleancli.learning.structure.effects import Effect, Named, needed_by, negated, terms_of
 from cleancli.learning.structure.literals import meet
 from cleancli.learning.structure.outcomes import Possible, chosen
 
@@ -96,27 +96,19 @@ def _simplest(
 
 def used(known: Named, outcomes: Sequence[frozenset[Effect]]) -> tuple[Reference, ...]:
     """The references that outcomes use, and those that these rest on."""
-    needed = {term for outcome in outcomes for effect in outcome for term in _terms(effect)}
-    found: list[Reference] = []
-    for reference in reversed(known.references):
-        if needed & set(reference.variables):
-            found.insert(0, reference)
-            needed |= {t for part in reference.condition for t in _terms_of(part)}
-    return tuple(found)
+    terms = {term for outcome in outcomes for effect in outcome for term in _terms(effect)}
+    used = {r for each in known.references if terms & set(each.variables) for r in needed_by(known, each)}
+    return tuple(each for each in known.references if each in used)
 
 
 def _terms(effect: Effect) -> Iterator[Term]:
     if isinstance(effect, ForAll):
         for part in effect.condition:
-            yield from _terms_of(part)
+            yield from terms_of(part)
         for each in effect.effects:
             yield from each.terms
     else:
         yield from effect.terms
-
-
-def _terms_of(part: Literal | Equality) -> tuple[Term, ...]:
-    return part.terms if isinstance(part, Literal) else (part.left, part.right)
 
 
 def rules_of(domain: Domain, action: Action, leaves: Sequence[Described]) -> tuple[Rule, ...]:
