@@ -31,6 +31,7 @@ def test_commands_of_the_page_succeed(page: Path, tmp_path: Path, monkeypatch: p
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "domains" / "cleaning.nid", tmp_path / "my_cleaning.nid")
     shutil.copytree(ROOT / "tests" / "conversion" / "kitchen", tmp_path / "kitchen")
+    shutil.copytree(ROOT / "tests" / "conversion" / "tidy", tmp_path, dirs_exist_ok=True)
     if page == ROOT / "docs" / "recording.md":
         bags = pytest.importorskip("support.recorded_table", reason="rosbags is an extra")
         bags.write(tmp_path / "table.mcap")

@@ -102,6 +102,12 @@ TRANSCRIPTS = {
         "convert kitchen --out out",
         "convert kitchen --out out --force --json --predicates --horizon 3",
         "convert kitchen --out out2 --reward 'decrease(dirtyy)'",
+        "convert tidy/tidy.pddl tidy/tidy_two.pddl --out tidied",
+        "check tidied",
+        "convert tidy/tidy.pddl --out out3 --json",
+        "convert tidy/tidy_two.pddl --out out4",
+        "convert tidy/tidy.pddl --out out4 --predicates",
+        "convert tidy.rddl --out out4",
     ),
     "rename": (
         "rename dirty grubby two.nid --domain tower.nid",
@@ -133,7 +139,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, copy in (("domain", "table"), ("problem", "four"), ("mistakes", "mistakes")):
         shutil.copy(GOLDEN / f"{name}.nid", tmp_path / f"{copy}.nid")
     shutil.copy(GOLDEN / "experience.jsonl", tmp_path)
-    shutil.copytree(ROOT / "tests" / "conversion" / "kitchen", tmp_path / "kitchen")
+    for folder in ("kitchen", "tidy"):
+        shutil.copytree(ROOT / "tests" / "conversion" / folder, tmp_path / folder)
     odd = PROBLEM.replace("tower", "table").replace("b1 b2 - box", "b1 b2 - area")
     (tmp_path / "odd.nid").write_text(odd, encoding="utf-8")
     return tmp_path

@@ -127,8 +127,8 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             (_DOMAIN, Argument("experience", None, -1, {"type": click.Path(path_type=Path)})),
         ),
         "convert": CommandRow(
-            "Rules, state and symbols of libPRADA as a domain and a problem.",
-            (Argument("files", None, -1, {"metavar": "FOLDER | RULES STATE SYMBOLS"}),),
+            "PDDL and PPDDL, or libPRADA's files, as a domain and its problems.",
+            (Argument("files", None, -1, {"metavar": "FILE... | FOLDER"}),),
         ),
         "lsp": CommandRow("Serve editors: mistakes while typing, completion, rename."),
     }

@@ -1,10 +1,11 @@
-"""`cleancli convert`: the files of libPRADA as a domain and a problem."""
+"""`cleancli convert`: the files of PDDL and of libPRADA as a domain and its problems."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -13,20 +14,24 @@ from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.conversion.convert import Converted, Wishes, convert
+from cleancli.conversion.convert import Wishes, convert
+from cleancli.conversion.pddl.convert import Wishes as PddlWishes
+from cleancli.conversion.pddl.convert import convert as convert_pddl
 from cleancli.files.replace import Replacement, write_all
-from cleancli.language.diagnostics.diagnostic import Level
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.load import read_source
 from cleancli.language.parsing.lexemes import NAME
 
 FILES = ("rules.dat", "state.dat", "symbols.dat")
+PDDL = (".pddl", ".ppddl")
+FORMATS = ("pddl", "libprada")
 
 
-def _named(context: click.Context, option: click.Parameter, name: str) -> str:
+def _named(context: click.Context, option: click.Parameter, name: str | None) -> str | None:
     """A name that the domain can have, with a file of its own beside problem.nid."""
-    if re.fullmatch(NAME, name) is None or name in {*RESERVED, "problem"}:
+    if name is not None and (re.fullmatch(NAME, name) is None or name in {*RESERVED, "problem"}):
         raise click.BadParameter("take letters, digits and `_`, and no word that means something already")
     return name
 
@@ -35,80 +40,126 @@ def _named(context: click.Context, option: click.Parameter, name: str) -> str:
 @click.option("--out", type=options.FOLDER, required=True, help="Where to write.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option(
-    "--domain-name",
-    default="domain",
-    show_default=True,
-    callback=_named,
-    help="What the domain and its file are called.",
+    "--from",
+    "format",
+    type=click.Choice(FORMATS),
+    help="What the files are. [default: pddl if one is called .pddl, else libprada]",
 )
 @click.option(
-    "--reward", help="Like `decrease(dirty) - cost`. [default: fewer dirty objects, if there are any]"
+    "--domain-name",
+    callback=_named,
+    help="What the domain and its file are called. [default: as in PDDL; otherwise domain]",
 )
-@click.option("--horizon", type=click.IntRange(1, 1000), help="Steps of a plan. [default: 1 + what is dirty]")
+@click.option(
+    "--horizon",
+    type=click.IntRange(1, 1000),
+    help="Steps of a plan. [default: libPRADA: 1 + what is dirty; PDDL: 40, where rewards are to be earned]",
+)
+@click.option(
+    "--reward",
+    help="libPRADA: like `decrease(dirty) - cost`. [default: fewer dirty objects, if there are any]",
+)
 @click.option(
     "--discount",
     type=click.FloatRange(0, 1),
-    default=0.95,
-    show_default=True,
-    help="Worth of a reward a step later.",
+    help="libPRADA: worth of a reward a step later. [default: 0.95]",
 )
 @click.option(
-    "--predicates", is_flag=True, help="Make no functions of predicates; for `plan --compat libprada`."
+    "--predicates",
+    is_flag=True,
+    help="libPRADA: make no functions of predicates; for `plan --compat libprada`.",
 )
 @options.as_json("Say what was converted as JSON.")
 def command(
     files: tuple[str, ...],
     out: Path,
     force: bool,
-    domain_name: str,
-    reward: str | None,
+    format: str | None,
+    domain_name: str | None,
     horizon: int | None,
-    discount: float,
+    reward: str | None,
+    discount: float | None,
     predicates: bool,
     as_data: bool,
 ) -> int:
-    """Convert rules.dat, state.dat and symbols.dat of FOLDER, or files of other names.
+    """Convert PDDL and PPDDL files, a domain and any number of its problems; or rules.dat, state.dat and
+    symbols.dat of libPRADA, of a folder or under other names.
 
-    Writes a domain and problem.nid into the folder --out, with comments that say what is from where. What the
-    checker finds in them is printed; the exit code is 1 then.
+    Writes a domain and its problems into the folder --out, with comments that say what is from where. What
+    the checker finds in them is printed; the exit code is 1 then.
     """
+    if any(name.lower().endswith(".rddl") for name in files):
+        raise click.UsageError("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
+    if format is None:
+        format = "pddl" if any(name.lower().endswith(PDDL) for name in files) else "libprada"
+    if format == "pddl":
+        if reward is not None or discount is not None or predicates:
+            raise click.UsageError("--reward, --discount and --predicates are for libPRADA's files")
+        made = _from_pddl(files, domain_name, horizon)
+    else:
+        usual = 0.95 if discount is None else discount
+        made = _from_libprada(files, out, Wishes(domain_name or "domain", reward, horizon, usual, predicates))
+    targets = {out / f"{name}.nid": text for name, text in made.texts.items()}
+    _write(targets, force)
+    _report(targets, made, as_data)
+    found = [diagnostic.level for diagnostic in made.diagnostics]
+    return ExitCode.REFUSED if Level.ERROR in found else ExitCode.DONE
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """The texts by the names of their files, the domain's first, and what has to be told about them."""
+
+    texts: Mapping[str, str]
+    functions: Mapping[str, tuple[str, ...]]
+    notes: tuple[str, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    sources: tuple[Source, ...]
+
+
+def _from_pddl(files: Sequence[str], name: str | None, horizon: int | None) -> _Made:
+    made = convert_pddl([read_source(path) for path in files], PddlWishes(name, horizon))
+    texts = {made.name: made.domain, **made.problems}
+    return _Made(texts, {}, made.notes, made.diagnostics, made.sources)
+
+
+def _from_libprada(files: Sequence[str], out: Path, wishes: Wishes) -> _Made:
     if len(files) not in (1, len(FILES)):
         raise click.UsageError("give a folder, or the files of rules, state and symbols")
     paths = files if len(files) == len(FILES) else [str(Path(files[0]) / name) for name in FILES]
     rules, state, symbols = (read_source(path) for path in paths)
-    targets = (out / f"{domain_name}.nid", out / "problem.nid")
-    texts = [read_source(path).text if force and path.exists() else None for path in targets]
-    wishes = Wishes(domain_name, reward, horizon, discount, predicates)
-    converted = convert(rules, state, symbols, wishes, (str(targets[0]), str(targets[1])))
-    _write(targets, converted, texts)
-    _report(targets, converted, as_data)
-    found = [diagnostic.level for diagnostic in converted.diagnostics]
-    return ExitCode.REFUSED if Level.ERROR in found else ExitCode.DONE
+    targets = (str(out / f"{wishes.name}.nid"), str(out / "problem.nid"))
+    made = convert(rules, state, symbols, wishes, targets)
+    texts = {wishes.name: made.domain, "problem": made.problem}
+    return _Made(texts, made.functions, made.notes, made.diagnostics, made.sources)
 
 
-def _write(targets: tuple[Path, Path], converted: Converted, before: Sequence[str | None]) -> None:
-    """Both files or none; each must still read as it did `before` anything was converted."""
-    targets[0].parent.mkdir(parents=True, exist_ok=True)
-    texts = (converted.domain, converted.problem)
-    write_all(Replacement(path, text, old) for path, text, old in zip(targets, texts, before, strict=True))
+def _write(targets: Mapping[Path, str], force: bool) -> None:
+    """All files or none; each must still read as it did when this began."""
+    before = [read_source(str(path)).text if force and path.exists() else None for path in targets]
+    for path in targets:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    written = zip(targets.items(), before, strict=True)
+    write_all(Replacement(path, text, old) for (path, text), old in written)
 
 
-def _report(targets: tuple[Path, Path], converted: Converted, as_data: bool) -> None:
-    if converted.diagnostics:
-        echo_refused(Refused(converted.diagnostics, converted.sources))
+def _report(targets: Mapping[Path, str], made: _Made, as_data: bool) -> None:
+    if made.diagnostics:
+        echo_refused(Refused(made.diagnostics, made.sources))
+    domain, *problems = map(str, targets)
     if as_data:
         data = {
-            "domain": str(targets[0]),
-            "problem": str(targets[1]),
-            "functions": converted.functions,
-            "notes": converted.notes,
-            "mistakes": sum(d.level is Level.ERROR for d in converted.diagnostics),
-            "warnings": sum(d.level is Level.WARNING for d in converted.diagnostics),
+            "domain": domain,
+            "problems": problems,
+            "functions": made.functions,
+            "notes": made.notes,
+            "mistakes": sum(d.level is Level.ERROR for d in made.diagnostics),
+            "warnings": sum(d.level is Level.WARNING for d in made.diagnostics),
         }
         click.echo(json.dumps(data, indent=2))
         return
-    echo(f"wrote {targets[0]} and {targets[1]}")
-    for name, members in converted.functions.items():
+    echo(f"wrote {' and '.join([domain, *problems])}")
+    for name, members in made.functions.items():
         echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
-    for note in converted.notes:
+    for note in made.notes:
         echo(f"  {note}")

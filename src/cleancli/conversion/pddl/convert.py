@@ -59,14 +59,14 @@ def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
     effects = Effects(words, metric.counted)
-    schemas = schemas_of(domain.actions, words, effects, definitions, Naming(texts))
+    schemas = schemas_of(domain.actions, words, effects, definitions)
     starts = starts_of(problems, words, definitions)
     findings.refuse_errors()
     name = wishes.name or readable(Naming(texts).written(domain.name), "d")
-    made = domain_of(name, schemas, starts, metric, words, definitions)
+    made = domain_of(name, schemas, starts, metric, words, definitions, Naming(texts))
     notes = _notes(domain, made, schemas, words, effects)
     text = domain_text(made, schemas, domain.name.span, texts, notes)
-    titles = names_of(problems, Naming(texts))
+    titles = names_of(problems, name, Naming(texts))
     written: dict[str, str] = {}
     for title, start in zip(titles, starts, strict=True):
         problem = problem_of(title, start, made, metric, words, wishes.horizon)

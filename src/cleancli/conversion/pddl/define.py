@@ -69,6 +69,8 @@ class Definitions:
     def decision(self, formula: Formula, holds: bool, *, plainly: bool) -> Condition:
         """That the formula holds, or that it does not: in one literal or quantifier, so that the two exclude
         each other; `plainly` in one literal, so that it takes no thought to see."""
+        if isinstance(formula, Either):
+            return self.decision(negated(formula), not holds, plainly=plainly)
         if isinstance(formula, Both) or (plainly and isinstance(formula, Quantified)):
             return (self.named(formula) if holds else self._not(formula),)
         return self.condition(formula if holds else negated(formula))

@@ -10,6 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from cleancli.conversion.pddl.define import Definitions
+from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.problem import Metric, Start
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.schemas import Schema
@@ -53,10 +54,11 @@ def domain_of(
     metric: Metric,
     words: Words,
     definitions: Definitions,
+    naming: Naming,
 ) -> Domain:
-    """The domain."""
+    """The domain; `naming` gives its rules their names."""
     declared = _declarations(words, definitions)
-    rules = [tidy for s in schemas for rule in s.rules if (tidy := _tidied(rule, declared)) is not None]
+    rules = [rule for schema in schemas for rule in _rules(schema, declared, naming)]
     acting = {rule.action for rule in rules}
     actions = tuple(schema.action for schema in schemas if schema.action.name in acting)
     derived = _used_definitions(rules, starts, definitions)
@@ -125,6 +127,13 @@ def _declarations(words: Words, definitions: Definitions) -> Declarations:
 
 
 # ---- rules
+
+
+def _rules(schema: Schema, declared: Declarations, naming: Naming) -> Iterator[Rule]:
+    """The rules that can change something; one that is alone is called as its action is."""
+    kept = [tidy for rule in schema.rules if (tidy := _tidied(rule, declared)) is not None]
+    for rule in kept:
+        yield replace(rule, name=naming.fresh(rule.name if len(kept) > 1 else rule.action))
 
 
 def _tidied(rule: Rule, declared: Declarations) -> Rule | None:

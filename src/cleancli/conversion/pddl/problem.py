@@ -117,6 +117,7 @@ def _facts(problem: ProblemNode, words: Words) -> frozenset[Fact]:
     return frozenset(found)
 
 
-def names_of(problems: Sequence[ProblemNode], naming: Naming) -> tuple[str, ...]:
-    """What the problems are called."""
+def names_of(problems: Sequence[ProblemNode], domain: str, naming: Naming) -> tuple[str, ...]:
+    """What the problems are called; none is called as the domain is, since each has a file of its own."""
+    naming.fresh(domain)
     return tuple(naming.fresh(naming.written(problem.name), "p") for problem in problems)

@@ -196,6 +196,8 @@ def conditions_of(
     # Beside derived predicates the checker could not tell for sure that quantifiers exclude each other.
     plainly = any(map(definitions.is_made, shared)) or any(isinstance(f, Both | Either) for f in asked)
     for case in cases:
+        decided = [formula if holds else negated(formula) for formula, holds in case.decisions]
+        shared = definitions.condition(both(assuming(part, decided) for part in _parts(precondition)))
         own = [definitions.decision(*each, plainly=plainly) for each in case.decisions]
         yield tuple(dict.fromkeys([*shared, *(part for parts in own for part in parts)]))
 

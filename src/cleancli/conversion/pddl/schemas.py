@@ -9,7 +9,6 @@ from fractions import Fraction
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.effects import MOST_OUTCOMES, Effects, TooMany
 from cleancli.conversion.pddl.formula import Formula, both
-from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.rules import (
     MOST_RULES,
@@ -31,7 +30,7 @@ _LONGEST_TITLE = 48
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """An action and its rules; `place` is that of the schema's name."""
+    """An action and its rules, which may share a name yet; `place` is that of the schema's name."""
 
     action: Action
     rules: tuple[Rule, ...]
@@ -39,12 +38,12 @@ class Schema:
 
 
 def schemas_of(
-    nodes: Sequence[ActionNode], words: Words, effects: Effects, definitions: Definitions, rules: Naming
+    nodes: Sequence[ActionNode], words: Words, effects: Effects, definitions: Definitions
 ) -> tuple[Schema, ...]:
-    """The schemas that do something; `rules` gives their rules names. E916, E917 for what can't be said."""
+    """The schemas that do something. E916 and E917 for what can't be said."""
     found = []
     for node in _each_once(nodes, words.findings):
-        schema = _schema(node, words, effects, definitions, rules)
+        schema = _schema(node, words, effects, definitions)
         if schema is not None:
             found.append(schema)
     return tuple(found)
@@ -66,9 +65,7 @@ def _each_once(nodes: Sequence[ActionNode], findings: Findings) -> Iterator[Acti
         yield node
 
 
-def _schema(
-    node: ActionNode, words: Words, effects: Effects, definitions: Definitions, rules: Naming
-) -> Schema | None:
+def _schema(node: ActionNode, words: Words, effects: Effects, definitions: Definitions) -> Schema | None:
     findings, before = words.findings, words.findings.errors
     variables, scope, asked = words.bound(node.parameters, {})
     precondition = both([asked, words.formula(node.precondition, scope)])
@@ -94,7 +91,7 @@ def _schema(
     if not acting:
         return None
     name = words.actions.fresh(words.actions.written(node.name), "a")
-    made = tuple(_rules(name, variables, precondition, acting, definitions, rules))
+    made = tuple(_rules(name, variables, precondition, acting, definitions))
     return Schema(Action(name, variables, cost=next(iter(costs), Fraction(0))), made, node.name.span)
 
 
@@ -109,14 +106,11 @@ def _rules(
     precondition: Formula,
     cases: Sequence[Case],
     definitions: Definitions,
-    rules: Naming,
 ) -> Iterator[Rule]:
     titles = [title_of(action, case) for case in cases]
-    if len(cases) == 1:
-        titles = [action]
-    elif max(map(len, titles)) > _LONGEST_TITLE or len(set(titles)) < len(titles):
+    if max(map(len, titles)) > _LONGEST_TITLE or len(set(titles)) < len(titles):
         titles = [f"{action}_{number}" for number in range(1, len(cases) + 1)]
     conditions = conditions_of(precondition, cases, definitions)
     for title, case, condition in zip(titles, cases, conditions, strict=True):
         outcomes = tuple(outcome_of(*result, definitions) for result in case.results)
-        yield Rule(rules.fresh(title), action, variables, condition, outcomes)
+        yield Rule(title, action, variables, condition, outcomes)

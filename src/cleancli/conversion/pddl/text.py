@@ -27,9 +27,9 @@ def domain_text(
     above: dict[str, tuple[str, ...]] = {}
     for schema in schemas:
         line = lines[schema.place.path].place(schema.place.start)[0]
-        kept = [rule for rule in schema.rules if any(rule.name == each.name for each in domain.rules)]
-        for rule in kept[:1]:
-            above[f"  rule {rule.name}:"] = (f"{_file(schema.place)}, line {line}",)
+        first = next((rule for rule in domain.rules if rule.action == schema.action.name), None)
+        if first is not None:
+            above[f"  rule {first.name}:"] = (f"{_file(schema.place)}, line {line}",)
     return layout(commented(print_domain(domain), head, above))
 
 

@@ -1,0 +1,143 @@
+"""What converted PPDDL looks like: texts that a person could have written."""
+
+from __future__ import annotations
+
+import json
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from cleancli.cli.main import run
+from cleancli.conversion.pddl.convert import Converted, Wishes, convert
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Domain, Horizon, Problem, RewardKind, Unlimited
+from cleancli.language.printing.formatter import layout
+
+TIDY = Path(__file__).parent / "tidy"
+
+
+def tidy(*, horizon: int | None = None, **changes: str) -> Converted:
+    """The tidy domain and problem, converted; a change is a text of either, `=>`, and what replaces it."""
+    texts = [(TIDY / name).read_text(encoding="utf-8") for name in ("tidy.pddl", "tidy_two.pddl")]
+    for change in changes.values():
+        old, new = change.split(" => ")
+        assert any(old in text for text in texts)
+        texts = [text.replace(old, new) for text in texts]
+    sources = [Source(name, text) for name, text in zip(("tidy.pddl", "tidy_two.pddl"), texts, strict=True)]
+    return convert(sources, Wishes(horizon=horizon))
+
+
+def models(made: Converted) -> tuple[Domain, Problem]:
+    domain = load_domain(Source("domain.nid", made.domain))
+    return domain, load_problem(Source("problem.nid", made.problems["two"]), domain)
+
+
+def test_texts_are_laid_out_and_without_a_warning() -> None:
+    made = tidy()
+    assert made.diagnostics == ()
+    assert layout(made.domain) == made.domain
+    assert layout(made.problems["two"]) == made.problems["two"]
+
+
+def test_a_condition_inside_of_an_effect_makes_two_rules() -> None:
+    domain, _ = models(tidy())
+    assert [rule.name for rule in domain.rules] == ["push_wet", "push_not_wet", "move", "empty_bin"]
+    chances = [[outcome.probability for outcome in rule.outcomes] for rule in domain.rules]
+    assert chances[0] == [Fraction(2, 25), Fraction(18, 25), Fraction(1, 50), Fraction(9, 50)]
+    assert chances[1] == [Fraction(4, 5), Fraction(1, 5)]
+
+
+def test_comments_say_what_is_from_where() -> None:
+    made = tidy()
+    assert made.domain.startswith("# Converted from tidy.pddl by `cleancli convert`.\n# left out: predicates")
+    assert "  # tidy.pddl, line 9\n  rule push_wet:" in made.domain
+    assert made.problems["two"].startswith("# Converted from tidy_two.pddl by `cleancli convert`.\n")
+
+
+def test_names_are_those_of_the_file() -> None:
+    made = tidy(
+        hyphens="next-to => Next-To-It",
+        reserved="(wet => (nothing",
+        digits="a2 => 2",
+        clash="colour => next_to_it",
+        asked="(dirt ?from)\n => (and (dirt ?from) (next_to_it ?from))\n",
+    )
+    assert "Next_To_It(?a ?b - area) [static]" in made.domain
+    assert "nothing_(?a - area)" in made.domain
+    assert "next_to_it(?a - area)" in made.domain
+    assert "a1 o2 - area" in made.problems["two"]
+    assert made.diagnostics == ()
+
+
+def test_the_problem_says_how_it_ends() -> None:
+    domain, problem = models(tidy())
+    assert isinstance(problem.horizon, Unlimited)
+    assert [term.kind for term in domain.reward] == [RewardKind.GOAL, RewardKind.COST]
+    assert [action.cost for action in domain.actions] == [2, 1, 5]
+    rewarded = "minimize (total-cost) => maximize (reward)"
+    made = tidy(metric=rewarded, paid="increase (total-cost) => decrease (reward)")
+    domain, problem = models(made)
+    assert problem.horizon == Horizon(40)
+    assert "# the horizon is a guess: PPDDL has none" in made.problems["two"]
+    assert [term.kind for term in domain.reward] == [RewardKind.COST]
+    assert models(tidy(horizon=7, metric=rewarded))[1].horizon == Horizon(7)
+    paid = models(tidy(metric="(:metric minimize (total-cost)) => (:goal-reward 3/2)"))[0]
+    assert [(term.kind, term.weight) for term in paid.reward] == [(RewardKind.GOAL, Fraction(3, 2))]
+
+
+def test_what_chance_pays_is_paid_on_average() -> None:
+    domain, _ = models(
+        tidy(cost="(increase (total-cost) 5) => (probabilistic 0.5 (increase (total-cost) 5))")
+    )
+    assert domain.actions[2].cost == Fraction(5, 2)
+
+
+def test_untyped_files_have_one_type() -> None:
+    text = "(define (domain d) (:predicates (p ?x)) (:action a :parameters (?x) :effect (p ?x)))"
+    problem = "(define (problem q) (:domain d) (:objects o) (:goal (p o)))"
+    made = convert([Source("d.pddl", text), Source("q.pddl", problem)], Wishes())
+    assert "types {\n    object\n  }" in made.domain
+    assert made.diagnostics == ()
+
+
+def test_several_problems_share_the_domain() -> None:
+    texts = [(TIDY / name).read_text(encoding="utf-8") for name in ("tidy.pddl", "tidy_two.pddl")]
+    other = texts[1].replace("problem two", "problem tidy").replace("(dirt a1)", "")
+    sources = [Source(f"{n}.pddl", text) for n, text in enumerate((texts[1], texts[0], other))]
+    made = convert(sources, Wishes())
+    assert list(made.problems) == ["two", "tidy_"]
+    with pytest.raises(Refused, match="wants something else"):
+        convert([*sources, Source("3.pddl", other.replace("minimize", "maximize"))], Wishes())
+
+
+def test_the_command_writes_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = [str(TIDY / "tidy.pddl"), str(TIDY / "tidy_two.pddl")]
+    assert run(["convert", *files, "--out", str(tmp_path), "--json", "--domain-name", "clean"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["domain"] == str(tmp_path / "clean.nid")
+    assert told["problems"] == [str(tmp_path / "two.nid")]
+    assert run(["check", str(tmp_path)]) == 0
+    assert run(["plan", told["domain"], told["problems"][0], "--json"]) == 0
+    assert run(["convert", *files, "--out", str(tmp_path), "--domain-name", "clean"]) == 1
+    assert run(["convert", *files, "--out", str(tmp_path), "--domain-name", "clean", "--force"]) == 0
+
+
+def test_other_names_need_to_be_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tidy.txt"
+    file.write_text((TIDY / "tidy.pddl").read_text(encoding="utf-8"), encoding="utf-8")
+    assert run(["convert", str(file), "--from", "pddl", "--out", str(tmp_path / "out")]) == 0
+    assert run(["convert", str(tmp_path / "tidy.rddl"), "--out", str(tmp_path / "out")]) == 2
+    assert re.search(r"RDDL is not\s+converted", capsys.readouterr().err)
+
+
+def test_nothing_is_written_after_a_mistake(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tidy.pddl"
+    text = (TIDY / "tidy.pddl").read_text(encoding="utf-8").replace("(dirt ?to)", "(dirt ?too)")
+    file.write_text(text, encoding="utf-8")
+    assert run(["convert", str(file), "--out", str(tmp_path / "out")]) == 1
+    assert "tidy.pddl:20:69: error[E916]: the variable `?too` is not bound" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,6 @@
+(define (problem two)
+  (:domain tidy)
+  (:objects a1 a2 - area)
+  (:init (dirt a1) (dirt a2) (wet a2) (next-to a2 a1) (full bin) (colour a1) (= (total-cost) 0))
+  (:goal (forall (?a - area) (not (dirt ?a))))
+  (:metric minimize (total-cost)))
