@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from cleancli.cli.main import run
+from cleancli.cli.views.plan_picture import FACTORED
 from cleancli.planning.registry import PLANNERS
 from support import commands
 
@@ -248,6 +249,9 @@ def test_the_picture_names_steps_and_what_they_change(
     picture = Path("belief.svg").read_text(encoding="utf-8")
     assert all(f">{text}</text>" in picture for text in ("open(d1)", "2. push(d1)", "0.84", "1.16"))
     assert ">open(d2)</text>" not in picture
+    for told in ("exact belief", FACTORED, "the darker, the likelier;"):
+        assert picture.count(f">{told}</text>") == 1
+    assert picture.count("stroke-dasharray") >= 2, "in the picture and in the legend"
     said(capsys, "--evaluate", "", "--plot", "nothing.png")
     assert Path("nothing.png").read_bytes().startswith(b"\x89PNG")
     assert ".png or .svg" in said(capsys, "--plot", "belief.pdf", code=2)

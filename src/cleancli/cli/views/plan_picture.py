@@ -23,8 +23,17 @@ LEAST_CHANGE = 0.005
 """A literal that changes by less over all steps is not worth a row. Chosen."""
 
 _SHADE = "Blues"
-_SOLID = {"color": "#1b3a57", "linewidth": 1.6}
-_DASHED = {"color": "#ea580c", "linewidth": 1.0, "linestyle": "--"}
+# Told apart by marks and dashes as well as by colour, also where one lies on the other.
+_FORECAST: dict[str, Any] = {"color": "#14304a", "linewidth": 2.0, "marker": "o", "markersize": 3.5}
+_FACTORED: dict[str, Any] = {
+    "color": "#d9480f",
+    "linewidth": 1.2,
+    "linestyle": (0, (4, 3)),
+    "marker": "s",
+    "markersize": 6.5,
+    "markerfacecolor": "none",
+}
+FACTORED = "PRADA's factored belief"
 
 
 def check_picture(path: Path | None) -> None:
@@ -42,8 +51,8 @@ def draw_picture(job: PlanningRequest, actions: Sequence[int], expected: Forecas
     rows = _rows(job, expected.marginals, factored)
     slots = [slot for slot, _ in rows]
     counts = _counts(job, expected, factored)
-    heights = [0.3 * max(len(rows), 2)] + [1.5] * (counts is not None)
-    figure = _figure(max(4.2 + 0.62 * len(expected.marginals), 6.5), 2.2 + sum(heights))
+    heights = [0.34 * max(len(rows), 2)] + [1.5] * (counts is not None)
+    figure = _figure(max(6.4 + 0.62 * len(expected.marginals), 8.7), 2.2 + sum(heights))
     axes = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     _draw_rows(axes[0], [text for _, text in rows], expected.marginals[:, slots], factored[:, slots])
     if counts is not None:
@@ -58,11 +67,9 @@ def draw_picture(job: PlanningRequest, actions: Sequence[int], expected: Forecas
         ha="right",
         rotation_mode="anchor",
     )
-    source = "exact" if expected.runs is None else f"{expected.runs} drawn runs"
+    source = "exact belief" if expected.runs is None else f"belief in {expected.runs} drawn runs"
     figure.suptitle(f"{job.problem.name}: belief after each step", fontsize=11)
-    axes[0].set_title(
-        f"solid and shaded, last value at the right: {source}; dashed: PRADA's factored belief", fontsize=8
-    )
+    _draw_legend(figure, axes[0], source)
     figure.savefig(path, dpi=130)
 
 
@@ -100,8 +107,23 @@ def _counts(job: PlanningRequest, expected: Forecast, factored: Floats) -> tuple
     return np.array([expected.remaining, *after], dtype=np.float64), by_belief
 
 
+def _draw_legend(figure: Any, axes: Any, source: str) -> None:
+    """What each line and the shade stand for, beside the picture."""
+    shade = "the darker, the likelier;\nafter the last step, in figures"
+    figure.legend(
+        handles=[
+            *axes.plot([], [], label=source, **_FORECAST),
+            *axes.plot([], [], label=FACTORED, **_FACTORED),
+            *axes.fill([], [], facecolor="#4292c6", label=shade),
+        ],
+        loc="outside right upper",
+        fontsize=8,
+        frameon=False,
+    )
+
+
 def _draw_rows(axes: Any, labels: Sequence[str], marginals: Floats, factored: Floats) -> None:
-    """A band for each literal, from 0 at its lower edge to 1 at its upper."""
+    """A band for each literal, from 0 near its lower edge to 1 near its upper."""
     steps = np.arange(len(marginals))
     if not labels:
         axes.text(0.5, 0.5, "nothing changes", transform=axes.transAxes, ha="center")
@@ -116,8 +138,8 @@ def _draw_rows(axes: Any, labels: Sequence[str], marginals: Floats, factored: Fl
         interpolation="nearest",
     )
     for row in range(len(labels)):
-        for found, style in ((marginals, _SOLID), (factored, _DASHED)):
-            axes.plot(steps, row + 0.4 - 0.8 * found[:, row], drawstyle="steps-mid", **style)
+        for found, style in ((marginals, _FORECAST), (factored, _FACTORED)):
+            axes.plot(steps, row + 0.33 - 0.66 * found[:, row], drawstyle="steps-mid", **style)
         axes.axhline(row + 0.5, color="white", linewidth=2)
         axes.text(steps[-1] + 0.6, row, f"{marginals[-1, row]:.2f}", va="center", fontsize=8)
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
@@ -125,8 +147,8 @@ def _draw_rows(axes: Any, labels: Sequence[str], marginals: Floats, factored: Fl
 
 
 def _draw_counts(axes: Any, expected: Floats, factored: Floats) -> None:
-    axes.plot(expected, marker="o", markersize=3, **_SOLID)
-    axes.plot(factored, **_DASHED)
+    axes.plot(expected, **_FORECAST)
+    axes.plot(factored, **_FACTORED)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("expected\ncount", fontsize=8)
     axes.tick_params(labelsize=8)
