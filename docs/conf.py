@@ -29,7 +29,7 @@ myst_heading_anchors = (
 
 NAVIGATION = {
     "index": {
-        "First steps": "gallery comparison",
+        "First steps": "tutorial gallery comparison",
         "Guides": "planning simulation execution learning experiments report recording real_tables gym editors",
         "Reference": "language diagnostics commands exit-codes python runs",
         "How it works": "planners perception world physics statistics",
