@@ -1,4 +1,4 @@
-"""Whole rules from experience: python benchmarks/whole_rules.py [FOLDER] [--seed N] [--drawn N] [--quick]
+"""Whole rules from experience: python benchmarks/whole_rules.py [FOLDER] [--search S] [--seed N] [--quick]
 
 Hides the rules of domains, learns them from transitions alone (`cleancli learn --structure`), and says how
 far the states that are foretold for held-out transitions are from those that the hidden rules foretell (total
@@ -36,7 +36,7 @@ from cleancli.learning.learn import learn
 from cleancli.learning.learn import revised as with_probabilities
 from cleancli.learning.method import Method
 from cleancli.learning.structure.arrays import compiled
-from cleancli.learning.structure.induce import revised
+from cleancli.learning.structure.induce import SEARCHES, TREE, revised
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.hidden_rules import TEXTS, domain_of, starts
@@ -97,11 +97,12 @@ def floor(domain: Domain, transitions: Sequence[Transition]) -> Domain:
     return with_probabilities(bare, learn(bare, transitions, Method("likelihood", 0.0, "shared", 0.0)))
 
 
-def row(hidden: Hidden, transitions: Sequence[Transition]) -> str:
+def row(hidden: Hidden, transitions: Sequence[Transition], search: str) -> str:
     """A row of the table."""
     domain, bare = hidden.domain, without_rules(hidden.domain)
     began = time.process_time()
-    found = revised(bare, compiled(bare, transitions), [action.name for action in bare.actions]).domain
+    actions = [action.name for action in bare.actions]
+    found = revised(bare, compiled(bare, transitions), actions, search).domain
     seconds = time.process_time() - began
     text = layout(print_domain(found))
     codes = {each.code for each in checked_domain(Source("found", text)).diagnostics} - UNUSED
@@ -117,6 +118,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder", type=Path, nargs="?", metavar="FOLDER")
+    parser.add_argument("--search", choices=SEARCHES, default=TREE.search)
     parser.add_argument("--seed", type=int, default=1, help="of the transitions that are drawn")
     parser.add_argument("--drawn", type=int, default=5000)
     parser.add_argument("--quick", action="store_true")
@@ -127,10 +129,10 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|", flush=True)
     for hidden in every:
         for size in SIZES:
-            print(row(hidden, hidden.train[:size]), flush=True)
+            print(row(hidden, hidden.train[:size], options.search), flush=True)
         if options.drawn and not options.quick:
             drawn = itertools.islice(walks(hidden.domain, hidden.starts, rng), options.drawn)
-            print(row(hidden, list(drawn)), flush=True)
+            print(row(hidden, list(drawn), options.search), flush=True)
 
 
 if __name__ == "__main__":

@@ -104,6 +104,17 @@ def test_the_seed_says_what_is_held_out_and_python_says_the_same(
     assert Path("bare.nid").read_text(encoding="utf-8") == found.text
 
 
+def test_the_search_of_2007_finds_the_same_rules(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "learn --structure --search pasula bare.nid seen.jsonl")
+    assert "600 transitions of 3 actions: 4 rules learned" in text
+    one, other = (
+        cleancli.learn_structure("bare.nid", "seen.jsonl", search=each) for each in ("tree", "pasula")
+    )
+    assert [row.after.rules for row in one.actions] == [row.after.rules for row in other.actions]
+    with pytest.raises(ValueError, match="'greedy' is not one of 'tree', 'pasula'"):
+        cleancli.learn_structure("bare.nid", "seen.jsonl", search="greedy")
+
+
 def test_a_shipped_domain_is_not_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["learn", "--structure", "cleaning", "seen.jsonl", "--write"]) == 2
     capsys.readouterr()
@@ -116,6 +127,7 @@ def test_a_shipped_domain_is_not_written(folder: Path, capsys: pytest.CaptureFix
         ("--structure locks.nid seen.jsonl --m 3", "leave out --estimator"),
         ("--structure locks.nid seen.jsonl --explain", "leave out --estimator"),
         ("locks.nid seen.jsonl --vocabulary", "are for --structure: add it"),
+        ("locks.nid seen.jsonl --search tree", "are for --structure: add it"),
         ("locks.nid seen.jsonl --seed 3", "are for --structure: add it"),
         ("--structure locks.nid seen.jsonl --action wipe", "no action `wipe`; it has unlock, grab, slam"),
     ],

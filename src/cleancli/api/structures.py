@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cleancli.api.checks import check_least
+from cleancli.api.checks import check_least, check_one_of
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
 from cleancli.api.learned import Change, Rewritten, check_writable
 from cleancli.api.lessons import edited, experience_files, is_own_file
@@ -23,7 +23,7 @@ from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.rule_edits import rule_edits
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.structure.arrays import compiled
-from cleancli.learning.structure.induce import Revised, revised
+from cleancli.learning.structure.induce import SEARCHES, TREE, Revised, revised
 from cleancli.learning.structure.score import Score, scored, together
 from cleancli.planning.plan import BadOption
 
@@ -106,6 +106,7 @@ def learn_structure(
     *experience: str | Path,
     vocabulary: bool = False,
     actions: Sequence[str] = (),
+    search: str = TREE.search,
     seed: int = 0,
     write: bool = False,
 ) -> StructureResult:
@@ -114,18 +115,20 @@ def learn_structure(
 
     The rules of an action stay where they explain the experience as well as those that were learned, and
     where one of them is `fixed`; with `vocabulary`, none stays. `actions` names those to learn the rules of,
-    by default all. `seed` draws the transitions that are held out.
+    by default all. `search` says how contexts are found: "tree", by a decision tree, or "pasula", by the
+    search of Pasula, Zettlemoyer and Kaelbling (2007). `seed` draws the transitions that are held out.
 
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
     """
     check_least(0, seed=seed)
+    check_one_of("search", search, SEARCHES)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
     if write:
         check_writable(loaded.sources[0], is_writable)
-    wanted = Wanted(vocabulary, tuple(actions), seed)
+    wanted = Wanted(vocabulary, tuple(actions), search, seed)
     result = structures(loaded, [Path(each) for each in experience], wanted, is_writable)
     if write:
         result.write()
@@ -138,6 +141,7 @@ class Wanted:
 
     vocabulary: bool = False
     actions: tuple[str, ...] = ()
+    search: str = TREE.search
     seed: int = 0
 
 
@@ -155,7 +159,7 @@ def structures(
         each for file in experience_files(experience) for each in read_experience(file.path, model)
     ]
     start = _without_rules(model, names) if wanted.vocabulary else model
-    found = revised(start, compiled(model, transitions), names)
+    found = revised(start, compiled(model, transitions), names, wanted.search)
     dropped = {rule.name for rule in found.dropped}
     if wanted.vocabulary:
         dropped |= {rule.name for rule in model.rules if rule.action in names}
@@ -163,7 +167,7 @@ def structures(
     main = domain.sources[0].path
     texts[main] = Source(main, layout(texts[main].text, main))
     checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
-    scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted.seed))
+    scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted))
     return StructureResult(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
@@ -199,14 +203,14 @@ class _Scores(NamedTuple):
 
 
 def _held_out(
-    model: Domain, transitions: Sequence[Transition], names: Sequence[str], seed: int
+    model: Domain, transitions: Sequence[Transition], names: Sequence[str], wanted: Wanted
 ) -> tuple[dict[str, Score], dict[str, Score]]:
     """The scores of what is held out of each action, by the rules as they are, and by those that are learned
     from the others."""
-    held = np.random.default_rng(seed).permutation(len(transitions))[: len(transitions) // HELD_OUT]
+    held = np.random.default_rng(wanted.seed).permutation(len(transitions))[: len(transitions) // HELD_OUT]
     out = set(held.tolist())
     kept = [each for number, each in enumerate(transitions) if number not in out]
-    learned = revised(model, compiled(model, kept), names).domain
+    learned = revised(model, compiled(model, kept), names, wanted.search).domain
     tested = compiled(model, [transitions[number] for number in sorted(out)])
     concerned = [name for name in names if name in tested]
     before, after = ({n: scored(d, n, tested[n]) for n in concerned} for d in (model, learned))

@@ -23,6 +23,7 @@ from cleancli.cli.inputs import may_include_outside, open_loaded, ships_with
 from cleancli.cli.progress import working
 from cleancli.cli.usage import usage_errors
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.learning.structure.induce import SEARCHES, TREE
 
 
 @command_of("learn")
@@ -60,6 +61,12 @@ from cleancli.language.diagnostics.diagnostic import Source
     metavar="NAME",
     help="With --structure: learn the rules of this action; may be repeated.  [default: all]",
 )
+@click.option(
+    "--search",
+    type=click.Choice(SEARCHES),
+    help="With --structure: how contexts are found, by a decision tree or as in 2007; see the docs."
+    f"  [default: {TREE.search}]",
+)
 @options.seed("what --structure holds out", "0")
 @click.option(
     "--output",
@@ -87,6 +94,7 @@ def command(
     structure: bool,
     vocabulary: bool,
     actions: tuple[str, ...],
+    search: str | None,
     seed: int | None,
     output: Path | None,
     write: bool,
@@ -113,8 +121,8 @@ def command(
     if write and not is_own:
         raise ships_with(domain, loaded)
     counting = Counting(estimator, m, match, forgetting, add, replace)
-    if not structure and (vocabulary or actions or seed is not None):
-        raise click.UsageError("--vocabulary, --action and --seed are for --structure: add it")
+    if not structure and (vocabulary or actions or search or seed is not None):
+        raise click.UsageError("--vocabulary, --action, --search and --seed are for --structure: add it")
     if structure:
         if counting != Counting() or check or explain:
             raise click.UsageError(
@@ -122,7 +130,7 @@ def command(
                 " --forgetting, --add, --replace, --check and --explain"
             )
         with working("learning rules"), usage_errors():
-            wanted = Wanted(vocabulary, actions, seed or 0)
+            wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0)
             rules = structures(loaded, experience, wanted, is_own, may_include_outside())
         return _finish(rules, write, output, diff, as_data)
     if check:

@@ -23,6 +23,7 @@ from cleancli.learning.structure.effects import (
     with_references,
 )
 from cleancli.learning.structure.outcomes import needed, possible
+from cleancli.learning.structure.pasula import searched
 from cleancli.learning.structure.rules import Described, default_of, described, rows_of, rules_of
 from cleancli.learning.structure.score import Score, scored
 
@@ -38,32 +39,50 @@ class Induced:
     odd: int
 
 
-def induced(domain: Domain, action: Action, given: ActionArrays, plain: bool = False) -> Induced:
-    """The rules that describe the transitions of an action best; where `plain`, with contexts that ask for
-    nothing but the action's arguments.
+SEARCHES = ("tree", "pasula")
+"""How contexts are found: by a decision tree, or by the search of 2007."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """How rules are found: the `search` for contexts, and whether these ask for nothing but the action's
+    arguments (`plain`)."""
+
+    search: str = "tree"
+    plain: bool = False
+
+
+TREE = Way()
+
+
+def induced(domain: Domain, action: Action, given: ActionArrays, way: Way = Way()) -> Induced:
+    """The rules that describe the transitions of an action best, as far as the search finds them.
 
     Changes of objects that the action does not name are told by references first and by `forall` where these
     do not do, or the other way round: as is shorter.
     """
     changes = changes_of(given.arrays)
     known = named(given, action.parameters)
-    ways = [with_foralls(given, with_references(given, known, changes), changes)]
-    if ways[0].references:
-        ways.append(with_references(given, with_foralls(given, known, changes), changes))
-    leaves, _ = min((_described(given, way, changes, plain) for way in ways), key=lambda each: each[1])
+    names = [with_foralls(given, with_references(given, known, changes), changes)]
+    if names[0].references:
+        names.append(with_references(given, with_foralls(given, known, changes), changes))
+    leaves, _ = min((_described(given, each, changes, way) for each in names), key=lambda each: each[1])
     left = np.delete(given.arrays.changed, rows_of(leaves))
     rules = rules_of(domain, action, leaves)
     return Induced(action.name, rules, int((left == 0).sum()), int((left > 0).sum()))
 
 
 def _described(
-    given: ActionArrays, known: Named, changes: Sequence[Change], plain: bool
+    given: ActionArrays, known: Named, changes: Sequence[Change], way: Way
 ) -> tuple[list[Described], float]:
-    """What the leaves of the best tree do, and the length of the description in nats."""
+    """What the leaves of the best contexts do, and the length of the description in nats."""
     everything = possible(given.arrays, known, changes)
     results = needed(everything)
-    questions = asked_of(given.arrays, known, plain)
-    grown = tree(results, questions, np.arange(given.arrays.size))
+    questions = asked_of(given.arrays, known, way.plain)
+    if way.search == "pasula":
+        grown = searched(results, questions)
+    else:
+        grown = tree(results, questions, np.arange(given.arrays.size))
     return [described(results, everything, known, leaf) for leaf in grown.leaves], grown.length
 
 
@@ -88,16 +107,26 @@ class Revised:
     default: tuple[Outcome, ...]
 
 
-def revised(domain: Domain, compiled: Mapping[str, ActionArrays], actions: Sequence[str]) -> Revised:
-    """The domain with better rules for those of these actions that there are transitions of.
+def revised(
+    domain: Domain,
+    compiled: Mapping[str, ActionArrays],
+    actions: Sequence[str],
+    search: str = TREE.search,
+) -> Revised:
+    """The domain with better rules for those of these actions that there are transitions of, found by a
+    search of `SEARCHES`.
 
     The rules of an action stay where their score, with probabilities that fit, is no worse than that of those
     that were induced, so that names and comments of rules that somebody wrote are kept.
     """
     declared = {each.name: each for each in domain.actions}
-    found = {name: induced(domain, declared[name], compiled[name]) for name in actions if name in compiled}
+    found = {
+        name: induced(domain, declared[name], compiled[name], Way(search))
+        for name in actions
+        if name in compiled
+    }
     for name in _overlapping(domain, list(found.values())):
-        found[name] = induced(domain, declared[name], compiled[name], plain=True)
+        found[name] = induced(domain, declared[name], compiled[name], Way(search, plain=True))
     default = _default(domain, list(found.values()))
     new = tuple(rule for each in found.values() for rule in each.rules)
     others = tuple(rule for rule in domain.rules if rule.action not in found)

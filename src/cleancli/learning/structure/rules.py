@@ -175,13 +175,8 @@ def _answered(
 
 def _alone(path: tuple[Asked, ...], paths: Sequence[tuple[Asked, ...]]) -> list[bool]:
     """Of each question whether no rule is written that gave it the other answer."""
-    return [
-        not any(
-            len(other) > number and other[:number] == path[:number] and other[number] != asked
-            for other in paths
-        )
-        for number, asked in enumerate(path)
-    ]
+    answers = set(itertools.chain.from_iterable(paths))
+    return [Asked(asked.question, not asked.answer) not in answers for asked in path]
 
 
 def _opposite(domain: Domain, part: Literal | Equality) -> Literal | Equality:
