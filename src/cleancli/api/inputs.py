@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cleancli.api.tables import preformatted
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.conversion.pddl.models import is_pddl, models_of
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import checked_domain, kind_of, read_source
 from cleancli.language.load import load_problem as checked_problem
@@ -21,11 +23,12 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class LoadedDomain:
     """A domain that holds no mistake; `sources` are its text and those that it includes. Prints as its
-    text."""
+    text. One that was written in PPDDL cannot be changed in place: `is_pddl`."""
 
     name: str
     model: Domain
     sources: tuple[Source, ...]
+    is_pddl: bool = False
 
     def __str__(self) -> str:
         return self.sources[0].text
@@ -76,7 +79,8 @@ GivenProblem = str | Path | LoadedProblem
 def load_domain(domain: GivenDomain, *, include_outside: bool = False) -> LoadedDomain:
     """Read and check a domain; `include_outside` lets it include files from outside its folder.
 
-    A text is told from a name by its braces. Raises Refused with every mistake.
+    A text is told from a name by its braces, or by the parenthesis that PPDDL begins with. Raises Refused
+    with every mistake.
     """
     if isinstance(domain, LoadedDomain):
         return domain
@@ -85,6 +89,9 @@ def load_domain(domain: GivenDomain, *, include_outside: bool = False) -> Loaded
 
 def opened_domain(source: Source, include_outside: bool, *, compat: bool = False) -> LoadedDomain:
     """The domain of a text; `compat`: for planning as libPRADA does. Raises Refused."""
+    if is_pddl(source):
+        made = models_of(source)
+        return LoadedDomain(made.domain.name, made.domain, made.sources, is_pddl=True)
     checked = checked_domain(source, include_outside, compat=compat)
     model = checked.get()
     return LoadedDomain(model.name, model, checked.sources)
@@ -93,8 +100,11 @@ def opened_domain(source: Source, include_outside: bool, *, compat: bool = False
 def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
     """Read and check a problem of the domain, or a scene. Raises Refused with every mistake.
 
-    What scenes are made of takes time to load, and most files are none.
+    What scenes are made of takes time to load, and most files are none. A problem in PPDDL is read together
+    with its domain, which may name the problem's objects then.
     """
+    if not isinstance(problem, LoadedProblem) and is_pddl(source := source_of(problem, "problem")):
+        return _pddl_problem(source, domain)
     domain = load_domain(domain)
     if isinstance(problem, LoadedProblem):
         if problem.domain.model == domain.model:
@@ -111,9 +121,34 @@ def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
     return LoadedProblem(model.name, model, domain, problem_source)
 
 
+def refuse_learning_pddl(domain: LoadedDomain) -> None:
+    """Raises Refused for a domain in PPDDL: learning changes numbers in a .nid text, and notes counts
+    there."""
+    if domain.is_pddl:
+        source = domain.sources[0]
+        message, help = "what is learned has no place in a PPDDL file", "convert it first: `cleancli convert`"
+        raise Refused([Diagnostic("E106", message, Span(source.path, 0, 0), help=help)], [source])
+
+
+def _pddl_problem(source: Source, domain: GivenDomain) -> LoadedProblem:
+    """A problem that is written in PPDDL, as its domain is."""
+    text = domain.sources[0] if isinstance(domain, LoadedDomain) else source_of(domain, "domain")
+    if not is_pddl(text):
+        message = "this problem is written in PPDDL, and its domain is not"
+        help = "give the domain's PPDDL file, or convert both: `cleancli convert`"
+        raise Refused([Diagnostic("E106", message, Span(source.path, 0, 0), help=help)], [source])
+    made = models_of(text, source)
+    if len(made.problems) > 1:
+        message, help = "this file defines several problems", "give a file of each"
+        raise Refused([Diagnostic("E105", message, Span(source.path, 0, 0), help=help)], [source])
+    (model,) = made.problems
+    loaded = LoadedDomain(made.domain.name, made.domain, (text,), is_pddl=True)
+    return LoadedProblem(model.name, model, loaded, source)
+
+
 def source_of(given: str | Path, kind: str) -> Source:
     """The text that is meant: this one, that of a file, or that of a shipped domain or problem. Raises
     Refused (E001) where there is none."""
-    if isinstance(given, str) and "{" in given:
+    if isinstance(given, str) and ("{" in given or is_pddl(Source("", given))):
         return Source(f"<{kind}>", given)
     return read_source(find(str(given), f"{kind}s"))

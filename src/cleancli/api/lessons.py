@@ -9,7 +9,7 @@ from itertools import accumulate
 from pathlib import Path
 
 from cleancli.api.checks import check_one_of, check_seconds
-from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
+from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain, refuse_learning_pddl
 from cleancli.api.learned import (
     ActionCorrection,
     ActionDuration,
@@ -123,6 +123,7 @@ def lessons(
     include_outside: bool = False,
 ) -> LearningResult:
     """What was learned, after the new text was checked. Raises Refused, OSError."""
+    refuse_learning_pddl(domain)
     model, method = domain.model, counting.method(domain.model)
     files = experience_files(experience)
     with located_in(*domain.sources):

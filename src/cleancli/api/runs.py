@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cleancli.api.inputs import LoadedDomain, LoadedProblem
+from cleancli.api.inputs import LoadedDomain, LoadedProblem, refuse_learning_pddl
 from cleancli.api.plain import plain
 from cleancli.api.resuming import Note, last_checkpoint, reopened, unfinished
 from cleancli.api.run_session import (
@@ -238,6 +238,8 @@ def inputs_of(
 
     Raises Refused (E902) where time is asked for and one is not known, BadOption where what is hoped of
     unknown rules makes no difference."""
+    if asked.learning is not None:
+        refuse_learning_pddl(given.domain)
     _check_optimism(asked)
     _check_horizon(given.model, asked.optimism, objective)
     with planning_refused(given.sources):

@@ -9,6 +9,7 @@ import click
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.cli.files import STDIN, read
+from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, is_pddl, models_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
 from cleancli.language.load import (
@@ -31,7 +32,10 @@ def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
 
 def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
     """A problem of a domain, or a scene, with all texts; raises Refused."""
-    return load_problem(find(problem, "problems"), open_loaded(domain, compat=compat))
+    text, path = read_source(find(domain, "domains")), find(problem, "problems")
+    if is_pddl(text):
+        return load_problem(path, Path(text.path))
+    return load_problem(path, opened_domain(text, may_include_outside(), compat=compat))
 
 
 def ships_with(domain: str, loaded: LoadedDomain) -> click.UsageError:
@@ -68,6 +72,8 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
     is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
     path = find(name_or_path, "domains", "problems", "studies") if is_named else Path(name_or_path)
     source = read(str(path))
+    if is_pddl(source):
+        return _check_pddl(source)
     match kind_of(source):
         case "domain":
             checked = checked_domain(source, may_include_outside())
@@ -82,6 +88,18 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
             beside = path.parent / f"{name}.nid"
             domain = open_loaded(str(beside) if beside.exists() else name)
             return _check_problem(source, domain.model)
+
+
+def _check_pddl(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it."""
+    if not defines_domain(source):
+        beside = sorted(Path(source.path).parent.glob("*.pddl"))
+        others = [read_source(str(path)) for path in beside if str(path) != source.path]
+        domain = domain_for(source, others)
+        made = models_of(domain or source, source)
+    else:
+        made = models_of(source, source if defines_problem(source) else None)
+    return made.diagnostics, made.sources
 
 
 def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
 from cleancli.compiler.unreached import Unreached, unreached
+from cleancli.conversion.pddl.models import is_pddl
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
 from cleancli.language.diagnostics.refused import Refused
@@ -15,6 +17,7 @@ from cleancli.language.parsing.read import parse_as
 from cleancli.language.syntax import Goal, ProblemNode
 
 _MOST_NAMED = 3
+_PDDL_GOAL = re.compile(r"\(\s*(:goal)\b", re.I)
 
 
 def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagnostic, ...]:
@@ -24,7 +27,7 @@ def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagn
 
 def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) -> None:
     """Print the warnings of a problem, whose text is the last of `sources`; of a scene nothing is said."""
-    if kind_of(sources[-1]) != "problem":
+    if not is_pddl(sources[-1]) and kind_of(sources[-1]) != "problem":
         return
     found = warnings_of(sources[-1], domain, problem)
     if found:
@@ -32,6 +35,10 @@ def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) 
 
 
 def _place(source: Source) -> Span:
+    if is_pddl(source):
+        found = _PDDL_GOAL.search(source.text)
+        start, end = found.span(1) if found else (0, 0)
+        return Span(source.path, start, end)
     root, _ = parse_as(source, "problem")
     assert isinstance(root, ProblemNode)
     for section in sections_of(root.sections, Goal):

@@ -33,7 +33,8 @@ class Wishes:
 @dataclass(frozen=True, slots=True)
 class Converted:
     """The names and texts of a domain and its problems, and what has to be told about them. `diagnostics` are
-    warnings about the PPDDL files, then what the checker finds in the texts; `sources` has both."""
+    warnings about the PPDDL files, then what the checker finds in the texts; `sources` has both. `places`
+    tells where each action is from, and under the names of their texts the domain and the problems."""
 
     name: str
     domain: str
@@ -41,6 +42,7 @@ class Converted:
     notes: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
+    places: Mapping[str, Span]
 
 
 def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
@@ -51,10 +53,21 @@ def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
     findings = Findings(sources[0])
     for source in sources[1:]:
         findings.include(source, (), frozenset())
-    texts = {source.path: source for source in sources}
-    domain, problems = _definitions(sources, findings)
+    found = [read(source, findings) for source in sources]
+    domains = [domain for some, _ in found for domain in some]
+    problems = [problem for _, some in found for problem in some]
+    return converted(domains, problems, findings, wishes)
+
+
+def converted(
+    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings, wishes: Wishes
+) -> Converted:
+    """The texts of one domain and its problems; `findings` holds what was found when they were read, and the
+    texts that they were read from. Raises Refused with every mistake."""
+    texts = {source.path: source for source in findings.sources}
+    _refuse_misfits(domains, problems, findings)
     findings.refuse_errors()
-    assert domain is not None
+    domain = domains[0]
     words = Words(domain, problems, findings, texts)
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
@@ -72,21 +85,25 @@ def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
         problem = problem_of(title, start, made, metric, words, wishes.horizon)
         written[title] = problem_text(problem, made, start.node.name.span, _guesses(start, problem, wishes))
     found, outputs = _looked_at(name, text, written)
-    return Converted(name, text, written, notes, (*findings.sorted, *found), (*sources, *outputs))
+    return Converted(
+        name,
+        text,
+        written,
+        notes,
+        (*findings.sorted, *found),
+        (*findings.sources, *outputs),
+        {schema.action.name: schema.place for schema in schemas}
+        | {f"{name}.nid": domain.name.span}
+        | {f"{title}.nid": start.node.name.span for title, start in zip(titles, starts, strict=True)},
+    )
 
 
-def _definitions(
-    sources: Sequence[Source], findings: Findings
-) -> tuple[DomainNode | None, tuple[ProblemNode, ...]]:
-    """The one domain of the files, and their problems; E915 for none and for several."""
-    domains: list[DomainNode] = []
-    problems: list[ProblemNode] = []
-    for source in sources:
-        some, others = read(source, findings)
-        domains += some
-        problems += others
+def _refuse_misfits(
+    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings
+) -> None:
+    """E915 for no domain and for several, W911 for a problem of another."""
     if not domains and not findings.errors:
-        start = Span(sources[0].path, 0, 0)
+        start = Span(findings.source.path, 0, 0)
         findings.error("E915", "no domain is defined", start, help="give the domain's file as well")
     for domain in domains[1:]:
         findings.error("E915", "a second domain is defined", domain.name.span, help="convert one at a time")
@@ -94,7 +111,6 @@ def _definitions(
         if domains and problem.domain is not None and problem.domain != domains[0].name:
             message = f"the problem is for `{problem.domain.text}`, not for `{domains[0].name.text}`"
             findings.warning("W911", message, problem.domain.span, "taken to be for it")
-    return (domains[0] if domains else None), tuple(problems)
 
 
 def _notes(

@@ -1,0 +1,114 @@
+"""PPDDL files as checked models, so that commands take them as they are; mistakes have their places there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from cleancli.conversion.pddl.convert import Converted, Wishes, converted
+from cleancli.conversion.pddl.read import read
+from cleancli.conversion.pddl.syntax import ProblemNode
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Action, Domain, Problem, Rule
+
+_BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
+_RULE = re.compile(r"^  rule \w+: (\w+)\(", re.M)
+
+
+def is_pddl(source: Source) -> bool:
+    """Whether a text is PDDL: its first sign is a parenthesis, with which no .nid file begins."""
+    return _BEGINNING.match(source.text) is not None
+
+
+def defines_domain(source: Source) -> bool:
+    """Whether a PDDL text defines a domain."""
+    return bool(read(source, Findings(source))[0])
+
+
+def defines_problem(source: Source) -> bool:
+    """Whether a PDDL text defines a problem."""
+    return bool(read(source, Findings(source))[1])
+
+
+def domain_for(problem: Source, others: Iterable[Source]) -> Source | None:
+    """The first of some texts that defines the domain which a problem names."""
+    _, problems = read(problem, Findings(problem))
+    wanted = {each.domain for each in problems}
+    for other in others:
+        if is_pddl(other) and any(domain.name in wanted for domain in read(other, Findings(other))[0]):
+            return other
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class Models:
+    """A domain and the problems of a file, with what was found in them, and the texts that this points into.
+    What a mistake is about is the place of the action in PPDDL."""
+
+    domain: Domain
+    problems: tuple[Problem, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    sources: tuple[Source, ...]
+
+
+def models_of(domain: Source, problem: Source | None = None) -> Models:
+    """The models of a domain, and of the problems that another file (or the same) defines for it.
+
+    Raises Refused with every mistake.
+    """
+    findings = Findings(domain)
+    domains, problems = read(domain, findings)
+    if problem is None:
+        problems = ()
+    elif problem.path != domain.path:
+        findings.include(problem, (), frozenset())
+        problems = read(problem, findings)[1]
+    if problem is not None:
+        _refuse_none(problem, problems, findings)
+    made = converted(domains, problems, findings, Wishes())
+    start = domains[0].name.span
+    found = tuple(_in_pddl(each, made) for each in made.diagnostics)
+    try:
+        model = load_domain(Source(f"{made.name}.nid", made.domain))
+        given = [load_problem(Source(f"{n}.nid", text), model) for n, text in made.problems.items()]
+    except Refused as refused:
+        told = [_in_pddl(each, made) for each in refused.diagnostics]
+        raise Refused(told, findings.sources) from None
+    return Models(_placed(model, made, start), tuple(given), found, tuple(findings.sources))
+
+
+def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Findings) -> None:
+    if not problems and not findings.errors:
+        help = "write `(define (problem NAME) (:domain ...) ...)`"
+        findings.error("E915", "no problem is defined", Span(source.path, 0, 0), help=help)
+
+
+def _placed(domain: Domain, made: Converted, start: Span) -> Domain:
+    """The domain with the places of PPDDL in place of those in its text."""
+    rules = tuple(_rule(rule, made.places.get(rule.action, start)) for rule in domain.rules)
+    return replace(domain, rules=rules, actions=tuple(map(_action, domain.actions)), end=None)
+
+
+def _rule(rule: Rule, place: Span) -> Rule:
+    outcomes = tuple(replace(each, probability_span=None, weight_span=None) for each in rule.outcomes)
+    return replace(rule, outcomes=outcomes, span=place)
+
+
+def _action(action: Action) -> Action:
+    return replace(action, duration_span=None, noted_span=None)
+
+
+def _in_pddl(diagnostic: Diagnostic, made: Converted) -> Diagnostic:
+    """The diagnostic at the action that it is about, or where the domain or problem is named."""
+    span = diagnostic.span
+    if span is None or span.path not in made.places:
+        return diagnostic
+    place = made.places[span.path]
+    if span.path == f"{made.name}.nid":
+        before = [rule for rule in _RULE.finditer(made.domain) if rule.start() <= span.start]
+        place = made.places.get(before[-1][1], place) if before else place
+    return replace(diagnostic, span=place)

@@ -1,0 +1,123 @@
+"""Commands and the Python interface take PPDDL files as they are, and tell mistakes at their places there."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import cleancli
+from cleancli.cli.main import run
+
+TIDY = Path(__file__).parent.parent / "conversion" / "tidy"
+FILES = ("tidy.pddl", "tidy_two.pddl")
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in FILES:
+        shutil.copy(TIDY / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+
+
+def changed(name: str, old: str, new: str) -> None:
+    text = Path(name).read_text(encoding="utf-8")
+    assert old in text
+    Path(name).write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "check {0} {1}",
+        "check {1}",
+        "check {0}",
+        "show {0}",
+        "show {0} {1}",
+        "compile {0} {1}",
+        "plan {0} {1}",
+    ],
+)
+def test_commands_take_the_files(line: str) -> None:
+    assert run(line.format(*FILES).split()) == 0
+
+
+def test_what_is_planned_is_what_is_planned_for_converted_files(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["convert", *FILES, "--out", "out"]) == 0
+    capsys.readouterr()
+    plans = []
+    for files in (FILES, ("out/tidy.nid", "out/two.nid"), ("tidy.pddl", "out/two.nid")):
+        assert run(["plan", *files, "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        plans.append((told["plan"], told["value"], told["problem"]))
+    assert plans[0] == plans[1] == plans[2]
+
+
+def test_one_file_may_hold_both(capsys: pytest.CaptureFixture[str]) -> None:
+    both = "".join(Path(name).read_text(encoding="utf-8") for name in FILES)
+    Path("both.pddl").write_text(both, encoding="utf-8")
+    assert run(["check", "both.pddl"]) == 0
+    assert run(["explain", "both.pddl", "both.pddl", "move(a1, a2)"]) == 0
+    assert "move" in capsys.readouterr().out
+
+
+def test_python_takes_paths_and_texts() -> None:
+    texts = [Path(name).read_text(encoding="utf-8") for name in FILES]
+    of_texts = cleancli.plan(*texts)
+    of_paths = cleancli.plan(*map(Path, FILES))
+    assert of_texts.plan == of_paths.plan
+    assert str(cleancli.load_domain(texts[0])) == texts[0]
+    loaded = cleancli.load_domain("tidy.pddl")
+    assert cleancli.plan(loaded, "tidy_two.pddl").plan == of_paths.plan
+
+
+def test_chance_for_each_object_needs_the_problem(capsys: pytest.CaptureFixture[str]) -> None:
+    old = "(probabilistic 0.1 (forall (?m - area) (when (next-to ?a ?m) (wet ?m))))"
+    changed("tidy.pddl", old, "(forall (?m - area) (probabilistic 0.1 (wet ?m)))")
+    assert run(["plan", *FILES]) == 0
+    assert run(["show", "tidy.pddl"]) == 1
+    assert "tidy.pddl:15:20: error[E917]" in capsys.readouterr().err
+
+
+def test_mistakes_are_told_where_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+    changed("tidy.pddl", "(dirt ?from)\n", "(dirtt ?from)\n")
+    changed("tidy_two.pddl", "(dirt a2)", "(dirt a5)")
+    assert run(["plan", *FILES]) == 1
+    told = capsys.readouterr().err
+    assert "tidy.pddl:19:20: error[E916]: unknown predicate `dirtt`" in told
+    assert "tidy_two.pddl:4:26: error[E916]: unknown object `a5`" in told
+
+
+def test_what_later_stages_find_has_a_place_too(capsys: pytest.CaptureFixture[str]) -> None:
+    changed("tidy_two.pddl", "(dirt a1) (dirt a2)", "")
+    changed("tidy.pddl", "(dirt ?to)", "(wet ?to)")
+    assert run(["check", *FILES]) == 0
+    assert "tidy_two.pddl:1:18: warning[W402]: `dirt" in capsys.readouterr().out
+
+
+def test_goals_that_are_never_reached_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    changed(
+        "tidy_two.pddl",
+        "(:goal (forall (?a - area) (not (dirt ?a))))",
+        "(:goal (and (full bin) (next-to a1 a2)))",
+    )
+    assert run(["plan", *FILES]) == 0
+    assert "tidy_two.pddl:5:4: warning[W403]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["learn", "tidy.pddl", "experience.jsonl"], ["execute", *FILES, "--learn"]]
+)
+def test_what_is_learned_has_no_place(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    Path("experience.jsonl").write_text("", encoding="utf-8")
+    assert run(words) == 1
+    assert "cleancli convert" in capsys.readouterr().err
+
+
+def test_the_domain_has_to_be_in_pddl_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", "cleaning", "tidy_two.pddl"]) == 1
+    assert "tidy_two.pddl:1:1: error[E106]" in capsys.readouterr().err
+    assert run(["plan", "tidy.pddl", "tidy.pddl"]) == 1
+    assert "no problem is defined" in capsys.readouterr().err
