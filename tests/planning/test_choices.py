@@ -1,4 +1,4 @@
-"""What planners choose, between which candidates, and where a limit lies (docs/planning.md, docs/planners.md)."""
+"""What planners choose, between which candidates, and where a limit lies (docs/planning.md, planners.md)."""
 
 from __future__ import annotations
 
