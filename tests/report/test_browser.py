@@ -6,7 +6,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
@@ -148,27 +148,124 @@ def test_long_names_stay_within_the_window_and_their_box(
         page.close()
 
 
-def test_the_video_plays_in_the_page_and_is_not_asked_for_before(browser: Browser, tmp_path: Path) -> None:
-    run_folder = write_run(tmp_path / "two_groups-seed1-001")
-    video = Video(run_folder / "video.mp4")
+def write_video(path: Path) -> None:
+    video = Video(path)
     for number in range(60):
         video.add(np.full((300, 400, 3), 4 * number, np.uint8), number * VIDEO_INTERVAL, "wiping", "")
     video.close()
+
+
+PLAYED = """async () => {
+  const video = document.querySelector('video');
+  video.muted = true;
+  await video.play();
+  await new Promise(done => video.addEventListener('timeupdate', done));
+  return [video.videoWidth, video.videoHeight, video.error, video.currentTime];
+}"""
+
+
+def test_a_short_video_plays_inside_the_page(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    write_video(run_folder / "video.mp4")
+    assert run(["report", str(run_folder)]) == 0
+    (run_folder / "video.mp4").unlink()
+    page, wrong = opened(browser, run_folder / "report.html")
+    played = page.evaluate(PLAYED)
+    assert played[:3] == [400, 364, None]
+    assert played[3] > 0
+    assert wrong == []
+
+
+def test_a_long_video_plays_beside_the_page_and_is_not_asked_for_before(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    write_video(run_folder / "video.mp4")
+    monkeypatch.setattr("cleancli.report.videos.LARGEST", 1000)
     assert run(["report", str(run_folder)]) == 0
     page, wrong = opened(browser, run_folder / "report.html")
     assert wrong == []
-    played = page.evaluate(
-        """async () => {
-          const video = document.querySelector('video');
-          video.muted = true;
-          await video.play();
-          await new Promise(done => video.addEventListener('timeupdate', done));
-          return [video.videoWidth, video.videoHeight, video.error, video.currentTime];
-        }"""
-    )
+    played = page.evaluate(PLAYED)
     assert played[:3] == [400, 364, None]
     assert played[3] > 0
     assert [each for each in wrong if "video.mp4" not in each] == []
+
+
+SHOWN = "[...document.querySelectorAll('section.step')].map(step => step.getClientRects().length > 0)"
+
+
+def test_the_slider_shows_one_step_at_a_time(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(run_folder)]) == 0
+    page, wrong = opened(browser, run_folder / "report.html")
+    assert page.evaluate(SHOWN) == [True, False, False, False]
+    page.locator("#after").click()
+    assert page.evaluate(SHOWN) == [False, True, False, False]
+    assert page.locator("#named").inner_text() == page.locator("#step-1 h3").inner_text()
+    page.locator("#at").focus()
+    page.keyboard.press("End")
+    assert page.evaluate(SHOWN) == [False, False, False, True]
+    page.locator(".time a[href='#step-2']").first.click()
+    assert page.evaluate(SHOWN) == [False, False, True, False]
+    assert page.locator("#at").input_value() == "2"
+    page.locator("#all").check()
+    assert page.evaluate(SHOWN) == [True] * 4
+    page.locator("#all").uncheck()
+    assert page.evaluate(SHOWN) == [False, False, True, False]
+    assert wrong == []
+    page.emulate_media(media="print")
+    assert page.evaluate(SHOWN) == [True] * 4
+    assert not page.locator("#slider").is_visible()
+
+
+def test_without_script_the_page_is_whole(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(run_folder)]) == 0
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto((run_folder / "report.html").as_uri())
+    assert [step.is_visible() for step in page.locator("section.step").all()] == [True] * 4
+    assert not page.locator("#slider").is_visible()
+    context.close()
+
+
+def test_no_other_script_may_run(browser: Browser, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(run_folder)]) == 0
+    page_of = run_folder / "report.html"
+    told = page_of.read_text(encoding="utf-8").replace("</body>", "<script>window.other = 1</script></body>")
+    page_of.write_text(told, encoding="utf-8")
+    page, wrong = opened(browser, page_of)
+    assert page.evaluate("window.other === undefined")
+    assert any("Content Security Policy" in each for each in wrong)
+
+
+@pytest.mark.parametrize("width", [320, 400, 1280])
+def test_nothing_of_the_slider_lies_on_anything_else(browser: Browser, width: int, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(run_folder)]) == 0
+    page, _ = opened(browser, run_folder / "report.html", width)
+    boxes = page.evaluate(
+        """[...document.getElementById('slider').children].map(e => e.getBoundingClientRect())
+           .map(({left, top, right, bottom}) => [left, top, right, bottom])"""
+    )
+    assert len(boxes) == 5
+    for one, other in combinations(boxes, 2):
+        beside = one[2] <= other[0] + 0.5 or other[2] <= one[0] + 0.5
+        assert beside or one[3] <= other[1] + 0.5 or other[3] <= one[1] + 0.5
+    assert all(left >= 0 and right <= width for left, _, right, _ in boxes)
+
+
+@pytest.mark.parametrize("width", [400, 1280])
+def test_words_of_the_account_are_not_broken(browser: Browser, width: int, tmp_path: Path) -> None:
+    run_folder = write_run(tmp_path / "two_groups-seed1-001")
+    assert run(["report", str(run_folder)]) == 0
+    page, _ = opened(browser, run_folder / "report.html", width)
+    for cell in page.locator("#account + .card td.kind").all():
+        line = cell.evaluate("e => parseFloat(getComputedStyle(e).lineHeight)")
+        height = cell.evaluate("e => e.getBoundingClientRect().height")
+        words = len(cell.inner_text().split())
+        assert height < (words + 0.9) * line
 
 
 def test_runs_side_by_side(browser: Browser, tmp_path: Path) -> None:

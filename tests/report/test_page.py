@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import re
@@ -20,6 +21,7 @@ from cleancli.report.page import run_page
 from cleancli.report.pictures import data_uri
 from cleancli.report.plots import ticks
 from cleancli.report.run import read_run
+from cleancli.report.videos import LARGEST, embedded
 from support.golden import check_golden
 from support.run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT, looked, write_run
 
@@ -27,7 +29,8 @@ from support.run_folders import FAST, GONE, RECORDS, SECONDS, SMALLER, STRAIGHT,
 def test_what_files_say_is_escaped(tmp_path: Path) -> None:
     episode = {"reason": "<script>alert(1)</script>", "clean": False, "actions": 0, "seconds": {"total": 0.0}}
     page = run_page(read_run(write_run(tmp_path / "x<b>", episode=episode)))
-    assert "<script" not in page
+    assert page.count("<script") == 1, "our own"
+    assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)" in page
     assert "it can&#39;t reach &lt;there&gt; &amp; back" in page
 
@@ -271,6 +274,19 @@ def test_videos_are_on_the_page_in_the_order_of_the_run(tmp_path: Path) -> None:
         (folder / name).write_bytes(b"")
     page = run_page(read_run(folder))
     assert re.findall(r'<video [^>]*src="([^"]*)"', page) == ["video.mp4", "video-2.mp4", "video-10.mp4"]
+
+
+def test_videos_are_inside_the_page_as_long_as_they_fit(tmp_path: Path) -> None:
+    names = ("video.mp4", "video-2.mp4", "video-3.mp4", "video-4.mp4")
+    start = b"\0\0\0\x18ftypisom"
+    for name, size in zip(names, (100, LARGEST, 50, LARGEST - 300), strict=True):
+        (tmp_path / name).write_bytes(start + bytes(size))
+    (tmp_path / "video-5.mp4").write_bytes(b"<html>no video</html>")
+    (tmp_path / "video-6.mp4").symlink_to(tmp_path / "video.mp4")
+    found = embedded(tmp_path, (*names, "video-5.mp4", "video-6.mp4", "video 7.mp4"))
+    assert [video.inside for video in found] == [True, False, True, True, False, False, False]
+    assert base64.b64decode(found[0].address.removeprefix("data:video/mp4;base64,")) == start + bytes(100)
+    assert [video.address for video in found[4:]] == ["video-5.mp4", "video-6.mp4", "video%207.mp4"]
 
 
 @pytest.mark.parametrize("size", [(100_000, 100_000), (2**31, 2**31), (0, 5)])

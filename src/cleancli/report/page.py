@@ -1,11 +1,14 @@
-"""A run as one page of HTML that needs nothing else: no network, no script, pictures inside.
+"""A run as one page of HTML that needs nothing else: no network, pictures inside.
 
-Everything that a file of the user says is escaped by the templates.
+Everything that a file of the user says is escaped by the templates. One script of our own may run, that which
+has the hash that the page names; the page is whole without it.
 """
 
 from __future__ import annotations
 
+import base64
 import functools
+import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
@@ -24,6 +27,7 @@ from cleancli.report.plots import marks
 from cleancli.report.run import Run, read_run
 from cleancli.report.steps import NOISE, Step, call, chance_text, facts_text, likeliest, step_text, steps_of
 from cleancli.report.timeline import Count, Stretch, in_order, timeline
+from cleancli.report.videos import embedded
 from cleancli.statistics.bootstrap import Estimate
 
 CURVE_HEIGHT = 100.0
@@ -84,6 +88,9 @@ def write_page(folder: Path) -> Run:
 def run_page(run: Run) -> str:
     """The page of one run, as far as the run has come."""
     steps = steps_of(run.records)
+    first = data_uri(run.picture(0))
+    sections = len(steps) + (first is not None)
+    script = _script() if sections > 1 else ""
     stretches, counts = timeline(run.records)
     axis = max((s.start + s.seconds for s in stretches), default=0.0)
     return (
@@ -100,11 +107,20 @@ def run_page(run: Run) -> str:
             ticks=marks(axis),
             curve=_curve(counts, axis),
             most_areas=max((count.areas for count in counts), default=0),
-            first=data_uri(run.picture(0)),
+            first=first,
+            sections=sections,
+            script=script,
+            script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+            videos=embedded(run.folder, run.videos),
             steps=[_view(step, run, _settable(steps)) for step in steps],
             kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(run.spent())],
         )
     )
+
+
+def _script() -> str:
+    """What shows one step at a time."""
+    return templates().get_template("steps.js").render()
 
 
 def bars(seconds: Mapping[str, float], whole: float | None = None) -> tuple[Bar, ...]:
