@@ -16,6 +16,7 @@ import numpy as np
 
 from support.empty_environment import install
 from support.pictures import picture
+from support.printed import agree
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "tutorial.md"
@@ -24,32 +25,6 @@ _PART = re.compile(
     r"^```(?P<kind>\w+)\n(?P<text>.*?)^```$|^!\[[^\]]*\]\(pictures/tutorial/(?P<picture>[^)]+)\)$",
     re.M | re.S,
 )
-_TIMES = (
-    (r"^seconds: .*", "seconds: TIMES"),
-    (r"\(\d+\.\d\d s\)", "(TIME s)"),
-    (r"^(\S.* \(\S+ to \S+\)) \S+ \S+$", r"\1 TIMES"),  # a planner's row: the last two columns
-    (r"^(\d+ (?:yes|no) \d+) .*", r"\1 TIMES"),  # an episode's row
-)
-"""What differs from run to run."""
-
-
-def without_times(text: str) -> list[str]:
-    """Its lines, with single blanks and without what differs from run to run."""
-    lines = []
-    for line in text.splitlines():
-        told = re.sub(r"\s+", " ", line).strip()
-        for pattern, instead in _TIMES:
-            told = re.sub(pattern, instead, told)
-        lines.append(told)
-    return lines
-
-
-def agree(shown: str, printed: str) -> bool:
-    """Whether a page shows what was printed; `...` stands for any lines."""
-    pattern = "".join(
-        r"(?:.*\n)*?" if line == "..." else re.escape(line) + r"\n" for line in without_times(shown)
-    )
-    return re.fullmatch(pattern, "".join(f"{line}\n" for line in without_times(printed))) is not None
 
 
 def file_named(before: str) -> str:
