@@ -20,6 +20,7 @@ from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.series import MOST_EPISODES, is_series, to_go_on_from
 from cleancli.report.page import write_page
+from cleancli.world.robot import Robot
 
 Follow = Callable[[Event], object]
 """Told every event as it happens."""
@@ -42,6 +43,7 @@ def execute(
     known: int | None = None,
     optimism: str = "prior",
     world: GivenDomain | None = None,
+    robot: Robot | None = None,
     learn: bool = False,
     estimator: str | None = None,
     m: float | None = None,
@@ -54,9 +56,10 @@ def execute(
     on_event: Follow = _unfollowed,
 ) -> RunResult:
     """Carry a problem out: look, decide, act, until nothing is left to do. A scene is carried out on a
-    simulated table, any other problem in the symbolic world, by the rules of `world` or else of the domain.
-    Leaves a folder in `runs`. Where it is to `learn`, plans go by what was learned so far (§5); how, where it
-    is not said, the domain's `learned` block says, or is as usual.
+    simulated table, or by a `robot` of yours (docs/your_own_robot.md), any other problem in the symbolic
+    world, by the rules of `world` or else of the domain. Leaves a folder in `runs`. Where it is to `learn`,
+    plans go by what was learned so far (§5); how, where it is not said, the domain's `learned` block says, or
+    is as usual.
 
     Ctrl-C ends it in good order with a KeyboardInterrupt that says how to go on. Raises Refused for mistakes
     in the texts and for what cannot be planned, ValueError for options that make no sense, OSError where the
@@ -75,6 +78,7 @@ def execute(
         known=known,
         optimism=optimism,
         world=world,
+        robot=robot,
         learn=learn,
         estimator=estimator,
         m=m,
@@ -103,6 +107,7 @@ def execute_series(
     known: int | None = None,
     optimism: str = "prior",
     world: GivenDomain | None = None,
+    robot: Robot | None = None,
     learn: bool = False,
     estimator: str | None = None,
     m: float | None = None,
@@ -140,7 +145,9 @@ def execute_series(
         strategy, planner, samples, max_actions, max_seconds, learning=method, optimism=optimism
     )
     acting = None if world is None else load_domain(world)
-    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
+    inputs = inputs_of(
+        given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, robot=robot
+    )
     series = Series(given, inputs, episodes, Path(runs), video, is_writable, write)
     *_, done = carried_out(series, lambda run: _followed(run, on_event))
     return done

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from cleancli import __version__
 from cleancli.execution.episode_state import World as SavedWorld
-from cleancli.execution.session import Session, symbolic_session, table_session
+from cleancli.execution.session import Session, robot_session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
@@ -30,6 +30,7 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
 from cleancli.simulation.compatibility import refuse_unlike
+from cleancli.world.robot import Robot
 
 LIBRARIES = ("numpy", "opencv-python-headless", "numba", "pybullet")
 """Those that results depend on."""
@@ -47,7 +48,7 @@ class World:
 class Inputs:
     """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last.
     `evidence`: what earlier runs have seen, to learn from. `world` has the rules by which the symbolic world
-    acts, where they are not those of the domain."""
+    acts, where they are not those of the domain. `robot` works on the table in place of the simulated one."""
 
     domain: Domain
     given: Problem | Scene
@@ -56,6 +57,7 @@ class Inputs:
     job: Job | None
     evidence: Evidence = NO_EVIDENCE
     world: World | None = None
+    robot: Robot | None = None
 
 
 class OtherWorld(ValueError):
@@ -80,7 +82,9 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
     refuse_impossible(inputs)
     with located_in(*inputs.sources), planning_refused(inputs.sources):
         try:
-            if isinstance(given, Scene):
+            if isinstance(given, Scene) and inputs.robot is not None:
+                session = robot_session(inputs.domain, given, inputs.robot, options, job)
+            elif isinstance(given, Scene):
                 session = table_session(inputs.domain, given, options, job, saved)
             else:
                 acting = inputs.domain if inputs.world is None else inputs.world.domain
@@ -100,6 +104,8 @@ def refuse_impossible(inputs: Inputs) -> None:
         raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
     if inputs.world is not None:
         _check_world(inputs, inputs.world)
+    if isinstance(given, Problem) and inputs.robot is not None:
+        raise BadOption("`robot` is for scenes: a list of facts is carried out in the symbolic world")
     if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
         raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
 

@@ -50,6 +50,7 @@ from cleancli.recording.series import to_go_on_from
 from cleancli.report.run import FORMAT, LARGEST_HEADER, Run
 from cleancli.scene.calibration import as_text
 from cleancli.scene.model import Scene
+from cleancli.world.robot import Robot
 
 _SHORT = 0.05
 """Seconds that are shown as 0.0."""
@@ -232,6 +233,7 @@ def inputs_of(
     job: str | None,
     known: int | None = None,
     world: LoadedDomain | None = None,
+    robot: Robot | None = None,
 ) -> Inputs:
     """What goes into a run: where it is not asked for, the problem's seed, time as the objective if the
     domain says how long each action takes, and as many examples as make a rule known where one learns (§6.3).
@@ -253,6 +255,7 @@ def inputs_of(
         replace(asked, seed=chosen, by_time=by_time, known=usual if known is None else known),
         None if job is None else Job(job),
         world=None if world is None else World(world.model, world.sources),
+        robot=robot,
     )
 
 

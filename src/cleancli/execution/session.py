@@ -23,7 +23,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
 from cleancli.world.kinematic import KinematicTable
-from cleancli.world.robot import Status
+from cleancli.world.robot import Robot, Status
 from cleancli.world.state import from_arrays
 from cleancli.world.table import PybulletTable, Truth
 
@@ -64,6 +64,22 @@ def table_session(
         lambda: table.save().arrays(),
         table.stop,
         table.close,
+    )
+
+
+def robot_session(
+    domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions, job: Job | None = None
+) -> Session:
+    """A table with any robot and camera, of which nobody knows the truth, and which cannot be saved."""
+    job = usual_job(domain, scene.robot) if job is None else job
+    return Session(
+        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        TableCell(domain, scene, robot, options.seed),
+        None,
+        dict,
+        dict,
+        robot.stop,
+        lambda: None,
     )
 
 

@@ -17,13 +17,16 @@ from cleancli.perception.pictures import draw
 from cleancli.recording.caption import captioned
 
 
-def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Image) -> Image:
-    """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end."""
+def step_picture(frame: Frame, situation: Situation, started: Started | None, room: Image | None) -> Image:
+    """What the camera saw, with areas and the coming stroke, beside the room at the stroke's end, if there is
+    a picture of that."""
     title, stroke = f"0. first look: {plural(len(situation.areas), 'area')}", None
     if started is not None and started.path is not None:
         title = f"{started.number}. {started.move}"
         stroke = np.array(started.path.stroke).reshape(-1, 2)
     seen = draw(frame, situation.areas, situation.state, stroke)
+    if room is None:
+        return captioned(seen, (title, ""))
     height = seen.shape[0]
     width = round(room.shape[1] * height / room.shape[0])
     both = np.hstack([seen, cv2.resize(room, (width, height), interpolation=cv2.INTER_AREA)])

@@ -185,7 +185,7 @@ class Recorder:
         return None if self._snapshot is None else self._snapshot(*size)
 
     def _picture(self, number: int, before: Looked) -> None:
-        if before.frame is not None and self._room is not None:
+        if before.frame is not None:
             picture = step_picture(before.frame, before.situation, self._started, self._room)
             write_png(self._folder / f"step-{number:03d}.png", picture)
 
