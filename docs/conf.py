@@ -30,7 +30,8 @@ myst_heading_anchors = (
 NAVIGATION = {
     "index": {
         "First steps": "tutorial gallery comparison",
-        "Guides": "planning simulation execution your_own_robot learning experiments report recording real_tables gym editors",
+        "Guides": "planning simulation execution learning experiments report editors",
+        "Robots and agents of your own": "your_own_robot recording real_tables gym",
         "Reference": "language diagnostics commands exit-codes python runs",
         "How it works": "planners perception world physics statistics",
         "Behind it": "measurements/index decisions/index tests language-tests",
