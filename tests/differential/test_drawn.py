@@ -88,7 +88,8 @@ def constructs_of_rules(domain: Domain) -> Iterator[str]:
         for effect in effects_of(rule):
             yield f"effect {type(effect).__name__}"
             if isinstance(effect, ForEach):
-                yield f"forall of {len(effect.settings)} effects, guarded {bool(effect.guard)}"
+                kind = "forall" if effect.variables else "if"
+                yield f"{kind} of {len(effect.settings)} effects, guarded {bool(effect.guard)}"
 
 
 def constructs_of_declarations(domain: Domain, problem: Problem) -> Iterator[str]:
@@ -143,6 +144,7 @@ EXPECTED = (
     *("prior", "seen", "fixed", "rest counted", "counted in part", "shifts of one symbol"),
     *(f"effect {kind}" for kind in ("SetTruth", "SetValue", "Shift", "ForEach")),
     *(f"forall of {number} effects, guarded {guarded}" for number in (1, 2) for guarded in (True, False)),
+    *(f"if of {number} effects, guarded True" for number in (1, 2)),
     *(f"predicate of {number}" for number in (0, 1, 2, 3)),
     *(f"function {kind} of {number}" for kind in ("int", "str") for number in (0, 1, 2)),
     *("symmetric", "static", "symmetric and static", "Definition", "Closure"),

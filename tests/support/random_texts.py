@@ -361,6 +361,8 @@ def _results(terms: Typed, condition: list[list[str]], world: World, rng: Random
         effects = [effect for effect in effects if not _is_idle(effect, condition)]
         if rng.random() < 0.4:
             effects += _forall(terms, effects, world, rng)
+        if rng.random() < 0.2:
+            effects += _if(terms, effects, world, rng)
         if terms and rng.random() < 0.3:
             head = ["level", "(", rng.choice(terms)[0], ")"]
             value = [":=", *_integer(world.levels[-1])]
@@ -408,6 +410,17 @@ def _forall(terms: Typed, beside: Sequence[Sequence[str]], world: World, rng: Ra
     effects.append(["level", "(", "?m", ")", rng.choice(("+=", "-=")), rng.choice(("1", "2", "3"))])
     listed = ["(", *_joined(effects, ","), ")"] if len(effects) > 1 or rng.random() < 0.3 else effects[0]
     return [["forall", "?m", "-", kind, *((":", *condition) if condition else ()), "=>", *listed]]
+
+
+def _if(terms: Typed, beside: Sequence[Sequence[str]], world: World, rng: Random) -> list[list[str]]:
+    """An effect with a condition, if there is one that sets nothing that those `beside` it set."""
+    condition = _literals(_applications(world, terms, rng)[:1], rng)
+    taken = {token for effect in beside for token in effect}
+    may_set = [each for each in _applications(world, terms, rng) if each[0].name not in taken]
+    if not condition or not may_set:
+        return []
+    effect = _effect(*may_set[0], rng)
+    return [["if", *_joined(condition, ","), "=>", *(effect if rng.random() < 0.7 else ["(", *effect, ")"])]]
 
 
 def _chances(

@@ -138,8 +138,10 @@ def _help(rule: Rule, one: _Effect, other: _Effect) -> str:
     if not differ:
         return "an outcome gives each fact one value: drop one of the effects"
     wanted = " or ".join(f"`{text}`" for text in dict.fromkeys(differ))
-    if one.forall is not None or other.forall is not None:
-        return f"add {wanted} to the condition of the `forall`, so that it passes over what is set beside it"
+    inner = one.forall or other.forall
+    if inner is not None:
+        word = "forall" if inner.variables else "if"
+        return f"add {wanted} to the condition of the `{word}`, so that it passes over what is set beside it"
     same = " and ".join(f"`{text.replace('!=', '=')}`" for text in dict.fromkeys(differ))
     return (
         f"add {wanted} to the condition of `{rule.name}`; if the action is meant for one object too, say in a"

@@ -137,7 +137,8 @@ class Shift(Record):
 
 
 class ForAll(Record):
-    """An effect on every binding of `variables` that satisfies `condition` before the action."""
+    """An effect on every binding of `variables` that satisfies `condition` before the action; without
+    variables one that happens where the condition holds (`if`)."""
 
     variables: tuple[Variable, ...]
     condition: tuple[Literal | Equality, ...]

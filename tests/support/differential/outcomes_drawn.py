@@ -99,9 +99,11 @@ class OutcomeDrawer:
 
     def for_each(self, used: set[str]) -> ForEach | None:
         drawer = self.drawer
-        variables = drawer.fresh(drawer.random.choice((1, 1, 2)))
+        variables = drawer.fresh(drawer.random.choice((0, 1, 1, 2, 1, 1)))
         scope = (*self.scope, *variables)
-        guard = drawer.body(scope, variables, drawer.random.choice((0, 1, 1, 2)))
+        guard = drawer.body(scope, variables, drawer.random.choice((0, 1, 1, 2) if variables else (1, 1, 2)))
+        if not variables and not guard:
+            return None
         settings = [self.setting(scope, used, variables) for _ in range(drawer.random.choice((1, 1, 2)))]
         found = tuple(dict.fromkeys(setting for setting in settings if setting is not None))
         if len(found) == 2 and same_fact(*found):
@@ -137,8 +139,11 @@ class OutcomeDrawer:
 
 def same_fact(one: Setting | ForEach, other: Setting | ForEach) -> bool:
     """Whether two effects are written about the same fact (E308), shifts aside."""
-    if isinstance(one, ForEach) or isinstance(other, ForEach):
-        return False
+    for each, beside in ((one, other), (other, one)):
+        if isinstance(each, ForEach):
+            return not each.variables and any(same_fact(setting, beside) for setting in each.settings)
+    assert not isinstance(one, ForEach)
+    assert not isinstance(other, ForEach)
     if isinstance(one, Shift) and isinstance(other, Shift):
         return False
     return one.symbol == other.symbol and sorted(one.terms) == sorted(other.terms)

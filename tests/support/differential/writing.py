@@ -161,9 +161,10 @@ class Writer:
         if not isinstance(effect, ForEach):
             return self.setting(effect)
         guard = ": " + ", ".join(map(self.literal, effect.guard)) if effect.guard else ""
+        head = f"forall {self.variables(effect.variables)}{guard}" if effect.variables else f"if{guard[1:]}"
         settings = ", ".join(map(self.setting, effect.settings))
         settings = f"({settings})" if len(effect.settings) > 1 else settings
-        return f"forall {self.variables(effect.variables)}{guard} => {settings}"
+        return f"{head} => {settings}"
 
     def setting(self, setting: Setting) -> str:
         head = f"{setting.symbol}({', '.join(self.turned(setting.symbol, setting.terms))})"

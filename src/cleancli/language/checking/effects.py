@@ -27,6 +27,7 @@ _Done = dict[_Place, Assign | Shift]
 
 _ONE_VALUE = "an outcome gives each fact one value"
 _WHERE_IT_FITS = "where an object fits, both would: write one rule with `exists` and one with `not exists`"
+_WHERE_IT_HOLDS = "where its condition holds, both would: write an `if` with the opposite for the other"
 
 
 def check_effects(
@@ -40,14 +41,14 @@ def check_effects(
     same = leaders([part for part in condition if isinstance(part, Equality)])
     effects: list[Assign | Shift | ForAll] = []
     done: _Done = {}
-    inner: list[tuple[syntax.ForAllNode, ForAll]] = []
+    inner: list[tuple[syntax.ForAllNode | syntax.IfNode, ForAll]] = []
     for item in node.effects:
-        if isinstance(item, syntax.ForAllNode):
-            effect = _forall(item, scope)
+        if isinstance(item, syntax.ForAllNode | syntax.IfNode):
+            effect = _forall(item, scope) if isinstance(item, syntax.ForAllNode) else _if(item, scope)
             inner.append((item, effect))
             effects.append(effect)
             way_out = "put all its effects in parentheses, `forall ?m - type: p(?m) => (q(?m), r(?m))`"
-            scope = scope.behind(item.groups, way_out)
+            scope = scope.behind(item.groups if isinstance(item, syntax.ForAllNode) else (), way_out)
         elif (assigned := _assignment(item, scope)) is not None:
             effects.append(assigned)
             _refuse_second(assigned, done, same, item.span, scope)
@@ -57,9 +58,13 @@ def check_effects(
 
 
 def _refuse_inner(
-    node: syntax.ForAllNode, effect: ForAll, outer: _Done, same: Mapping[Term, Term], scope: Scope
+    node: syntax.ForAllNode | syntax.IfNode,
+    effect: ForAll,
+    outer: _Done,
+    same: Mapping[Term, Term],
+    scope: Scope,
 ) -> None:
-    """E308 for what a `forall` changes twice, or otherwise than the outcome does beside it."""
+    """E308 for what a `forall` or `if` changes twice, or otherwise than the outcome does beside it."""
     if len(effect.effects) < len(node.effects):
         return  # it has other mistakes
     own: _Done = {}
@@ -68,7 +73,8 @@ def _refuse_inner(
         beside = outer.get(_place(each, same, scope))
         bound = any(term in effect.variables for term in each.terms)
         if beside is not None and not bound and beside != each and not _both_shift(beside, each):
-            _refuse(each, "in two ways", item.span, scope, _WHERE_IT_FITS)
+            help = _WHERE_IT_FITS if effect.variables else _WHERE_IT_HOLDS
+            _refuse(each, "in two ways", item.span, scope, help)
         else:
             _refuse_second(each, own, same, item.span, scope)
 
@@ -159,3 +165,10 @@ def _forall(node: syntax.ForAllNode, scope: Scope) -> ForAll:
     if len(effects) == len(node.effects):
         warn_unused_variables(node.groups, condition, scope, (t for e in effects for t in e.terms))
     return ForAll(variables, condition, effects)
+
+
+def _if(node: syntax.IfNode, scope: Scope) -> ForAll:
+    """An effect with a condition is one on every binding of no variables that satisfies it."""
+    condition = check_literals(node.condition.parts, scope)
+    checked = (_assignment(item, scope) for item in node.effects)
+    return ForAll((), condition, tuple(effect for effect in checked if effect is not None))

@@ -12,7 +12,7 @@ from cleancli.language.diagnostics.source_lines import Lines
 
 RESERVED = frozenset(
     {
-        "closure", "count", "exists", "forall", "noise", "not", "nothing", "rest", "then", "unlimited",
+        "closure", "count", "exists", "forall", "if", "noise", "not", "nothing", "rest", "then", "unlimited",
         "when", "with",
     }
 )  # fmt: skip

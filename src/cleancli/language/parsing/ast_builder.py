@@ -288,6 +288,9 @@ class Builder:
     def build_forall(self, c: list[_Child], span: Span) -> syntax.ForAllNode:
         return syntax.ForAllNode(c[0], c[1], c[2], span=span)
 
+    def build_conditional(self, c: list[_Child], span: Span) -> syntax.IfNode:
+        return syntax.IfNode(c[0], c[1], span=span)
+
     def build_consequence(self, c: list[_Child], span: Span) -> tuple[syntax.Assignment, ...]:
         return tuple(c)
 

@@ -137,7 +137,7 @@ class Reader:
     def _empty_place(self, start: int, at: Misplaced) -> Diagnostic | None:
         """What is missing before the token and told best where it should stand: behind a comma or a name."""
         word = re.search(r"\w+$", at.before)
-        comma = re.search(r",\s*(?:then|when|rest|forall)?$", at.before)
+        comma = re.search(r",\s*(?:then|when|rest|forall|if)?$", at.before)
         is_end = at.kind in ("RBRACE", "RPAR", "RSQB") or (
             at.kind in ("NUMBER", "RATIONAL")
             and "NOT" in at.accepted

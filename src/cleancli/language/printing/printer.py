@@ -239,7 +239,10 @@ def _effect(effect: Assign | Shift | ForAll, symbols: Symbols) -> str:
         condition = f": {print_condition(effect.condition, symbols)}" if effect.condition else ""
         effects = ", ".join(_effect(e, symbols) for e in effect.effects)
         effects = f"({effects})" if len(effect.effects) > 1 else effects
-        return f"forall {_variables(effect.variables)}{condition} => {effects}"
+        every = (
+            f"forall {_variables(effect.variables)}{condition}" if effect.variables else f"if{condition[1:]}"
+        )
+        return f"{every} => {effects}"
     applied = _applied(effect.symbol, effect.terms)
     if isinstance(effect, Shift):
         return f"{applied} {'+=' if effect.amount > 0 else '-='} {abs(effect.amount)}"

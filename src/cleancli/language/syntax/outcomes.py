@@ -41,6 +41,13 @@ class ForAllNode(Node):
     effects: tuple[Assignment, ...]
 
 
+class IfNode(Node):
+    """`if condition => effects`."""
+
+    condition: ConditionNode
+    effects: tuple[Assignment, ...]
+
+
 class Nothing(Node):
     """The result `nothing`."""
 
@@ -52,7 +59,7 @@ class Noise(Node):
 class Effects(Node):
     """A result that lists effects."""
 
-    effects: tuple[Assignment | ForAllNode, ...]
+    effects: tuple[Assignment | ForAllNode | IfNode, ...]
 
 
 class Rest(Node):

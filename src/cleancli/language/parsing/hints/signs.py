@@ -52,7 +52,7 @@ def sign(at: Misplaced) -> str:
     """One of the signs for values, effects and implications where another one stands."""
     match at.token:
         case "-" if at.after.startswith(">"):
-            return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` only"
+            return "write `=>`" if "IMPLIES" in at.accepted else "`=>` stands within `forall` and `if` only"
         case "=" if "ASSIGN" in at.accepted <= {"ASSIGN", "LPAR"}:
             return "a count is defined with `:=`"
         case "=" if "ASSIGN" in at.accepted:
