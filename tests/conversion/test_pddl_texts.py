@@ -51,6 +51,20 @@ def test_a_condition_inside_of_an_effect_makes_two_rules() -> None:
     assert chances[1] == [Fraction(4, 5), Fraction(1, 5)]
 
 
+def test_many_conditions_stay_in_the_effect() -> None:
+    several = " ".join(f"(when (next-to ?from a{n}) (wet a{n}))" for n in (1, 2, 3))
+    made = tidy(
+        constants="(:constants bin - container) => (:constants bin - container a1 a2 a3 - area)",
+        objects="(:objects a1 a2 - area) => (:objects)",
+        effect=f"(not (dirt ?from)) (dirt ?to) => (not (dirt ?from)) (dirt ?to) {several}",
+    )
+    assert made.diagnostics == ()
+    (rule,) = [rule for rule in models(made)[0].rules if rule.action == "move"]
+    assert rule.name == "move"
+    assert "if next_to(?from, a1) => wet(a1), if next_to(?from, a2) => wet(a2)" in made.domain
+    assert "if ?to != ?from => not dirt(?from), dirt(?to)" in made.domain
+
+
 def test_comments_say_what_is_from_where() -> None:
     made = tidy()
     assert made.domain.startswith("# Converted from tidy.pddl by `cleancli convert`.\n# left out: predicates")

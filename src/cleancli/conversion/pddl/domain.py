@@ -79,7 +79,8 @@ def domain_of(
         *(d.parameters for d in derived),
     )
     bound = [*(v for head in heads for v in head), *_bound(conditions), *_bound_by_effects(rules)]
-    types = _types({v.type for v in bound} | {thing.type for thing in words.everything}, words)
+    things = words.everything if starts else constants
+    types = _types({v.type for v in bound} | {thing.type for thing in things}, words)
     costs = any(action.cost for action in actions)
     return Domain(
         name,

@@ -48,7 +48,7 @@ MOST_BINDINGS = 1000
 @dataclass(frozen=True, slots=True)
 class Change:
     """A predicate becomes `value` for some terms, for each binding of `variables` that `guard` holds for;
-    each of these variables is among the terms. Without variables there is no guard."""
+    each of these variables is among the terms. Without variables it does so where `guard` holds."""
 
     variables: tuple[Variable, ...]
     guard: Formula
@@ -230,6 +230,27 @@ def renamed(tree: Tree, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Tre
         case Chance(branches):
             return Chance(tuple((p, renamed(part, terms, may_be_one)) for p, part in branches))
         case Pay():
+            return tree
+
+
+class UnevenCost(Exception):
+    """What an action costs depends on a condition."""
+
+
+def guarded(tree: Tree, guard: Formula = ALWAYS) -> Tree:
+    """The tree with the conditions of its parts as those of the changes in them. Raises `UnevenCost`."""
+    match tree:
+        case Change():
+            return replace(tree, guard=both([guard, tree.guard]))
+        case All(parts):
+            return All(tuple(guarded(part, guard) for part in parts))
+        case Branch(condition, part):
+            return guarded(part, both([guard, condition]))
+        case Chance(branches):
+            return Chance(tuple((p, guarded(part, guard)) for p, part in branches))
+        case Pay(amount):
+            if amount and guard != ALWAYS:
+                raise UnevenCost
             return tree
 
 

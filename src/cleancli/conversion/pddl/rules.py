@@ -1,5 +1,5 @@
 """An action schema as rules: one for each way in which the conditions inside of its effect can turn out, so
-that the rules exclude each other.
+that the rules exclude each other. Where these are too many, the conditions stay in the effect, as `if`.
 
 What an outcome deletes and adds is added, as PDDL has it: a deletion is left out where the same atom is
 added, and where that depends on which objects are one, there is a rule for either case.
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 
 from cleancli.conversion.pddl.define import Definitions, says
 from cleancli.conversion.pddl.effects import (
@@ -18,6 +19,7 @@ from cleancli.conversion.pddl.effects import (
     Tree,
     decided,
     first_condition,
+    guarded,
     mean_cost,
     renamed,
     results_of,
@@ -50,12 +52,9 @@ from cleancli.language.model import (
     Variable,
 )
 
-MOST_RULES = 64
-"""Rules that one action may become. Chosen: more than people read."""
-
-
-class TooManyRules(Exception):
-    """An action would become more rules than `MOST_RULES`."""
+MOST_RULES = 4
+"""Rules that one action is divided into; where its effect has more conditions, they stay inside of it, as
+`if`. Chosen: as many as people read at a glance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,14 +68,21 @@ class Case:
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
-    """All cases that the precondition does not rule out. Raises `TooMany` and `TooManyRules`."""
-    found: list[Case] = []
-    if precondition != NEVER:
-        for case in _cases(*_with_one_name(tree, _parts(precondition), types), (), types):
-            found.append(case)
-            if len(found) > MOST_RULES:
-                raise TooManyRules
-    return found
+    """All cases that the precondition does not rule out; one, where they would be too many. Raises `TooMany`
+    and `UnevenCost`."""
+    if precondition == NEVER:
+        return []
+    tree, known = _with_one_name(tree, _parts(precondition), types)
+    found = list(islice(_cases(tree, known, (), types), MOST_RULES + 1))
+    return found if len(found) <= MOST_RULES else [_undivided(tree, known, types)]
+
+
+def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
+    """The case that all conditions of the effect stay in."""
+    tree = decided(guarded(tree), known)
+    found = results_of(tree).values()
+    results = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in found)
+    return Case((), results, mean_cost(tree))
 
 
 def _parts(formula: Formula) -> tuple[Formula, ...]:
@@ -89,13 +95,13 @@ def _cases(
     tree = decided(tree, known)
     condition = first_condition(tree)
     if condition is None:
-        settled = [(chance, _settled(changes, known, types)) for chance, changes in results_of(tree).values()]
-        open_ones = [found for _, found in settled if not isinstance(found, tuple)]
-        if not open_ones:
-            results = tuple((chance, found) for chance, found in settled if isinstance(found, tuple))
-            yield Case(decisions, results, mean_cost(tree))
+        results = list(results_of(tree).values())
+        met = (_open(changes, known, types) for _, changes in results)
+        condition = next((each for each in met if each is not None), None)
+        if condition is None:
+            settled = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in results)
+            yield Case(decisions, settled, mean_cost(tree))
             return
-        condition = open_ones[0]
     for holds in (True, False):
         asked = condition if holds else negated(condition)
         if not _excluded(asked, known, types):
@@ -138,31 +144,34 @@ def _excluded(asked: Formula, known: tuple[Formula, ...], types: Types) -> bool:
 # ---- delete, then add
 
 
-def _settled(
-    changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types
-) -> tuple[Change, ...] | Formula:
-    """The changes without deletions of what is added; or a condition on which that depends."""
-    found: list[Change] = []
-    added = [change for change in changes if change.value]
+def _open(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Formula | None:
+    """A condition on which it depends whether something is deleted, as it is not where it is added; None
+    where there is none, but those on bindings of a `forall`."""
     for change in changes:
-        kept: Change | None = change
-        for other in added if not change.value else ():
-            if kept is None or other.symbol != change.symbol:
-                continue
-            meets = _meeting(kept, other, known, types)
-            if meets == NEVER:
-                continue
-            if meets != ALWAYS and not kept.variables:
+        for other in changes if not (change.value or change.variables) else ():
+            meets = _meeting(change, other, known, types)
+            if meets not in (ALWAYS, NEVER):
                 return meets
-            guard = both([kept.guard, negated(meets)])
-            kept = None if guard == NEVER else replace(kept, guard=guard)
-        if kept is not None:
-            found.append(kept)
-    return tuple(found)
+    return None
+
+
+def _settled(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Iterator[Change]:
+    """The changes, each deletion only where nothing adds what it deletes, and none that another makes too."""
+    for change in changes:
+        plain = replace(change, guard=ALWAYS)
+        if not change.variables and change != plain and plain in changes:
+            continue
+        kept = change.guard
+        for other in changes if not change.value else ():
+            kept = both([kept, negated(_meeting(change, other, known, types))])
+        if kept != NEVER:
+            yield replace(change, guard=kept)
 
 
 def _meeting(change: Change, other: Change, known: tuple[Formula, ...], types: Types) -> Formula:
-    """Under what the other change is on what this one is on, where this one is made."""
+    """Under what the other change adds what this one deletes, where this one is made."""
+    if not other.value or other.symbol != change.symbol:
+        return NEVER
     met: list[Term] = [*change.variables, *change.terms, *free_variables(change.guard)]
     names: dict[Term, Term] = {}
     for variable in other.variables:
@@ -209,7 +218,7 @@ def outcome_of(chance: Fraction, changes: tuple[Change, ...], definitions: Defin
     for change in changes:
         assigned = Assign(change.symbol, change.terms, change.value)
         key = change.variables, change.guard
-        if not change.variables:
+        if not change.variables and change.guard == ALWAYS:
             effects.append(assigned)
         elif key in places:
             before = effects[places[key]]

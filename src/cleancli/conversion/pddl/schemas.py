@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.effects import MOST_OUTCOMES, Effects, TooMany
+from cleancli.conversion.pddl.effects import MOST_OUTCOMES, Effects, TooMany, UnevenCost
 from cleancli.conversion.pddl.formula import Formula, both
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.rules import (
-    MOST_RULES,
     Case,
-    TooManyRules,
     cases_of,
     conditions_of,
     outcome_of,
@@ -78,21 +76,23 @@ def _schema(node: ActionNode, words: Words, effects: Effects, definitions: Defin
         message = f"`{node.name.text}` has more than {MOST_OUTCOMES} outcomes"
         findings.error("E917", message, node.name.span, help="what is drawn for itself multiplies outcomes")
         return None
-    except TooManyRules:
-        message = f"`{node.name.text}` would become more than {MOST_RULES} rules"
-        help = "each condition inside of the effect doubles them"
-        findings.error("E917", message, node.name.span, help=help)
+    except UnevenCost:
+        _refuse_uneven(node, findings)
         return None
     acting = [case for case in cases if _acts(case)]
     costs = {case.cost for case in acting}
     if len(costs) > 1:
-        message = f"what `{node.name.text}` costs depends on conditions, and a .nid action has one cost"
-        findings.error("E917", message, node.name.span)
+        _refuse_uneven(node, findings)
     if not acting:
         return None
     name = words.actions.fresh(words.actions.written(node.name), "a")
     made = tuple(_rules(name, variables, precondition, acting, definitions))
     return Schema(Action(name, variables, cost=next(iter(costs), Fraction(0))), made, node.name.span)
+
+
+def _refuse_uneven(node: ActionNode, findings: Findings) -> None:
+    message = f"what `{node.name.text}` costs depends on conditions, and a .nid action has one cost"
+    findings.error("E917", message, node.name.span)
 
 
 def _acts(case: Case) -> bool:
