@@ -9,10 +9,11 @@ from random import Random
 
 import pytest
 
+import cleancli
 from cleancli.conversion.pddl.words import Group, groups_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.sink import Findings
-from support.pddl_compared import converted, disagreements
+from support.pddl_compared import converted, disagreements, meaning_of
 from support.pddl_drawn import Drawn
 
 CORPUS = Path(__file__).parent.parent / "corpus"
@@ -72,6 +73,19 @@ def _actions(text: str) -> list[Group]:
     source = Source("given.pddl", text)
     domain = groups_of(text, source.path, Findings(source))[0]
     return [item for item in domain.items if isinstance(item, Group) and item.head == ":action"]
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_the_goal_is_as_likely_as_it_can_be(feature: str) -> None:
+    """With an action more, which changes nothing or has a chance that is seldom there twice."""
+    last = "(:action last :precondition (or (ready) (exists (?a - area) (dirt ?a))) :effect {})\n"
+    for effect in ("(and)", "(and (probabilistic 0.1 (done)) (probabilistic 0.5 (not (ready))))"):
+        text = text_of(feature)
+        (action,) = _actions(text)
+        text = f"{text[: action.start]}{last.format(effect)}{text[action.start :]}"
+        wanted = meaning_of(text).goal_probability(200)
+        assert wanted is not None, "the file is too large to compare"
+        assert cleancli.plan(text, text, objective="probability").value == pytest.approx(wanted, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(24))

@@ -171,6 +171,28 @@ class Meaning:
                         waiting.append(after)
         return list(found)
 
+    def goal_probability(self, most: int) -> float | None:
+        """The greatest probability with which the goal can be reached, by value iteration from 0; None where
+        there are more worlds than `most`."""
+        worlds = self.reachable(most + 1)
+        if len(worlds) > most or self.problem.goal is None:
+            return None
+        goal = self.problem.goal
+        ways = {
+            world: [self.successors(world, action, binding) for _, action, binding in self.actions()]
+            for world in worlds
+            if not self.holds(goal, world, {})
+        }
+        value = {world: float(world not in ways) for world in worlds}
+        change = 1.0
+        while change > 1e-14:
+            change = 0.0
+            for world, options in ways.items():
+                best = max((sum(float(p) * value[w] for w, p in o.items()) for o in options), default=0.0)
+                change = max(change, best - value[world])
+                value[world] = best
+        return value[worlds[0]]
+
 
 def _stands(term: Name, binding: Binding) -> str:
     return binding[term.text] if term.is_variable else term.text
