@@ -7,7 +7,7 @@ Prints the tables of docs/measurements/physics.md, a row as soon as its trials a
 - ink: how much ink a pass takes.
 
 All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
-and trials that stand there already are not done again. Trials have the seeds N, N + 1 and so on. `--action
+and trials that stand there already are not done again, but all count. Trials have the seeds N, N + 1 and so on. `--action
 NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
 everything, in about a minute.
 """
@@ -98,14 +98,15 @@ class Run:
     keep: Kept
 
     def rows(self, what: Mapping[str, str], try_one: Callable[[int], Row]) -> list[Row]:
-        """A row for each seed, all of which say `what` was tried; those kept are not tried again."""
+        """A row for each seed, all of which say `what` was tried; those kept are not tried again, and those of
+        later seeds count too."""
         seeds = range(self.first, self.first + self.repeat)
         kept: dict[int, Row] = {row["seed"]: row for row in self.keep.rows() if row.items() >= what.items()}
         missing = [seed for seed in seeds if seed not in kept]
         for seed, row in zip(missing, in_order(try_one, missing, self.jobs), strict=True):
             kept[seed] = {**what, "seed": seed, **row}
             self.keep.add(kept[seed])
-        return [kept[seed] for seed in seeds]
+        return [kept[seed] for seed in sorted(kept) if seed >= self.first]
 
 
 def layout(action: str, kind: str, grasp: str) -> Scene:
