@@ -107,6 +107,7 @@ FILES_AND_FOLDERS = {
         ("perceive", "--out"),
         ("perceive", "--drawn"),
         ("perceive", "--rrd"),
+        ("execute", "--rrd"),
         ("act", "--plot"),
     ),
     "folder": (

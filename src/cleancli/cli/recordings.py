@@ -12,6 +12,7 @@ from cleancli.cli.progress import working
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.bag_file import MissingBags
 from cleancli.perception.reading import Reading
+from cleancli.perception.rerun_file import MissingRerun, find_rerun
 from cleancli.perception.sources import recorded_frames, recorded_looks
 
 
@@ -32,6 +33,14 @@ def open_frames(path: Path, reading: Reading, count: int) -> tuple[Frame, ...]:
         found, notes = recorded_frames(path, reading, count)
     _warn(notes)
     return found
+
+
+def refuse_without_rerun() -> None:
+    """Before the work, and not after it. Raises MissingPart."""
+    try:
+        find_rerun()
+    except MissingRerun as error:
+        raise MissingPart(str(error)) from error
 
 
 @contextmanager

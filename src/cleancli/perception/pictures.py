@@ -146,11 +146,16 @@ def not_clean(frame: Frame, where: Mask, reason: str) -> Image:
 
 def outline(ellipse: Ellipse, camera: Camera) -> Ints:
     """The ellipse's boundary in pixels, (n, 1, 2) as OpenCV takes it."""
+    return np.rint(project(camera, boundary(ellipse))).astype(np.int32)[:, None, :]
+
+
+def boundary(ellipse: Ellipse) -> Points:
+    """Points (n, 2) around the ellipse, metres."""
     turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
     along, across = np.cos(ellipse.angle), np.sin(ellipse.angle)
     local = np.column_stack([ellipse.axes[0] * np.cos(turns), ellipse.axes[1] * np.sin(turns)])
-    points = local @ np.array([[along, across], [-across, along]]) + np.array(ellipse.centre)
-    return np.rint(project(camera, points)).astype(np.int32)[:, None, :]
+    points: Points = local @ np.array([[along, across], [-across, along]]) + np.array(ellipse.centre)
+    return points
 
 
 def words(name: str, state: State) -> list[str]:

@@ -7,7 +7,7 @@ started, nothing is sent anywhere.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 from cleancli.array_types import Depth
 from cleancli.files.replace import replaced_by
+from cleancli.geometry.rgbd import Camera, Frame
+from cleancli.language.model import State
+from cleancli.perception.area import Area
 from cleancli.perception.look import Look
 from cleancli.perception.pictures import outline, words
 
@@ -56,17 +59,9 @@ def write_recording(path: Path, looks: Iterable[Look], name: str) -> None:
 
 def _log(rerun: Any, stream: Any, number: int, look: Look) -> None:
     stream.set_time("look", sequence=number)
-    camera = look.frames[0].camera
-    size = (camera.width, camera.height)
-    stream.log(
-        "camera",
-        rerun.Pinhole(focal_length=camera.focal, principal_point=camera.centre, resolution=size),
-        rerun.Transform3D(translation=camera.pose[:3, 3], mat3x3=camera.pose[:3, :3]),
-    )
     for frame in look.frames:
         stream.set_time(CLOCK, duration=frame.clock)
-        stream.log("camera/colour", rerun.Image(frame.colour).compress())
-        stream.log("camera/depth", rerun.DepthImage(_millimetres(frame.depth), meter=1000.0))
+        log_frame(rerun, stream, frame)
     steps = look.observation.steps
     masks = {
         "surface": steps.surface,
@@ -78,21 +73,37 @@ def _log(rerun: Any, stream: Any, number: int, look: Look) -> None:
     }
     for step, mask in masks.items():
         stream.log(f"camera/{step}", rerun.SegmentationImage(mask.astype(np.uint8)))
-    _log_areas(rerun, stream, look)
+    log_areas(rerun, stream, look.observation.camera, look.areas, look.state)
 
 
-def _log_areas(rerun: Any, stream: Any, look: Look) -> None:
-    camera = look.observation.camera
-    lines = [outline(area.ellipse, camera)[:, 0, :] for area in look.areas]
+def log_frame(rerun: Any, stream: Any, frame: Frame) -> None:
+    """What a camera saw, from where it stands."""
+    camera = frame.camera
+    stream.log(
+        "camera",
+        rerun.Pinhole(
+            focal_length=camera.focal,
+            principal_point=camera.centre,
+            resolution=(camera.width, camera.height),
+        ),
+        rerun.Transform3D(translation=camera.pose[:3, 3], mat3x3=camera.pose[:3, :3]),
+    )
+    stream.log("camera/colour", rerun.Image(frame.colour).compress())
+    stream.log("camera/depth", rerun.DepthImage(_millimetres(frame.depth), meter=1000.0))
+
+
+def log_areas(rerun: Any, stream: Any, camera: Camera, areas: Sequence[Area], state: State) -> None:
+    """Ellipses with their names on the picture of a `camera`, how many there are, and what is believed."""
+    lines = [outline(area.ellipse, camera)[:, 0, :] for area in areas]
     strips = [np.vstack([line, line[:1]]) for line in lines]
-    labels = [" ".join([area.name, *words(area.name, look.state)]) for area in look.areas]
+    labels = [" ".join([area.name, *words(area.name, state)]) for area in areas]
     stream.log(
         "camera/ellipses",
         rerun.LineStrips2D(strips, labels=labels, colors=[ELLIPSE] * len(strips), show_labels=True),
     )
-    told = "\n".join(f"{f.symbol}({', '.join(f.objects)}) = {f.value}" for f in sorted(look.state, key=str))
+    told = "\n".join(f"{f.symbol}({', '.join(f.objects)}) = {f.value}" for f in sorted(state, key=str))
     stream.log("state", rerun.TextDocument(told))
-    stream.log("areas", rerun.Scalars(float(len(look.areas))))
+    stream.log("areas", rerun.Scalars(float(len(areas))))
 
 
 def _millimetres(depth: Depth) -> NDArray[np.uint16]:

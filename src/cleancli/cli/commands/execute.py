@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -29,8 +30,10 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.progress import working
+from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
+from cleancli.execution.events import Event
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.plural import plural
@@ -40,6 +43,7 @@ from cleancli.learning.method import DELTA, KNOWN
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import PAGE, RUN
+from cleancli.recording.rerun_run import RunStream
 from cleancli.recording.series import MOST_EPISODES
 from cleancli.report.page import write_page
 
@@ -144,6 +148,9 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     help="Folder to make the run's folder in.",
 )
 @click.option("--video/--no-video", default=True, show_default=True, help="Record a video of the run.")
+@click.option(
+    "--rrd", type=options.FILE, metavar="FILE", help="Write the run for the Rerun viewer, as it goes on."
+)
 @options.as_json("Print the summary as JSON, and nothing else.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 @usage_errors()
@@ -173,6 +180,7 @@ def command(
     max_seconds: float,
     runs: Path,
     video: bool,
+    rrd: Path | None,
     as_data: bool,
     quiet: bool,
 ) -> int:
@@ -183,13 +191,19 @@ def command(
     Exit code 3 if something is left at the end; the summary says where every lentil truly is and how much
     ink is left, apart from what perception believed.
     """
-    said = _Said(as_data, quiet)
+    said = _Said(as_data, quiet, rrd)
     if resume is not None:
         _refuse_beside_resume()
         results = resumed(resume, _note, lambda opened: _carry_out(opened, said))
         return _tell(_shown(results, said), said)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
+    if rrd is not None:
+        refuse_without_rerun()
+        if not rrd.resolve().parent.is_dir():
+            raise click.BadParameter(f"there is no folder `{rrd.parent}`", param_hint="--rrd")
+        if episodes > 1:
+            raise click.UsageError("--rrd writes one run, and --episodes carries out several: ask for one")
     if write and not learn:
         raise click.UsageError("--write writes what --learn has learned: ask for both")
     given = open_given(domain, problem)
@@ -232,10 +246,11 @@ def _known(known: int | None, epsilon: float | None, delta: float | None) -> int
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """How the run is told: as data, or not at all."""
+    """How the run is told: as data, or not at all; and in which file for the Rerun viewer, if in any."""
 
     as_data: bool
     quiet: bool
+    rrd: Path | None
 
     @property
     def silently(self) -> bool:
@@ -266,8 +281,17 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     told = told_of(opened.inputs.domain, given) if isinstance(given, Problem) else None
     limit = setup.options.max_actions
     try:
-        with show(said.silently, setup.scene, lambda: cell.tool, limit, told=told) as view:
-            result = carry_out(opened, view.write)
+        with (
+            show(said.silently, setup.scene, lambda: cell.tool, limit, told=told) as view,
+            nullcontext() if said.rrd is None else _streamed(said.rrd, opened) as stream,
+        ):
+
+            def follow(event: Event) -> None:
+                view.write(event)
+                if stream is not None:
+                    stream.write(event)
+
+            result = carry_out(opened, follow)
     except RunStopped as stopped:
         raise Stopped(str(stopped)) from None
     except OSError as error:
@@ -277,6 +301,12 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     with working(f"writing {PAGE}", said.silently):
         write_page(opened.folder)
     return result
+
+
+def _streamed(path: Path, opened: OpenedRun) -> RunStream:
+    cell = opened.session.cell
+    scene = opened.session.setup.scene
+    return RunStream(path, opened.folder.name, scene, lambda: cell.clock, lambda: cell.tool)
 
 
 def _tell(result: SeriesResult, said: _Said) -> int:

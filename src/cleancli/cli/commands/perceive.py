@@ -16,17 +16,16 @@ from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
-from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.inputs import open_loaded, open_scene
 from cleancli.cli.progress import counting
-from cleancli.cli.recordings import open_looks
+from cleancli.cli.recordings import open_looks, refuse_without_rerun
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.load import located_in
 from cleancli.perception.look import Look
 from cleancli.perception.pictures import contact_sheet
 from cleancli.perception.reading import EVERY, Reading
 from cleancli.perception.recorded import save_frames
-from cleancli.perception.rerun_file import MissingRerun, find_rerun, write_recording
+from cleancli.perception.rerun_file import write_recording
 from cleancli.perception.sources import is_recording
 from cleancli.perception.tum import save_tum
 from cleancli.recording.pictures import write_png
@@ -110,7 +109,7 @@ def command(
     folder of one). Of several looks, names go from each to the next, and pictures show the last.
     """
     if recording is not None:
-        _find_rerun()
+        refuse_without_rerun()
     path = Path(scene_or_folder)
     is_recorded = is_recording(path)
     _, setting = open_scene(setting_of if is_recorded else scene_or_folder)
@@ -148,11 +147,3 @@ def _counted(looks: Iterator[Look], count: Callable[[], None]) -> Iterator[Look]
     for look in looks:
         count()
         yield look
-
-
-def _find_rerun() -> None:
-    """Before the work, and not after it. Raises MissingPart."""
-    try:
-        find_rerun()
-    except MissingRerun as error:
-        raise MissingPart(str(error)) from error
