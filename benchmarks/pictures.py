@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, redirect_stdout
@@ -29,6 +29,8 @@ import piles
 from PIL import Image as Pillow
 from playwright.sync_api import sync_playwright
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
 from cleancli.array_types import Image
 from cleancli.cli.main import run
 from cleancli.execution.seeds import Stream, derived
@@ -39,6 +41,7 @@ from cleancli.recording.video import VIDEO_RATE
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.world.table import PybulletTable
+from support import browsers
 
 LAYOUTS = "abcdef"
 ACROSS = 3
@@ -57,8 +60,6 @@ FILM_EVERY = 3
 FILM_BYTES = 1_400_000
 WIDEST = 1280
 """Pixels of a picture of a run; larger ones are made smaller."""
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
 Maker = Callable[[Path, int], None]
 """Writes a picture into a file, with a seed."""
@@ -157,11 +158,11 @@ def drawn(words: str, path: Path, seed: int) -> None:
 
 def page(path: Path, seed: int) -> None:
     """The top of a run's page, as a browser shows it."""
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found is None:
-        raise SystemExit(f"{path.name}: no browser here, of {', '.join(BROWSERS)}")
+    browser_path = browsers.found()
+    if browser_path is None:
+        raise SystemExit(f"{path.name}: no browser here, of {', '.join(browsers.NAMES)}")
     with carried_out("cleaning", "two_groups", seed) as folder, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=browser_path, args=["--no-sandbox"])
         shown = browser.new_page(viewport={"width": 1000, "height": WIDEST})
         shown.goto((folder.resolve() / "report.html").as_uri(), wait_until="load")
         shown.screenshot(path="page.png")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from itertools import combinations, product
 from pathlib import Path
@@ -12,26 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 from cleancli.cli.main import run
 from cleancli.recording.video import VIDEO_INTERVAL, Video
+from support.browsers import opened_browser
 from support.run_folders import LAMPS, RECORDS, write_run, write_series
-
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """A browser of this machine; where there is none the tests are skipped, but not in CI, which has one."""
-    found = next((path for path in map(shutil.which, NAMES) if path), None)
-    if found is None:
-        assert not os.environ.get("CI"), "CI installs a browser (.ci/run)"
-        pytest.skip(f"no browser here, of {', '.join(NAMES)}: install one to have the pages tested in it")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+    with opened_browser() as browser:
         yield browser
-        browser.close()
 
 
 def opened(browser: Browser, path: Path, width: int = 1280, scheme: str = "light") -> tuple[Page, list[str]]:
