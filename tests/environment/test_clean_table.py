@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import time
 import warnings
 from pathlib import Path
 from typing import Any
@@ -56,6 +57,37 @@ def test_gymnasium_finds_nothing_to_say(actions: str, few: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(made(few, actions=actions, slots=4).unwrapped)
+
+
+@pytest.mark.parametrize("actions", SPACES)
+def test_the_stand_in_is_the_same_environment_and_much_faster(actions: str, few: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(made(few, actions=actions, slots=4, simulator="stand_in").unwrapped, skip_render_check=True)
+    env = made(few, actions=actions, slots=4, simulator="stand_in", truth=True, max_episode_steps=20)
+    first, info = env.reset(seed=5)
+    again, _ = env.reset(seed=5)
+    assert all((first[name] == again[name]).all() for name in first)
+    assert info["truth"]["particles"] == 10
+    env.action_space.seed(5)
+    spent, steps, cleaned = -time.process_time(), 0, False
+    for _ in range(3 if actions == "symbolic" else 1):
+        observation, info = env.reset()
+        ended = False
+        while not ended:
+            mask = info["action_mask"] if actions == "symbolic" else None
+            observation, _, terminated, truncated, info = env.step(env.action_space.sample(mask))
+            assert env.observation_space.contains(observation)
+            ended, steps = terminated or truncated, steps + 1
+        cleaned |= terminated and info["truth"]["on_table"] == 0
+    assert steps / (spent + time.process_time()) > 5
+    assert cleaned or actions == "physical"
+
+
+@pytest.mark.parametrize("asked", [{"image": True}, {"render_mode": "rgb_array"}, {"scene": "wam_groups"}])
+def test_what_the_stand_in_has_not_is_refused(asked: dict[str, Any], few: str) -> None:
+    with pytest.raises(ValueError, match="stand-in"):
+        CleanTable(**{"scene": few, "simulator": "stand_in", **asked})
 
 
 @pytest.mark.parametrize("actions", SPACES)

@@ -19,7 +19,7 @@ from cleancli.environment.observation import Arrays, observation_space, observed
 from cleancli.environment.pushes import ends
 from cleancli.environment.slots import Slots, choices, filled
 from cleancli.execution.episode_state import Move, Situation
-from cleancli.execution.session import Session, table_session
+from cleancli.execution.session import Session, stand_in_session, table_session
 from cleancli.execution.setup import EpisodeOptions, usual_job, within_reach
 from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.find import find, find_beside
@@ -30,6 +30,7 @@ from cleancli.perception.symbols import symbolize
 from cleancli.perception.tracking import Stroke
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
+from cleancli.world.kinematic import refuse_without_stand_in
 
 Info = dict[str, Any]
 IMPOSSIBLE = "no area stands in that slot, or no rule covers the action"
@@ -41,7 +42,8 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
     `scene` and `domain` are names of shipped files or paths; the domain is otherwise the scene's. `actions`:
     "symbolic" (an index of `choices`, see `info["action_mask"]`) or "physical" (a push as four numbers in
     [-1, 1]). `slots`: how many areas are told at once. `image`: also the camera's picture. `truth`: tell
-    in `info["truth"]` where the particles are, for reports. Raises `Refused` for files with mistakes.
+    in `info["truth"]` where the particles are, for reports. `simulator`: "physics", or the fast "stand_in"
+    without forces and pictures. Raises `Refused` for files with mistakes, ValueError for what there is not.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 2}  # noqa: RUF012 (as gymnasium declares it)
@@ -54,6 +56,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         slots: int = 10,
         image: bool = False,
         truth: bool = False,
+        simulator: Literal["physics", "stand_in"] = "physics",
         render_mode: str | None = None,
     ) -> None:
         if actions not in ("symbolic", "physical"):
@@ -62,7 +65,14 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
             raise ValueError(f"slots must be at least 1, not {slots}")
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f'render_mode must be None or "rgb_array", not {render_mode!r}')
+        if simulator not in ("physics", "stand_in"):
+            raise ValueError(f'simulator must be "physics" or "stand_in", not {simulator!r}')
+        if simulator == "stand_in" and (image or render_mode):
+            raise ValueError("the stand-in has no pictures: leave out `image` and `render_mode`")
         self.scene, self.domain = _opened(scene, domain)
+        if simulator == "stand_in":
+            refuse_without_stand_in(self.scene)
+        self._opens = table_session if simulator == "physics" else stand_in_session
         self.choices = choices(self.domain, slots) if actions == "symbolic" else ()
         self.render_mode = render_mode
         self.action_space = (
@@ -81,7 +91,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         super().reset(seed=seed)
         chosen = int(self.np_random.integers(2**31)) if seed is None else seed
         self.close()
-        self._session = table_session(self.domain, self.scene, EpisodeOptions(seed=chosen))
+        self._session = self._opens(self.domain, self.scene, EpisodeOptions(seed=chosen))
         _done(self._session.cell.withdraw())
         self._slots = self._empty
         self._looks, self._sight = 0, self._session.cell.look(None, None, 0, 0)
