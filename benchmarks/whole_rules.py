@@ -1,4 +1,4 @@
-"""Whole rules from experience: python benchmarks/whole_rules.py [FOLDER] [--search S] [--seed N] [--quick]
+"""Whole rules from experience: python benchmarks/whole_rules.py [FOLDER] [--flicker SHARE] [--seed N]
 
 Hides the rules of domains, learns them from transitions alone (`cleancli learn --structure`), and says how
 far the states that are foretold for held-out transitions are from those that the hidden rules foretell (total
@@ -8,7 +8,8 @@ from; how many rules were found, and how many there are; CPU seconds of learning
 FOLDER holds, for each domain, NAME.nid with the hidden rules, NAME.train.jsonl.gz and NAME.test.jsonl.gz; by
 default the three small domains of tests/support/hidden_rules.py are drawn from. `--drawn` more transitions
 (5,000) are drawn from the hidden rules, on walks of 12 actions from the states of the file that is learned
-from, or from random ones.
+from, or from random ones. With `--flicker SHARE` each fact after a transition that is learned from is seen
+wrongly by that chance; TV and floor are by what is true.
 
 About two minutes for seven domains, most of it for drawing. `--quick` takes five seconds.
 """
@@ -40,7 +41,7 @@ from cleancli.learning.structure.induce import SEARCHES, TREE, revised
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.hidden_rules import TEXTS, domain_of, starts
-from support.walks import Start, variation, walks
+from support.walks import Start, flickering, variation, walks
 
 SIZES = (100, 300, 1000)
 UNUSED = {"W201", "W202", "W203"}
@@ -121,6 +122,7 @@ def main() -> None:
     parser.add_argument("--search", choices=SEARCHES, default=TREE.search)
     parser.add_argument("--seed", type=int, default=1, help="of the transitions that are drawn")
     parser.add_argument("--drawn", type=int, default=5000)
+    parser.add_argument("--flicker", type=float, default=0.0, metavar="SHARE")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
@@ -128,11 +130,15 @@ def main() -> None:
     print("| domain | transitions | TV | floor | rules (hidden) | CPU s | check |")
     print("|---|---|---|---|---|---|---|", flush=True)
     for hidden in every:
+        if options.flicker:
+            train = list(flickering(hidden.domain, hidden.train, options.flicker, rng))
+            hidden = replace(hidden, train=train)
         for size in SIZES:
             print(row(hidden, hidden.train[:size], options.search), flush=True)
         if options.drawn and not options.quick:
             drawn = itertools.islice(walks(hidden.domain, hidden.starts, rng), options.drawn)
-            print(row(hidden, list(drawn), options.search), flush=True)
+            seen = flickering(hidden.domain, drawn, options.flicker, rng)
+            print(row(hidden, list(seen), options.search), flush=True)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -88,3 +88,23 @@ def variation(one: Domain, other: Domain, transitions: Sequence[Transition]) -> 
         keys = first.keys() | second.keys()
         total += sum(abs(first.get(key, 0.0) - second.get(key, 0.0)) for key in keys) / 2
     return total / len(transitions)
+
+
+def flickering(
+    domain: Domain, transitions: Iterable[Transition], share: float, rng: np.random.Generator
+) -> Iterator[Transition]:
+    """The transitions, after which each fact that actions may change is seen wrongly with a probability."""
+    for transition in transitions:
+        after = dict(transition.after)
+        everything = [*domain.constants, *transition.objects]
+        for symbol in (symbol for symbol in domain.symbols if not symbol.static):
+            among = [[o.name for o in everything if domain.is_a(o.type, p.type)] for p in symbol.parameters]
+            for names in itertools.product(*among):
+                key = symbol.name, names
+                if names != symbol.canonical(names) or rng.random() >= share:
+                    continue
+                if not symbol.is_predicate:
+                    after[key] = symbol.values[int(rng.integers(len(symbol.values)))]
+                elif after.pop(key, None) is None:
+                    after[key] = True
+        yield transition._replace(after=after)

@@ -66,6 +66,16 @@ class Arrays:
         """How many places there are."""
         return next(iter(self.is_a.values())).shape[1] if self.is_a else 0
 
+    @property
+    def facts(self) -> int:
+        """How many facts all states after have that may change."""
+        kinds = (symbol for symbol in self.domain.symbols if not symbol.static)
+        numbers = {name: places.sum(axis=1) for name, places in self.is_a.items()}
+        ones = np.ones(self.size, dtype=np.int64)
+        return sum(
+            int(math.prod((numbers[p.type] for p in kind.parameters), start=ones).sum()) for kind in kinds
+        )
+
     def only(self, rows: Longs) -> Arrays:
         """The transitions of these rows."""
         before, after, derived = (

@@ -42,6 +42,14 @@ from cleancli.learning.structure.literals import equalities, literals
 
 MOST_REFERENCES = 3
 """Conditions on other objects that are looked for in an action; chosen."""
+MOST_PATTERNS = 6
+"""Kinds of changes of objects without a name of which a `forall` is looked for at once, the most frequent;
+chosen."""
+LEAST_COVERED = 0.02
+"""The share of the objects that nothing names which a condition has to tell of; what flickers has fewer.
+Chosen."""
+UNFIT = 1_000_000
+"""In place of a number of facts, of an outcome that cannot be."""
 MOST_PARTS = 60
 """Literals of which pairs are tried as such a condition, the ones that hold of most objects that changed;
 chosen."""
@@ -62,15 +70,13 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Named:
-    """The terms that effects may be told of: `columns` are their places in each transition, (n,), or
+    """The terms that effects may be told of: `columns` are their places in each of the `size` transitions, or
     UNDEFINED where a reference names nothing."""
 
+    size: int
     columns: Mapping[Term, Longs]
     references: tuple[Reference, ...] = ()
     foralls: tuple[ForAll, ...] = ()
-
-    def terms(self) -> tuple[Term, ...]:
-        return tuple(self.columns)
 
 
 def needed_by(known: Named, reference: Reference) -> tuple[Reference, ...]:
@@ -89,7 +95,7 @@ def terms_of(part: Literal | Equality) -> tuple[Term, ...]:
 def named(action: ActionArrays, parameters: Sequence[Variable]) -> Named:
     """The action's arguments and the domain's constants."""
     columns: dict[Term, Longs] = dict(zip(parameters, action.columns, strict=True))
-    return Named({**columns, **index_of(action.arrays, {})})
+    return Named(action.arrays.size, {**columns, **index_of(action.arrays, {})})
 
 
 def changes_of(arrays: Arrays) -> list[Change]:
@@ -146,8 +152,7 @@ def _holes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> list[tupl
 def _terms_at(known: Named) -> list[dict[int, Term]]:
     """Of each row the first term that stands at a place."""
     columns = [(term, column.tolist()) for term, column in known.columns.items()]
-    rows = len(columns[0][1]) if columns else 0
-    found: list[dict[int, Term]] = [{} for _ in range(rows)]
+    found: list[dict[int, Term]] = [{} for _ in range(known.size)]
     for term, column in columns:
         for row, place in enumerate(column):
             if place != UNDEFINED:
@@ -168,7 +173,7 @@ def _reference(
         count = fits.sum(axis=1)
         covered = int((fits[rows, places] & (count[rows] == 1)).sum())
         rank = covered, -len(parts), int((count == 1).sum())
-        if covered > 1 and (best is None or rank > best[0]):
+        if covered > max(1.0, LEAST_COVERED * len(rows)) and (best is None or rank > best[0]):
             best = rank, parts, fits
     if best is None:
         return None
@@ -194,8 +199,8 @@ def fresh(known: Named, type_name: str) -> Variable:
 def _conditions(
     arrays: Arrays, known: Named, variable: Variable, rows: Longs, places: Longs
 ) -> Iterator[tuple[Parts, Bools]]:
-    """Conditions of one or two parts on an object, and which places satisfy them in each transition, (n, N);
-    only those that hold for some of the objects at these rows and places."""
+    """Conditions of one or two parts on an object, one of two being positive, and which places satisfy them
+    in each transition, (n, N); only those that hold for some of the objects at these rows and places."""
     terms = tuple(known.columns)
     index, typed = ranging(arrays, _index(known), (variable,))
     listed = [*literals(arrays.domain, (*terms, variable), variable)]
@@ -210,6 +215,9 @@ def _conditions(
     positive = [each for each in candidates if each[0] > 0][:MOST_PARTS]
     for _, literal, fits in positive:
         yield (literal,), fits
+    for _, literal, fits in candidates[:MOST_PARTS]:
+        if (typed & ~fits)[rows, places].any():
+            yield (negated(arrays.domain, literal),), typed & ~fits & _defined(literal, known)[:, None]
     for number, (_, one, fits) in enumerate(positive):
         for _, other, more in positive[number + 1 :]:
             if one.symbol != other.symbol or one.terms != other.terms:
@@ -230,7 +238,7 @@ def _is_defined(literal: Literal, known: Named) -> bool:
 def _defined(literal: Literal, known: Named) -> Bools:
     """Where all terms of a literal name something, (n,)."""
     columns = [known.columns[term] for term in literal.terms if term in known.columns]
-    found: Bools = np.ones(len(next(iter(known.columns.values()))), dtype=bool)
+    found: Bools = np.ones(known.size, dtype=bool)
     for column in columns:
         found = found & (column != UNDEFINED)
     return found
@@ -313,7 +321,8 @@ def _open_patterns(
         hole = terms.index(None)
         key = symbol, terms, symbol.parameters[hole].type
         patterns.setdefault(key, []).append((change.row, change.places[hole], change.new))
-    return sorted(patterns.items(), key=lambda each: (-len(each[1]), each[0][0].name, str(each[0][1])))
+    listed = sorted(patterns.items(), key=lambda each: (-len(each[1]), each[0][0].name, str(each[0][1])))
+    return listed[:MOST_PATTERNS]
 
 
 def _explained(arrays: Arrays, known: Named) -> set[Change]:
@@ -347,11 +356,12 @@ def _guard(
     has = open_places.any(axis=1)
     best: tuple[tuple[int, int], ForAll] | None = None
     rows, places = np.array(holes).T
-    for parts, fits in _conditions(arrays, known, variable, rows, places):
+    all_of_them: tuple[Parts, Bools] = (), np.ones(would.shape, dtype=bool)
+    for parts, fits in (all_of_them, *_conditions(arrays, known, variable, rows, places)):
         wanted = fits & would
         covered = int((has & (~wanted | right).all(axis=1) & (~open_places | wanted).all(axis=1)).sum())
         rank = covered, -2 * len(parts) + (parts in guards)
-        if covered > 1 and (best is None or rank > best[0]):
+        if covered > max(1.0, LEAST_COVERED * len(rows)) and (best is None or rank > best[0]):
             best = rank, ForAll((variable,), parts, (effect,))
     return best
 
@@ -460,10 +470,9 @@ Outcome = frozenset[Effect]
 
 
 def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Counter[Outcome]:
-    """What happened in each transition, told of terms, as far as it can be told; and how often."""
+    """What happened in each transition, as far as it can be told of terms, and how often."""
     at = _terms_at(known)
     by_row: dict[int, set[Effect]] = {row: set() for row in range(arrays.size)}
-    untold: set[int] = set()
     told: dict[Change, Effect] = {}
     for forall in known.foralls:
         for change in _explained(arrays, replace(known, foralls=(forall,))):
@@ -479,12 +488,10 @@ def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Cou
             plain.setdefault((change.symbol, terms), []).append(change)  # type: ignore[arg-type]
         elif change in told:
             by_row[change.row].add(told[change])
-        else:
-            untold.add(change.row)
     for (symbol, terms), found in sorted(plain.items(), key=str):
         for change, effect in _plain_effects(arrays.domain, symbol, terms, found):
             by_row[change.row].add(effect)
-    return Counter(frozenset(effects) for row, effects in by_row.items() if row not in untold)
+    return Counter(map(frozenset, by_row.values()))
 
 
 def _plain_effects(
@@ -527,23 +534,30 @@ def _right_with(told: Sets, chosen: Sequence[Sets]) -> Bools:
     return found
 
 
+def mismatches(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Longs:
+    """About how many facts outcomes are wrong in transitions, (n, outcomes): those that they set otherwise
+    than was seen after, and those that changed and that they do not set; UNFIT where a reference names
+    nothing."""
+    effects = {effect: sets(arrays, known, effect) for outcome in outcomes for effect in outcome}
+    found: Longs = np.zeros((arrays.size, len(outcomes)), dtype=np.int64)
+    for number, outcome in enumerate(outcomes):
+        chosen = sorted((effects[effect] for effect in outcome), key=lambda each: each.applies.shape[1])
+        unfit: Bools = np.zeros(arrays.size, dtype=bool)
+        wrong = arrays.changed.copy()
+        for place, told in enumerate(chosen):
+            if told.applies.shape[1] == 1:
+                unfit = unfit | ~told.applies[:, 0]
+            applies = told.applies
+            is_wrong = applies & ~_right_with(told, chosen)
+            for other in chosen[:place]:
+                same = (told.fluents[:, :, None] == other.fluents[:, None, :]) & other.applies[:, None, :]
+                applies = applies & ~same.any(axis=2)
+            wrong = wrong + is_wrong.sum(axis=1) - (applies & told.changed).sum(axis=1)
+        found[:, number] = np.where(unfit, UNFIT, wrong)
+    return found
+
+
 def fits(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Bools:
     """Which outcomes may have made which transitions, (n, outcomes): what they set is what was after, and all
     that changed is among it."""
-    effects = {effect: sets(arrays, known, effect) for outcome in outcomes for effect in outcome}
-    found = np.zeros((arrays.size, len(outcomes)), dtype=bool)
-    for number, outcome in enumerate(outcomes):
-        chosen = sorted((effects[effect] for effect in outcome), key=lambda each: each.applies.shape[1])
-        right: Bools = np.ones(arrays.size, dtype=bool)
-        changed: Longs = np.zeros(arrays.size, dtype=np.int64)
-        for place, told in enumerate(chosen):
-            if told.applies.shape[1] == 1:
-                right = right & told.applies[:, 0]
-            right = right & ~some(told.applies & ~_right_with(told, chosen), 1)
-            counts = told.applies & told.changed
-            for other in chosen[:place]:
-                same = (told.fluents[:, :, None] == other.fluents[:, None, :]) & other.applies[:, None, :]
-                counts = counts & ~same.any(axis=2)
-            changed = changed + counts.sum(axis=1)
-        found[:, number] = right & (changed == arrays.changed)
-    return found
+    return np.equal(mismatches(arrays, known, outcomes), 0)

@@ -165,7 +165,7 @@ def _overlapping(domain: Domain, found: Sequence[Induced]) -> list[str]:
 def _overlap(domain: Domain, rules: Sequence[Rule]) -> bool:
     text = print_domain(replace(domain, rules=tuple(rules), default=(), parameters=(), learned=None))
     codes = {each.code for each in checked_domain(Source(domain.name, text)).diagnostics}
-    return bool(codes & {"E307", "W307"})
+    return bool(codes & {"E305", "E307", "E308", "W307"})
 
 
 def _of(domain: Domain, actions: Sequence[str]) -> list[Rule]:

@@ -13,6 +13,8 @@ from cleancli.array_types import Floats
 
 FEW_ROUNDS = 12
 """Rounds that compare what may be asked for; chosen, since the order of candidates is then mostly settled."""
+SOME_ROUNDS = 40
+"""Rounds before the next choice; chosen."""
 ROUNDS = 400
 TOLERANCE = 1e-7
 _NEVER = 1e-300

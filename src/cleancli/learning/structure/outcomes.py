@@ -17,11 +17,16 @@ import numpy as np
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import Arrays
-from cleancli.learning.structure.effects import Change, Named, Outcome, fits, raw_outcomes
-from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
+from cleancli.learning.structure.effects import UNFIT, Change, Named, Outcome, mismatches, raw_outcomes
+from cleancli.learning.structure.mixture import FEW_ROUNDS, SOME_ROUNDS, fitted, log_likelihoods
 
 MOST_OUTCOMES = 30
 """Different results of an action that are looked at, the most frequent ones; chosen."""
+FLICKER = 0.002
+"""The share of facts that no outcome explains from which on these are taken to flicker, each by itself, and
+not for noise; chosen."""
+MOST_WRONG = 4
+"""Facts about which an outcome is wrong beside the best one, above which it counts as so much; chosen."""
 MOST_JOINED = 8
 """Of these the ones that are tried in pairs, as one result that in some states looks like either; chosen."""
 
@@ -52,12 +57,20 @@ def possible(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Possibl
     listed = sorted(raw, key=lambda each: (-raw[each], len(each), sorted(map(str, each))))[:MOST_OUTCOMES]
     joined = [one | other for one, other in itertools.combinations(listed[:MOST_JOINED], 2)]
     listed += [each for each in dict.fromkeys(joined) if each not in raw]
-    may = fits(arrays, known, listed)
-    is_useful: Bools = np.logical_or.reduce(may, axis=0)
-    listed = [each for each, useful in zip(listed, is_useful, strict=True) if useful]
+    wrong = mismatches(arrays, known, listed)
     noise = (1 / RESULTS_OF_NOISE) ** np.maximum(arrays.changed, 1.0)
-    likelihoods = np.column_stack([may[:, is_useful], noise])
-    return _possible(tuple(listed), likelihoods, np.arange(len(likelihoods)))
+    least = wrong.min(axis=1)
+    flicker = float(least.sum()) / max(arrays.facts, 1)
+    if flicker < FLICKER:
+        likelihoods = np.column_stack([wrong == 0, noise])
+    else:
+        odds = flicker / (1 - flicker)
+        beside = np.minimum(wrong - least[:, None], MOST_WRONG)
+        exact = np.where(wrong == UNFIT, 0.0, odds**beside)
+        likelihoods = np.column_stack([exact, np.zeros(arrays.size)])
+    useful = [number for number in range(len(listed)) if (wrong[:, number] == least).any()]
+    listed = [listed[number] for number in useful]
+    return _possible(tuple(listed), likelihoods[:, [*useful, -1]], np.arange(arrays.size))
 
 
 def needed(found: Possible) -> Possible:
@@ -85,19 +98,22 @@ def chosen(possible: Possible, counts: Floats, costs: Floats) -> tuple[list[int]
     number = len(possible.outcomes)
     kept = np.ones(number + 1, dtype=bool)
     start = np.full(number + 1, 1 / (number + 1))
-    beliefs = fitted(counts[None], possible.likelihoods, start)[0]
+    has_some = counts > 0
+    seen, likely = counts[has_some], possible.likelihoods[has_some]
+    beliefs = fitted(seen[None], likely, start, SOME_ROUNDS)[0]
     while kept[:number].any():
-        likelihood = log_likelihoods(counts[None], possible.likelihoods, beliefs)
+        likelihood = log_likelihoods(seen[None], likely, beliefs)
         listed = np.flatnonzero(kept[:number])
         starts = np.tile(np.where(kept, np.maximum(beliefs, 1e-6), 0), (len(listed), 1))
         starts[np.arange(len(listed)), listed] = 0
         starts /= starts.sum(axis=1, keepdims=True)
-        sets = np.tile(counts, (len(listed), 1))
-        tried = fitted(sets, possible.likelihoods, starts, FEW_ROUNDS)
-        gains = log_likelihoods(sets, possible.likelihoods, tried) - likelihood + costs[listed]
+        sets = np.tile(seen, (len(listed), 1))
+        tried = fitted(sets, likely, starts, FEW_ROUNDS)
+        gains = log_likelihoods(sets, likely, tried) - likelihood + costs[listed]
         best = int(gains.argmax())
         if gains[best] < 0:
             break
         kept[listed[best]] = False
-        beliefs = fitted(counts[None], possible.likelihoods, tried[best])[0]
+        beliefs = fitted(seen[None], likely, tried[best], SOME_ROUNDS)[0]
+    beliefs = fitted(seen[None], likely, beliefs)[0]
     return list(map(int, np.flatnonzero(kept[:number]))), beliefs[[*kept[:number], True]]
