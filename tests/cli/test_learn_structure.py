@@ -115,6 +115,13 @@ def test_the_search_of_2007_finds_the_same_rules(folder: Path, capsys: pytest.Ca
         cleancli.learn_structure("bare.nid", "seen.jsonl", search="greedy")
 
 
+def test_any_number_of_processes_learns_the_same(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    one, other = (
+        said(capsys, f"learn --structure bare.nid seen.jsonl --diff --json --jobs {jobs}") for jobs in (1, 2)
+    )
+    assert one == other
+
+
 def test_a_shipped_domain_is_not_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["learn", "--structure", "cleaning", "seen.jsonl", "--write"]) == 2
     capsys.readouterr()

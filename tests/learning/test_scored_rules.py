@@ -60,6 +60,7 @@ def test_scores_are_what_the_definitions_say(domain: Domain) -> None:
             found = scored(rules, name, given)
             assert found.transitions == len(own)
             assert found.log_likelihood == pytest.approx(sum(math.log(likely) for likely, _ in slow))
+            assert found.unforetold == sum(said == 0 for _, said in slow)
             assert found.variation == pytest.approx(sum(1 - said for _, said in slow) / len(own))
 
 
@@ -71,7 +72,7 @@ def test_literals_are_those_of_conditions_references_and_effects() -> None:
 
 
 def test_scores_of_actions_together() -> None:
-    both = together([Score(30, -10.0, 4, 0.5), Score(10, -2.0, 2, 0.1)])
-    assert both == Score(40, -12.0, 6, 0.4)
+    both = together([Score(30, -10.0, 4, 0.5, 3), Score(10, -2.0, 2, 0.1, 1)])
+    assert both == Score(40, -12.0, 6, 0.4, 4)
     assert both.score == -12 - PER_LITERAL * 6
     assert together([]) == Score()

@@ -108,6 +108,7 @@ def learn_structure(
     actions: Sequence[str] = (),
     search: str = TREE.search,
     seed: int = 0,
+    jobs: int = 1,
     write: bool = False,
 ) -> StructureResult:
     """Learn the rules of a domain from experience files or run folders: their conditions, references,
@@ -116,19 +117,21 @@ def learn_structure(
     The rules of an action stay where they explain the experience as well as those that were learned, and
     where one of them is `fixed`; with `vocabulary`, none stays. `actions` names those to learn the rules of,
     by default all. `search` says how contexts are found: "tree", by a decision tree, or "pasula", by the
-    search of Pasula, Zettlemoyer and Kaelbling (2007). `seed` draws the transitions that are held out.
+    search of Pasula, Zettlemoyer and Kaelbling (2007). `seed` draws the transitions that are held out; `jobs`
+    is on how many processes, which changes nothing else.
 
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
     """
     check_least(0, seed=seed)
+    check_least(1, jobs=jobs)
     check_one_of("search", search, SEARCHES)
     if not experience:
         raise BadOption("name experience files or run folders to learn from")
     loaded, is_writable = load_domain(domain), is_own_file(domain)
     if write:
         check_writable(loaded.sources[0], is_writable)
-    wanted = Wanted(vocabulary, tuple(actions), search, seed)
+    wanted = Wanted(vocabulary, tuple(actions), search, seed, jobs)
     result = structures(loaded, [Path(each) for each in experience], wanted, is_writable)
     if write:
         result.write()
@@ -143,6 +146,7 @@ class Wanted:
     actions: tuple[str, ...] = ()
     search: str = TREE.search
     seed: int = 0
+    jobs: int = 1
 
 
 def structures(
@@ -159,7 +163,7 @@ def structures(
         each for file in experience_files(experience) for each in read_experience(file.path, model)
     ]
     start = _without_rules(model, names) if wanted.vocabulary else model
-    found = revised(start, compiled(model, transitions), names, wanted.search)
+    found = revised(start, compiled(model, transitions), names, wanted.search, wanted.jobs)
     dropped = {rule.name for rule in found.dropped}
     if wanted.vocabulary:
         dropped |= {rule.name for rule in model.rules if rule.action in names}
@@ -172,7 +176,7 @@ def structures(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
-        (*notes, *_notes(names, found, len(transitions))),
+        (*notes, *_notes(names, found)),
         is_writable,
     )
 
@@ -210,7 +214,7 @@ def _held_out(
     held = np.random.default_rng(wanted.seed).permutation(len(transitions))[: len(transitions) // HELD_OUT]
     out = set(held.tolist())
     kept = [each for number, each in enumerate(transitions) if number not in out]
-    learned = revised(model, compiled(model, kept), names, wanted.search).domain
+    learned = revised(model, compiled(model, kept), names, wanted.search, wanted.jobs).domain
     tested = compiled(model, [transitions[number] for number in sorted(out)])
     concerned = [name for name in names if name in tested]
     before, after = ({n: scored(d, n, tested[n]) for n in concerned} for d in (model, learned))
@@ -235,11 +239,17 @@ def _score(score: Score, rules: int, held_out: Score) -> StructureScore:
     return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), off)
 
 
-def _notes(names: Sequence[str], found: Revised, transitions: int) -> Iterator[str]:
+def _notes(names: Sequence[str], found: Revised) -> Iterator[str]:
+    scores = together(list(found.after.values()))
     yield (
-        f"{plural(transitions, 'transition')} of {plural(len(found.after), 'action')}:"
+        f"{plural(scores.transitions, 'transition')} of {plural(len(found.after), 'action')}:"
         f" {plural(len(found.added), 'rule')} learned, {plural(len(found.dropped), 'rule')} dropped"
     )
+    if scores.unforetold:
+        yield (
+            f"in {plural(scores.unforetold, 'transition')} something happened that no outcome says: it counts"
+            " as noise, or was seen wrongly"
+        )
     for name in names:
         if name not in found.after:
             yield f"{name}: the experience has no transition of it, so its rules stay as they are"

@@ -68,6 +68,7 @@ from cleancli.learning.structure.induce import SEARCHES, TREE
     f"  [default: {TREE.search}]",
 )
 @options.seed("what --structure holds out", "0")
+@options.jobs("Processes that --structure shares the actions among; the rules are the same.")
 @click.option(
     "--output",
     type=options.FILE,
@@ -96,6 +97,7 @@ def command(
     actions: tuple[str, ...],
     search: str | None,
     seed: int | None,
+    jobs: int,
     output: Path | None,
     write: bool,
     diff: bool,
@@ -121,8 +123,10 @@ def command(
     if write and not is_own:
         raise ships_with(domain, loaded)
     counting = Counting(estimator, m, match, forgetting, add, replace)
-    if not structure and (vocabulary or actions or search or seed is not None):
-        raise click.UsageError("--vocabulary, --action, --search and --seed are for --structure: add it")
+    if not structure and (vocabulary or actions or search or seed is not None or jobs > 1):
+        raise click.UsageError(
+            "--vocabulary, --action, --search, --seed and --jobs are for --structure: add it"
+        )
     if structure:
         if counting != Counting() or check or explain:
             raise click.UsageError(
@@ -130,7 +134,7 @@ def command(
                 " --forgetting, --add, --replace, --check and --explain"
             )
         with working("learning rules"), usage_errors():
-            wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0)
+            wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0, jobs)
             rules = structures(loaded, experience, wanted, is_own, may_include_outside())
         return _finish(rules, write, output, diff, as_data)
     if check:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import multiprocessing
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,21 +115,21 @@ def revised(
     compiled: Mapping[str, ActionArrays],
     actions: Sequence[str],
     search: str = TREE.search,
+    jobs: int = 1,
 ) -> Revised:
     """The domain with better rules for those of these actions that there are transitions of, found by a
-    search of `SEARCHES`.
+    search of `SEARCHES`, on so many processes: for any number of them the same.
 
     The rules of an action stay where their score, with probabilities that fit, is no worse than that of those
     that were induced, so that names and comments of rules that somebody wrote are kept.
     """
     declared = {each.name: each for each in domain.actions}
-    found = {
-        name: induced(domain, declared[name], compiled[name], Way(search))
-        for name in actions
-        if name in compiled
-    }
+    tasks = [(domain, declared[name], compiled[name], Way(search)) for name in actions if name in compiled]
+    found = {each.action: each for each in _all_induced(tasks, jobs)}
     for name in _overlapping(domain, list(found.values())):
         found[name] = induced(domain, declared[name], compiled[name], Way(search, plain=True))
+        if _overlap(domain, found[name].rules):
+            found[name] = replace(found[name], rules=())
     default = _default(domain, list(found.values()))
     new = tuple(rule for each in found.values() for rule in each.rules)
     others = tuple(rule for rule in domain.rules if rule.action not in found)
@@ -152,6 +155,13 @@ def revised(
         added,
         default,
     )
+
+
+def _all_induced(tasks: Sequence[tuple[Domain, Action, ActionArrays, Way]], jobs: int) -> list[Induced]:
+    if min(jobs, len(tasks)) < 2:
+        return list(itertools.starmap(induced, tasks))
+    with ProcessPoolExecutor(min(jobs, len(tasks)), multiprocessing.get_context("spawn")) as executor:
+        return list(executor.map(induced, *zip(*tasks, strict=True)))
 
 
 def _overlapping(domain: Domain, found: Sequence[Induced]) -> list[str]:

@@ -40,12 +40,14 @@ IMPOSSIBLE = 1e-3
 @dataclass(frozen=True, slots=True)
 class Score:
     """Of transitions by rules: how many there are, the logarithm of their likelihood, the literals of the
-    rules, and the total variation between what they foretell and what happened, in the mean."""
+    rules, the total variation between what they foretell and what happened, in the mean, and in how many
+    something happened that they do not foretell."""
 
     transitions: int = 0
     log_likelihood: float = 0.0
     literals: int = 0
     variation: float = 0.0
+    unforetold: int = 0
 
     @property
     def score(self) -> float:
@@ -62,6 +64,7 @@ def together(scores: Sequence[Score]) -> Score:
         sum(each.log_likelihood for each in scores),
         sum(each.literals for each in scores),
         off / number if number else 0.0,
+        sum(each.unforetold for each in scores),
     )
 
 
@@ -71,8 +74,8 @@ def scored(domain: Domain, action: str, given: ActionArrays, refitted: bool = Fa
     explained, foretold = _foretold(domain, action, given, refitted)
     literals = sum(literals_of(rule) for rule in domain.rules if rule.action == action)
     logs = np.log(np.where(explained > 0, explained, IMPOSSIBLE * _by_noise(given.arrays)))
-    number = given.arrays.size
-    return Score(number, float(logs.sum()), literals, float((1 - foretold).mean()) if number else 0.0)
+    off = float((1 - foretold).mean()) if len(foretold) else 0.0
+    return Score(len(logs), float(logs.sum()), literals, off, int((foretold == 0).sum()))
 
 
 def literals_of(rule: Rule) -> int:
