@@ -292,8 +292,11 @@ def _narrowed(
 
 
 def _different(domain: Domain, one: Assign | Shift, other: Assign | Shift) -> Equality | None:
-    """That two terms are not one object, where two effects would otherwise be on one fluent."""
-    if one.symbol != other.symbol or one == other:
+    """That two terms are not one object, where two effects would otherwise give one fluent two values."""
+    agree = (isinstance(one, Shift) and isinstance(other, Shift)) or (
+        isinstance(one, Assign) and isinstance(other, Assign) and one.value == other.value
+    )
+    if one.symbol != other.symbol or agree:
         return None
     pairs = [(a, b) for a, b in zip(one.terms, other.terms, strict=True) if a != b]
     if not pairs or not all(_may_be_one(domain, a, b) for a, b in pairs):
