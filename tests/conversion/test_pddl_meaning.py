@@ -10,10 +10,12 @@ from random import Random
 import pytest
 
 import cleancli
+from cleancli.compiler.semantics import covering_rule, successors
+from cleancli.compiler.task import GroundState
 from cleancli.conversion.pddl.words import Group, groups_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.sink import Findings
-from support.pddl_compared import converted, disagreements, meaning_of
+from support.pddl_compared import converted, disagreements, meaning_of, state_of, task_of
 from support.pddl_drawn import Drawn
 
 CORPUS = Path(__file__).parent.parent / "corpus"
@@ -86,6 +88,31 @@ def test_the_goal_is_as_likely_as_it_can_be(feature: str) -> None:
         wanted = meaning_of(text).goal_probability(200)
         assert wanted is not None, "the file is too large to compare"
         assert cleancli.plan(text, text, objective="probability").value == pytest.approx(wanted, abs=1e-9)
+
+
+CHANCES = (
+    "(probabilistic 0.25 (dirt a2) 0.5 (not (dirt a1))) (probabilistic 1/3 (forall (?a - area) (wet ?a)))"
+)
+
+
+@pytest.mark.parametrize("feature", ["chance", "add_wins", "each_when", "disjunction"])
+def test_chance_decides_of_the_initial_state(feature: str) -> None:
+    """The first action leads to each initial world as often as it is one, and nothing else can be done."""
+    text = text_of(feature).replace("(ready) (open bin)", f"(ready) (open bin) {CHANCES}")
+    meaning, made = meaning_of(text), converted(text)
+    assert {d.code for d in made.diagnostics} <= {"W402"}
+    task = task_of(made)
+    (begin,) = [n for n, action in enumerate(task.actions) if action.name == "begin"]
+    found: dict[GroundState, float] = {}
+    for world, chance in meaning.initial_worlds().items():
+        state = state_of(task, world | {("begun",)})
+        found[state] = found.get(state, 0.0) + float(chance)
+    drawn = {state: chance for chance, state in successors(task, task.initial, begin)}
+    assert drawn == pytest.approx(found, abs=1e-12)
+    others = [n for n in range(len(task.actions)) if n != begin]
+    assert all(covering_rule(task, task.initial, number) is None for number in others)
+    wanted = meaning.goal_probability(200)
+    assert cleancli.plan(text, text, objective="probability").value == pytest.approx(wanted, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(24))

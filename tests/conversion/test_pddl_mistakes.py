@@ -131,7 +131,13 @@ MISTAKES = {
         "one cost",
     ),
     "metric": ("minimize (total-cost)", "minimize (+ (total-cost) (x))", "E917", (15, 21), "one function"),
-    "initial chance": ("(dirt a2))", "(probabilistic 0.5 (dirt a2)))", "E917", (13, 20), "one state"),
+    "initial condition": (
+        "(dirt a2))",
+        "(probabilistic 0.5 (when (dirt a1) (dirt a2))))",
+        "E917",
+        (13, 20),
+        "before the first action",
+    ),
     "never": ("(forall (?a - area) (not (dirt ?a)))", "(= a1 a2)", "E917", (14, 10), "never hold"),
     "derived": ("  (:functions", "  (:derived (p) (and)) (:functions", "E917", (5, 4), "derived predicates"),
 }

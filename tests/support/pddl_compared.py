@@ -42,7 +42,7 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
     found = []
     known = {(v.symbol.lower(), *v.objects) for v in task.variables}
     for world in meaning.reachable(most):
-        here = _state(task, world)
+        here = state_of(task, world)
         wanted = meaning.problem.goal is not None and meaning.holds(meaning.problem.goal, world, {})
         if (reaches_goal(task, here) if asked else meaning.problem.goal is not None) != wanted:
             found.append(f"the goal holds ({wanted}) in {sorted(world)}")
@@ -54,7 +54,7 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
                 found.append(f"{called} changes what is no variable")
             expected: dict[GroundState, float] = {}
             for each, chance in after.items():
-                state = _state(task, each)
+                state = state_of(task, each)
                 expected[state] = expected.get(state, 0.0) + float(chance)
             number = numbers.get(_key(*called))
             actual = {here: 1.0} if number is None else {s: p for p, s in successors(task, here, number)}
@@ -72,7 +72,7 @@ def _renamed(atom: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word.replace("-", "_") for word in atom)
 
 
-def _state(task: Task, world: World) -> GroundState:
+def state_of(task: Task, world: World) -> GroundState:
     """The state of the task that is a world."""
     atoms = {_renamed(atom) for atom in world}
     return tuple(

@@ -157,9 +157,20 @@ class Meaning:
         facts = [fact for fact in self.problem.init if isinstance(fact, SetNode)]
         return frozenset(self.atom(fact.atom, {}) for fact in facts if fact.value)
 
+    def initial_worlds(self) -> dict[World, Fraction]:
+        """The worlds that there may be at first."""
+        drawn = [
+            self.changes(node, frozenset(), {}) for node in self.problem.init if isinstance(node, ChanceNode)
+        ]
+        found: dict[World, Fraction] = {}
+        for (added, deleted), chance in _together(drawn).items():
+            world = (self.initial() - deleted) | added
+            found[world] = found.get(world, Fraction(0)) + chance
+        return {world: chance for world, chance in found.items() if chance}
+
     def reachable(self, most: int) -> list[World]:
-        """The worlds that can come about, the initial one first; up to some number."""
-        found = {self.initial(): None}
+        """The worlds that can come about, the initial ones first; up to some number."""
+        found = dict.fromkeys(self.initial_worlds())
         waiting = deque(found)
         actions = list(self.actions())
         while waiting and len(found) < most:
@@ -191,7 +202,7 @@ class Meaning:
                 best = max((sum(float(p) * value[w] for w, p in o.items()) for o in options), default=0.0)
                 change = max(change, best - value[world])
                 value[world] = best
-        return value[worlds[0]]
+        return sum(float(chance) * value[world] for world, chance in self.initial_worlds().items())
 
 
 def _stands(term: Name, binding: Binding) -> str:

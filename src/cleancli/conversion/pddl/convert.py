@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cleancli.conversion.pddl.beginning import begun
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.domain import domain_of, problem_of
+from cleancli.conversion.pddl.domain import USUAL_HORIZON, domain_of, problem_of
 from cleancli.conversion.pddl.effects import Effects
 from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
@@ -74,6 +75,8 @@ def converted(
     effects = Effects(words, metric.counted)
     schemas = schemas_of(domain.actions, words, effects, definitions)
     starts = starts_of(problems, words, definitions)
+    first = begun(schemas, starts, words, effects, definitions)
+    schemas, starts = first.schemas, first.starts
     findings.refuse_errors()
     name = wishes.name or readable(Naming(texts).written(domain.name), "d")
     made = domain_of(name, schemas, starts, metric, words, definitions, Naming(texts))
@@ -82,8 +85,12 @@ def converted(
     titles = names_of(problems, name, Naming(texts))
     written: dict[str, str] = {}
     for title, start in zip(titles, starts, strict=True):
-        problem = problem_of(title, start, made, metric, words, wishes.horizon)
-        written[title] = problem_text(problem, made, start.node.name.span, _guesses(start, problem, wishes))
+        steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
+        problem = problem_of(title, start, made, metric, words, steps)
+        told = _guesses(start, problem, wishes)
+        if first.action is not None:
+            told = (*told, f"chance decides of what holds at first: `{first.action}()` draws it")
+        written[title] = problem_text(problem, made, start.node.name.span, told)
     found, outputs = _looked_at(name, text, written)
     return Converted(
         name,

@@ -97,9 +97,9 @@ def domain_of(
 
 
 def problem_of(
-    name: str, start: Start, domain: Domain, metric: Metric, words: Words, horizon: int | None
+    name: str, start: Start, domain: Domain, metric: Metric, words: Words, horizon: int
 ) -> Problem:
-    """A problem for the domain; of its facts those that something asks for."""
+    """A problem for the domain, perhaps with a horizon; of its facts those that something asks for."""
     known = {symbol.name for symbol in domain.symbols}
     constants = set(domain.constants)
     things = (*words.constants.values(), *start.objects)
@@ -109,7 +109,7 @@ def problem_of(
         domain.name,
         tuple(thing for thing in things if thing not in constants),
         frozenset(fact for fact in start.facts if fact.symbol in known),
-        Horizon(horizon or USUAL_HORIZON) if earned else Unlimited(),
+        Horizon(horizon) if earned else Unlimited(),
         1.0,
         start.goal,
     )

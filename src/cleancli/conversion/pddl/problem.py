@@ -104,8 +104,7 @@ def _facts(problem: ProblemNode, words: Words) -> frozenset[Fact]:
     found: set[Fact] = set()
     for node in problem.init:
         if isinstance(node, ChanceNode):
-            words.findings.error("E917", "a .nid problem starts from one state", node.span)
-            continue
+            continue  # an action draws it (`beginning`)
         atom = words.atom(node.atom, {})
         if atom is None or not node.value:
             continue
