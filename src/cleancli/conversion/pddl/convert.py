@@ -5,37 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.conversion.pddl.beginning import begun
-from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.domain import USUAL_HORIZON, domain_of, problem_of
-from cleancli.conversion.pddl.effects import Effects
-from cleancli.conversion.pddl.naming import Naming, readable
-from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
+from cleancli.conversion.pddl.draft import Wishes, draft_of
 from cleancli.conversion.pddl.read import read
-from cleancli.conversion.pddl.resolve import Words
-from cleancli.conversion.pddl.schemas import Schema, schemas_of
-from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
 from cleancli.conversion.pddl.text import domain_text, problem_text
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import checked_domain, checked_problem
-from cleancli.language.model import Domain, Horizon, Problem
 
-
-@dataclass(frozen=True, slots=True)
-class Wishes:
-    """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
-    rewards (None: a guess)."""
-
-    name: str | None = None
-    horizon: int | None = None
+__all__ = ["Converted", "Wishes", "convert"]
 
 
 @dataclass(frozen=True, slots=True)
 class Converted:
     """The names and texts of a domain and its problems, and what has to be told about them. `diagnostics` are
-    warnings about the PPDDL files, then what the checker finds in the texts; `sources` has both. `places`
-    tells where each action is from, and under the names of their texts the domain and the problems."""
+    warnings about the PPDDL files, then what the checker finds in the texts; `sources` has both."""
 
     name: str
     domain: str
@@ -43,7 +26,6 @@ class Converted:
     notes: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
-    places: Mapping[str, Span]
 
 
 def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
@@ -56,99 +38,13 @@ def convert(sources: Sequence[Source], wishes: Wishes) -> Converted:
         findings.include(source, (), frozenset())
     found = [read(source, findings) for source in sources]
     domains = [domain for some, _ in found for domain in some]
-    problems = [problem for _, some in found for problem in some]
-    return converted(domains, problems, findings, wishes)
-
-
-def converted(
-    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings, wishes: Wishes
-) -> Converted:
-    """The texts of one domain and its problems; `findings` holds what was found when they were read, and the
-    texts that they were read from. Raises Refused with every mistake."""
-    texts = {source.path: source for source in findings.sources}
-    _refuse_misfits(domains, problems, findings)
-    findings.refuse_errors()
-    domain = domains[0]
-    words = Words(domain, problems, findings, texts)
-    metric = metric_of(domain, problems, findings)
-    definitions = Definitions(words.symbols)
-    effects = Effects(words, metric.counted)
-    schemas = schemas_of(domain.actions, words, effects, definitions)
-    starts = starts_of(problems, words, definitions)
-    first = begun(schemas, starts, words, effects, definitions)
-    schemas, starts = first.schemas, first.starts
-    findings.refuse_errors()
-    name = wishes.name or readable(Naming(texts).written(domain.name), "d")
-    made = domain_of(name, schemas, starts, metric, words, definitions, Naming(texts))
-    notes = _notes(domain, made, schemas, words, effects)
-    text = domain_text(made, schemas, domain.name.span, texts, notes)
-    titles = names_of(problems, name, Naming(texts))
-    written: dict[str, str] = {}
-    for title, start in zip(titles, starts, strict=True):
-        steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
-        problem = problem_of(title, start, made, metric, words, steps)
-        told = _guesses(start, problem, wishes)
-        if first.action is not None:
-            told = (*told, f"chance decides of what holds at first: `{first.action}()` draws it")
-        written[title] = problem_text(problem, made, start.node.name.span, told)
-    found, outputs = _looked_at(name, text, written)
-    return Converted(
-        name,
-        text,
-        written,
-        notes,
-        (*findings.sorted, *found),
-        (*findings.sources, *outputs),
-        {schema.action.name: schema.place for schema in schemas}
-        | {f"{name}.nid": domain.name.span}
-        | {f"{title}.nid": start.node.name.span for title, start in zip(titles, starts, strict=True)},
-    )
-
-
-def _refuse_misfits(
-    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings
-) -> None:
-    """E915 for no domain and for several, W911 for a problem of another."""
-    if not domains and not findings.errors:
-        start = Span(findings.source.path, 0, 0)
-        findings.error("E915", "no domain is defined", start, help="give the domain's file as well")
-    for domain in domains[1:]:
-        findings.error("E915", "a second domain is defined", domain.name.span, help="convert one at a time")
-    for problem in problems:
-        if domains and problem.domain is not None and problem.domain != domains[0].name:
-            message = f"the problem is for `{problem.domain.text}`, not for `{domains[0].name.text}`"
-            findings.warning("W911", message, problem.domain.span, "taken to be for it")
-
-
-def _notes(
-    node: DomainNode, domain: Domain, schemas: Sequence[Schema], words: Words, effects: Effects
-) -> tuple[str, ...]:
-    """What the texts do not say as the files do."""
-    declared = {symbol.name for symbol in domain.symbols}
-    unused = [each.name for each in words.predicates.values() if each.name not in declared]
-    acting = {rule.action for rule in domain.rules}
-    placed = {schema.place for schema in schemas if schema.action.name in acting}
-    idle = [action.name.text for action in node.actions if action.name.span not in placed]
-    functions = [each.name.text for each in node.functions if each.name.text not in effects.counted]
-    parts = (
-        ("predicates that nothing asks for and nothing changes", unused),
-        ("actions that change nothing", idle),
-        ("functions that no metric names", functions),
-    )
-    left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
-    if effects.written_out:
-        left.append("rules are written out for the problem's objects where chance decides for each of them")
-    return tuple(left)
-
-
-def _guesses(start: Start, problem: Problem, wishes: Wishes) -> tuple[str, ...]:
-    """What was left open, and what has no word in .nid files."""
-    found = []
-    if isinstance(problem.horizon, Horizon) and wishes.horizon is None:
-        found.append("the horizon is a guess: PPDDL has none")
-    if start.node.goal_probability is not None:
-        found.append("the goal is to be reached as surely as can be, whatever :goal-probability asks")
-    return tuple(found)
+    draft = draft_of(domains, [problem for _, some in found for problem in some], findings, wishes)
+    text = domain_text(draft, {source.path: source for source in sources})
+    problems = {each.problem.name: problem_text(each, draft.domain) for each in draft.problems}
+    name = draft.domain.name
+    looked, outputs = _looked_at(name, text, problems)
+    told = (*findings.sorted, *looked)
+    return Converted(name, text, problems, draft.notes, told, (*findings.sources, *outputs))
 
 
 def _looked_at(

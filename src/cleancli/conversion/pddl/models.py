@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cleancli.conversion.pddl.convert import Converted, Wishes, converted
+from cleancli.conversion.pddl.draft import Draft, Wishes, draft_of
 from cleancli.conversion.pddl.read import read
 from cleancli.conversion.pddl.syntax import ProblemNode
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.load import load_domain, load_problem
+from cleancli.language.load import checked_domain, checked_problem
 from cleancli.language.model import Action, Domain, Problem, Rule
+from cleancli.language.printing.printer import print_domain, print_problem
 
 _BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
 _RULE = re.compile(r"^  rule \w+: (\w+)\(", re.M)
@@ -69,16 +70,24 @@ def models_of(domain: Source, problem: Source | None = None) -> Models:
         problems = read(problem, findings)[1]
     if problem is not None:
         _refuse_none(problem, problems, findings)
-    made = converted(domains, problems, findings, Wishes())
-    start = domains[0].name.span
-    found = tuple(_in_pddl(each, made) for each in made.diagnostics)
-    try:
-        model = load_domain(Source(f"{made.name}.nid", made.domain))
-        given = [load_problem(Source(f"{n}.nid", text), model) for n, text in made.problems.items()]
-    except Refused as refused:
-        told = [_in_pddl(each, made) for each in refused.diagnostics]
-        raise Refused(told, findings.sources) from None
-    return Models(_placed(model, made, start), tuple(given), found, tuple(findings.sources))
+    draft = draft_of(domains, problems, findings, Wishes())
+    text = Source(f"{draft.domain.name}.nid", print_domain(draft.domain))
+    others = [
+        Source(f"{each.problem.name}.nid", print_problem(each.problem, draft.domain))
+        for each in draft.problems
+    ]
+    places = {text.path: draft.place}
+    places |= {other.path: each.place for other, each in zip(others, draft.problems, strict=True)}
+    checked = checked_domain(text)
+    looked = [checked_problem(other, checked.model) for other in others] if checked.model is not None else []
+    found = [each for each in checked.diagnostics if each.code != "W201" or problem is None]
+    found += [each for other in looked for each in other.diagnostics]
+    told = (*findings.sorted, *(_in_pddl(each, text, draft, places) for each in found))
+    if checked.model is None or any(other.model is None for other in looked):
+        raise Refused(told, findings.sources)
+    return Models(
+        _placed(checked.model, draft), tuple(other.get() for other in looked), told, tuple(findings.sources)
+    )
 
 
 def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Findings) -> None:
@@ -87,9 +96,9 @@ def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Find
         findings.error("E915", "no problem is defined", Span(source.path, 0, 0), help=help)
 
 
-def _placed(domain: Domain, made: Converted, start: Span) -> Domain:
+def _placed(domain: Domain, draft: Draft) -> Domain:
     """The domain with the places of PPDDL in place of those in its text."""
-    rules = tuple(_rule(rule, made.places.get(rule.action, start)) for rule in domain.rules)
+    rules = tuple(_rule(rule, draft.actions.get(rule.action, draft.place)) for rule in domain.rules)
     return replace(domain, rules=rules, actions=tuple(map(_action, domain.actions)), end=None)
 
 
@@ -102,13 +111,13 @@ def _action(action: Action) -> Action:
     return replace(action, duration_span=None, noted_span=None)
 
 
-def _in_pddl(diagnostic: Diagnostic, made: Converted) -> Diagnostic:
+def _in_pddl(diagnostic: Diagnostic, domain: Source, draft: Draft, places: Mapping[str, Span]) -> Diagnostic:
     """The diagnostic at the action that it is about, or where the domain or problem is named."""
     span = diagnostic.span
-    if span is None or span.path not in made.places:
+    if span is None or span.path not in places:
         return diagnostic
-    place = made.places[span.path]
-    if span.path == f"{made.name}.nid":
-        before = [rule for rule in _RULE.finditer(made.domain) if rule.start() <= span.start]
-        place = made.places.get(before[-1][1], place) if before else place
+    place = places[span.path]
+    if span.path == domain.path:
+        before = [rule for rule in _RULE.finditer(domain.text) if rule.start() <= span.start]
+        place = draft.actions.get(before[-1][1], place) if before else place
     return replace(diagnostic, span=place)

@@ -2,41 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from cleancli.conversion.comments import commented
-from cleancli.conversion.pddl.schemas import Schema
+from cleancli.conversion.pddl.draft import Draft, DraftProblem
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.source_lines import Lines
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.printer import print_domain, print_problem
 
 
-def domain_text(
-    domain: Domain,
-    schemas: Sequence[Schema],
-    place: Span,
-    sources: Mapping[str, Source],
-    notes: Sequence[str],
-) -> str:
-    """The domain, laid out; `place` is where PDDL names it."""
-    head = [f"Converted from {_file(place)} by `cleancli convert`.", *notes]
+def domain_text(draft: Draft, sources: Mapping[str, Source]) -> str:
+    """The domain, laid out; `sources` are the PPDDL texts."""
+    head = [f"Converted from {_file(draft.place)} by `cleancli convert`.", *draft.notes]
     lines = {path: Lines(source.text) for path, source in sources.items()}
     above: dict[str, tuple[str, ...]] = {}
-    for schema in schemas:
-        line = lines[schema.place.path].place(schema.place.start)[0]
-        first = next((rule for rule in domain.rules if rule.action == schema.action.name), None)
+    for action, place in draft.actions.items():
+        first = next((rule for rule in draft.domain.rules if rule.action == action), None)
         if first is not None:
-            above[f"  rule {first.name}:"] = (f"{_file(schema.place)}, line {line}",)
-    return layout(commented(print_domain(domain), head, above))
+            line = lines[place.path].place(place.start)[0]
+            above[f"  rule {first.name}:"] = (f"{_file(place)}, line {line}",)
+    return layout(commented(print_domain(draft.domain), head, above))
 
 
-def problem_text(problem: Problem, domain: Domain, place: Span, notes: Sequence[str]) -> str:
+def problem_text(draft: DraftProblem, domain: Domain) -> str:
     """A problem, laid out."""
-    head = [f"Converted from {_file(place)} by `cleancli convert`.", *notes]
-    return layout(commented(print_problem(problem, domain), head, {}))
+    head = [f"Converted from {_file(draft.place)} by `cleancli convert`.", *draft.notes]
+    return layout(commented(print_problem(draft.problem, domain), head, {}))
 
 
 def _file(place: Span) -> str:

@@ -1,0 +1,126 @@
+"""What a PPDDL domain and its problems become, before it is text that the checker has looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cleancli.conversion.pddl.beginning import begun
+from cleancli.conversion.pddl.define import Definitions
+from cleancli.conversion.pddl.domain import USUAL_HORIZON, domain_of, problem_of
+from cleancli.conversion.pddl.effects import Effects
+from cleancli.conversion.pddl.naming import Naming, readable
+from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
+from cleancli.conversion.pddl.resolve import Words
+from cleancli.conversion.pddl.schemas import Schema, schemas_of
+from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
+from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.model import Domain, Horizon, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
+    rewards (None: a guess)."""
+
+    name: str | None = None
+    horizon: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DraftProblem:
+    """A problem, what has to be told about it, and where PPDDL names it."""
+
+    problem: Problem
+    notes: tuple[str, ...]
+    place: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """A domain and its problems, what has to be told about the domain, and where it and its actions (by their
+    names) are from."""
+
+    domain: Domain
+    problems: tuple[DraftProblem, ...]
+    notes: tuple[str, ...]
+    place: Span
+    actions: Mapping[str, Span]
+
+
+def draft_of(
+    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings, wishes: Wishes
+) -> Draft:
+    """What one domain and its problems become; `findings` holds what was found when they were read, and the
+    texts that they were read from. Raises Refused with every mistake (E915 to E918)."""
+    texts = {source.path: source for source in findings.sources}
+    _refuse_misfits(domains, problems, findings)
+    findings.refuse_errors()
+    domain = domains[0]
+    words = Words(domain, problems, findings, texts)
+    metric = metric_of(domain, problems, findings)
+    definitions = Definitions(words.symbols)
+    effects = Effects(words, metric.counted)
+    schemas = schemas_of(domain.actions, words, effects, definitions)
+    starts = starts_of(problems, words, definitions)
+    first = begun(schemas, starts, words, effects, definitions)
+    findings.refuse_errors()
+    name = wishes.name or readable(Naming(texts).written(domain.name), "d")
+    made = domain_of(name, first.schemas, first.starts, metric, words, definitions, Naming(texts))
+    steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
+    drawn = f"chance decides of what holds at first: `{first.action}()` draws it"
+    drafts = []
+    for title, start in zip(names_of(problems, name, Naming(texts)), first.starts, strict=True):
+        problem = problem_of(title, start, made, metric, words, steps)
+        told = (*_guesses(start, problem, wishes), *([drawn] if first.action is not None else []))
+        drafts.append(DraftProblem(problem, told, start.node.name.span))
+    places = {schema.action.name: schema.place for schema in first.schemas}
+    notes = _notes(domain, made, first.schemas, words, effects)
+    return Draft(made, tuple(drafts), notes, domain.name.span, places)
+
+
+def _refuse_misfits(
+    domains: Sequence[DomainNode], problems: Sequence[ProblemNode], findings: Findings
+) -> None:
+    """E915 for no domain and for several, W911 for a problem of another."""
+    if not domains and not findings.errors:
+        start = Span(findings.source.path, 0, 0)
+        findings.error("E915", "no domain is defined", start, help="give the domain's file as well")
+    for domain in domains[1:]:
+        findings.error("E915", "a second domain is defined", domain.name.span, help="convert one at a time")
+    for problem in problems:
+        if domains and problem.domain is not None and problem.domain != domains[0].name:
+            message = f"the problem is for `{problem.domain.text}`, not for `{domains[0].name.text}`"
+            findings.warning("W911", message, problem.domain.span, "taken to be for it")
+
+
+def _notes(
+    node: DomainNode, domain: Domain, schemas: Sequence[Schema], words: Words, effects: Effects
+) -> tuple[str, ...]:
+    """What the texts do not say as the files do."""
+    declared = {symbol.name for symbol in domain.symbols}
+    unused = [each.name for each in words.predicates.values() if each.name not in declared]
+    acting = {rule.action for rule in domain.rules}
+    placed = {schema.place for schema in schemas if schema.action.name in acting}
+    idle = [action.name.text for action in node.actions if action.name.span not in placed]
+    functions = [each.name.text for each in node.functions if each.name.text not in effects.counted]
+    parts = (
+        ("predicates that nothing asks for and nothing changes", unused),
+        ("actions that change nothing", idle),
+        ("functions that no metric names", functions),
+    )
+    left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
+    if effects.written_out:
+        left.append("rules are written out for the problem's objects where chance decides for each of them")
+    return tuple(left)
+
+
+def _guesses(start: Start, problem: Problem, wishes: Wishes) -> tuple[str, ...]:
+    """What was left open, and what has no word in .nid files."""
+    found = []
+    if isinstance(problem.horizon, Horizon) and wishes.horizon is None:
+        found.append("the horizon is a guess: PPDDL has none")
+    if start.node.goal_probability is not None:
+        found.append("the goal is to be reached as surely as can be, whatever :goal-probability asks")
+    return tuple(found)
