@@ -32,7 +32,7 @@ NAVIGATION = {
         "First steps": "tutorial gallery comparison",
         "Guides": "planning simulation execution learning experiments report editors",
         "Robots and agents of your own": "your_own_robot recording real_tables gym",
-        "Reference": "language diagnostics commands exit-codes python runs",
+        "Reference": "language from-pddl diagnostics commands exit-codes python runs",
         "How it works": "planners perception world physics statistics",
         "Behind it": "measurements/index decisions/index tests language-tests",
     },

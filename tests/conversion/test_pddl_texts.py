@@ -51,6 +51,17 @@ def test_a_condition_inside_of_an_effect_makes_two_rules() -> None:
     assert chances[1] == [Fraction(4, 5), Fraction(1, 5)]
 
 
+def test_the_page_shows_what_is_written() -> None:
+    """The two texts of docs/from-pddl.md are one domain."""
+    page = (Path(__file__).parents[2] / "docs" / "from-pddl.md").read_text(encoding="utf-8")
+    given, written = (
+        re.findall(rf"^```{kind}\n(.*?)^```$", page, re.M | re.S)[0] for kind in ("text", "nid")
+    )
+    made = convert([Source("watering.pddl", given)], Wishes())
+    assert made.diagnostics == ()
+    assert load_domain(Source("made", made.domain)) == load_domain(Source("page", written))
+
+
 def test_many_conditions_stay_in_the_effect() -> None:
     several = " ".join(f"(when (next-to ?from a{n}) (wet a{n}))" for n in (1, 2, 3))
     made = tidy(
