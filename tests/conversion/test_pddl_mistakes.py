@@ -209,6 +209,15 @@ def test_what_is_plainly_meant_is_a_warning(name: str) -> None:
     assert all(d.code in ("W911", "W402") and d.label for d in made.diagnostics if d.code == "W911")
 
 
+def test_too_many_outcomes_are_refused() -> None:
+    """Ten independent draws have 1024 results, and the push doubles them."""
+    places = " ".join(f"m{n}" for n in range(10))
+    text = TEXT.replace("bin - container", f"bin - container {places} - area", 1)
+    draws = " ".join(f"(probabilistic 0.5 (dirt {place}))" for place in places.split())
+    with pytest.raises(Refused, match="`push` has more than 512 outcomes"):
+        converted(text.replace("(not (dirt ?a)) (inc", f"{draws} (inc"))
+
+
 def test_mistakes_are_told_at_once() -> None:
     text = TEXT.replace("(in ?a bin)", "(in ?a bim)").replace("(dirt a2))", "(dirt a9))")
     text = text.replace(":precondition (dirt ?a)", ":precondition (dirt ?z)")

@@ -38,7 +38,7 @@ from cleancli.conversion.pddl.syntax import (
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import Object, Term, Variable
 
-MOST_OUTCOMES = 1024
+MOST_OUTCOMES = 512
 """Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
 
 MOST_BINDINGS = 1000
