@@ -162,6 +162,12 @@ MENDED = {
     "a fact twice": ("(dirt a1)", "(dirt a1) (dirt a1)", (13, 20), "holds twice"),
     "undeclared predicate": ("(not (dirt ?a)) (inc", "(seen ?a) (not (dirt ?a)) (inc", (9, 51), "`seen`"),
     "undeclared type": ("a2 - area", "a2 - area m - machine", (12, 30), "`machine` is not declared"),
+    "an object of the problem": (
+        "(dirt ?a)\n",
+        "(and (dirt ?a) (dirt a1))\n",
+        (8, 40),
+        "only a problem declares",
+    ),
     "narrow predicate": ("(?a - area)\n    :pre", "(?a - place)\n    :pre", (8, 25), "is of type `place`"),
     "unknown section": ("(:functions", "(:fluents", (5, 3), "no section"),
     "another domain": ("(:domain tidy)", "(:domain tidier)", (11, 12), "for `tidier`"),

@@ -63,6 +63,7 @@ def draft_of(
     definitions = Definitions(words.symbols)
     effects = Effects(words, metric.counted)
     schemas = schemas_of(domain.actions, words, effects, definitions)
+    _warn_of_objects(words)
     starts = starts_of(problems, words, definitions)
     first = begun(schemas, starts, words, effects, definitions)
     findings.refuse_errors()
@@ -93,6 +94,15 @@ def _refuse_misfits(
         if domains and problem.domain is not None and problem.domain != domains[0].name:
             message = f"the problem is for `{problem.domain.text}`, not for `{domains[0].name.text}`"
             findings.warning("W911", message, problem.domain.span, "taken to be for it")
+
+
+def _warn_of_objects(words: Words) -> None:
+    """W911 for what actions name and a problem alone declares."""
+    constants = set(words.constants.values())
+    for thing, span in words.named.items():
+        if thing not in constants:
+            message = f"the domain names `{thing.name}`, and only a problem declares it"
+            words.findings.warning("W911", message, span, "taken as a constant")
 
 
 def _notes(

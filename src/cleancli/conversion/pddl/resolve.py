@@ -37,7 +37,7 @@ from cleancli.conversion.pddl.syntax import (
     Typed,
 )
 from cleancli.conversion.pddl.types import Types
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import Findings, meant
 from cleancli.language.model import Object, Symbol, Term, Variable
@@ -64,7 +64,8 @@ class Predicate:
 class Words:
     """All names of a domain and its problems, and what they mean.
 
-    `constants` are the domain's, `objects` those of each problem.
+    `constants` are the domain's, `objects` those of each problem; `named` tells where an object was first
+    named.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class Words:
         self._known = {
             name: thing for each in (self.constants, *self.objects) for name, thing in each.items()
         }
+        self.named: dict[Object, Span] = {}
         self.predicates: dict[str, Predicate] = {}
         for signature in domain.predicates:
             self._declare(signature)
@@ -204,6 +206,8 @@ class Words:
         if thing is None:
             help = meant(name.text, self._known, "object")
             self.findings.error("E916", f"unknown object `{name.text}`", name.span, help=help)
+        else:
+            self.named.setdefault(thing, name.span)
         return thing
 
     def atom(self, node: AtomNode, scope: Scope) -> tuple[str, tuple[Term, ...]] | None:
