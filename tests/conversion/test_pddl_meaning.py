@@ -90,6 +90,20 @@ def test_the_goal_is_as_likely_as_it_can_be(feature: str) -> None:
         assert cleancli.plan(text, text, objective="probability").value == pytest.approx(wanted, abs=1e-9)
 
 
+def test_quantifiers_over_no_object_at_all() -> None:
+    text = text_of("bare").replace("area container - place", "area container rag - place")
+    effect = (
+        "(and (forall (?r - rag) (done)) (when (forall (?r - rag) (wet ?r)) (forall (?a - area) (wet ?a))))"
+    )
+    for condition in (
+        "(not (exists (?r - rag) (wet ?r)))",
+        "(exists (?r - rag) (ready))",
+        "(forall (?r - rag) (done))",
+    ):
+        changed = text.replace(":effect (done)", f":precondition {condition} :effect {effect}")
+        assert disagreements(changed, converted(changed)) == []
+
+
 CHANCES = (
     "(probabilistic 0.25 (dirt a2) 0.5 (not (dirt a1))) (probabilistic 1/3 (forall (?a - area) (wet ?a)))"
 )

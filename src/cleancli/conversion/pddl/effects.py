@@ -143,6 +143,8 @@ class Effects:
         if _has_chance(node.effect):
             return self._written_out(node, scope)
         own, inner, asked = self._words.bound(node.variables, scope)
+        if any(self._words.is_empty(variable.type) for variable in own):
+            return NOTHING
         return self.tree(node.effect, inner, (*variables, *own), both([guard, asked]))
 
     def _written_out(self, node: EachNode, scope: Scope) -> Tree:

@@ -27,7 +27,6 @@ _NUMBER = re.compile(
     r"-?([0-9]{1,18}(\.[0-9]{0,60})?|\.[0-9]{1,60})(e[-+]?[0-9]{1,2})?|-?[0-9]{1,18}/[0-9]{1,18}"
 )
 _COMPARES = frozenset({"<", "<=", ">", ">="})
-_CALCULATES = frozenset({"+", "-", "*", "/"})
 
 
 class Unreadable(Exception):
@@ -189,8 +188,3 @@ def number_in(node: Node) -> Fraction | None:
         return None
     denominator = node.text.partition("/")[2]
     return None if denominator and not int(denominator) else Fraction(node.text)
-
-
-def calculates(node: Node) -> bool:
-    """Whether a group is an arithmetic expression."""
-    return isinstance(node, Group) and node.head in _CALCULATES

@@ -40,7 +40,7 @@ from cleancli.conversion.pddl.types import Types
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import Findings, meant
-from cleancli.language.model import Object, Symbol, Term, Variable
+from cleancli.language.model import Object, Term, Variable
 
 Scope = Mapping[str, Term]
 """What each variable of PDDL stands for at a place; an object where a `forall` is written out."""
@@ -278,19 +278,14 @@ class Words:
     def _quantified(self, node: QuantifiedNode, scope: Scope) -> Formula:
         variables, inner, asked = self.bound(node.variables, scope)
         part = self.formula(node.part, inner)
-        missing = [v for v in variables if self._is_empty(v.type)]
+        missing = [v for v in variables if self.is_empty(v.type)]
         if missing:
             return NEVER if node.exists else ALWAYS
         if node.exists:
             return quantified(True, variables, both([asked, part]))
         return quantified(False, variables, either([negated(asked), part]))
 
-    def _is_empty(self, kind: str) -> bool:
+    def is_empty(self, kind: str) -> bool:
         """Whether no problem has an object of a type."""
         every = [*self.constants.values(), *(thing for each in self.objects for thing in each.values())]
         return not self._is_alone and not any(self.types.is_a(thing.type, kind) for thing in every)
-
-
-def as_symbol(predicate: Predicate, static: bool) -> Symbol:
-    """The predicate as a .nid file declares it."""
-    return Symbol(predicate.name, predicate.parameters, static=static)
