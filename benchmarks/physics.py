@@ -7,8 +7,8 @@ Prints the tables of docs/measurements/physics.md, a row as soon as its trials a
 - ink: how much ink a pass takes.
 
 All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
-and trials that stand there already are not done again, but all count. Trials have the seeds N, N + 1 and so on. `--action
-NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
+and trials that stand there already are not done again, but all count. Trials have the seeds N, N + 1 and so
+on. `--action NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
 everything, in about a minute.
 """
 
@@ -98,8 +98,8 @@ class Run:
     keep: Kept
 
     def rows(self, what: Mapping[str, str], try_one: Callable[[int], Row]) -> list[Row]:
-        """A row for each seed, all of which say `what` was tried; those kept are not tried again, and those of
-        later seeds count too."""
+        """A row for each seed, all of which say `what` was tried; those kept are not tried again, and those
+        of later seeds count too."""
         seeds = range(self.first, self.first + self.repeat)
         kept: dict[int, Row] = {row["seed"]: row for row in self.keep.rows() if row.items() >= what.items()}
         missing = [seed for seed in seeds if seed not in kept]
