@@ -8,8 +8,8 @@ Prints the tables of docs/measurements/physics.md, a row as soon as its trials a
 
 All of it takes about two hours of CPU. With --keep every trial is written to a file as soon as it is done,
 and trials that stand there already are not done again, but all count. Trials have the seeds N, N + 1 and so
-on. `--action NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries little of
-everything, in about a minute.
+on. `--action NAME` makes the rows of one action alone, `--grasp` those of some grasps. `--quick` tries
+little of everything, in about a minute.
 """
 
 from __future__ import annotations
