@@ -75,7 +75,13 @@ def with_navigation(_: Sphinx, page: str, source: list[str]) -> None:
         source[0] += "\n".join(["\n\n```{toctree}", *options, "", *pages.split(), "```", ""])
 
 
+def unbroken(_: Sphinx, __: str, source: list[str]) -> None:
+    """Keep a value and its error on one line of a table's cell; tables scroll where they are too wide."""
+    source[0] = source[0].replace(" ± ", "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}")
+
+
 def setup(app: Sphinx) -> None:
     """Called by Sphinx."""
     app.add_lexer("nid", NidLexer)
+    app.connect("source-read", unbroken)
     app.connect("source-read", with_navigation)
