@@ -244,6 +244,11 @@ def test_nothing_of_the_slider_lies_on_anything_else(browser: Browser, width: in
         beside = one[2] <= other[0] + 0.5 or other[2] <= one[0] + 0.5
         assert beside or one[3] <= other[1] + 0.5 or other[3] <= one[1] + 0.5
     assert all(left >= 0 and right <= width for left, _, right, _ in boxes)
+    page.locator(".time a[href='#step-2']").first.click()
+    bar, head = (page.locator(name).bounding_box() for name in ("#slider", "#step-2 h3"))
+    assert bar is not None
+    assert head is not None
+    assert bar["y"] + bar["height"] <= head["y"]
 
 
 @pytest.mark.parametrize("width", [400, 1280])
