@@ -21,6 +21,7 @@ from cleancli.perception.labels import box_of, placed
 from cleancli.perception.perceive import Observation
 
 __all__ = [
+    "boundary",
     "busy",
     "contact_sheet",
     "draw",
