@@ -51,13 +51,12 @@ def test_the_table_lists_what_can_be_asked_for() -> None:
 
 
 def test_the_pages_tell_of_every_planner() -> None:
-    """In the tables of what is preferred among equals, and of planners' options; beliefs have a section."""
+    """In the tables of planners, of what they prefer among equals, and of options; beliefs have a section."""
     folder = Path(__file__).parents[2] / "docs"
     page = "".join((folder / name).read_text(encoding="utf-8") for name in ("planning.md", "planners.md"))
-    equals, options = (
-        page.partition(head)[2].partition("\n\n")[0] for head in ("| of equals |", "| planner | options |")
-    )
-    assert all(f"`{name}`" in equals for name in PLANNERS)
+    heads = ("| of equals |", "| planner | what it finds |", "| planner | options |")
+    equals, chosen, options = (page.partition(head)[2].partition("\n\n")[0] for head in heads)
+    assert all(f"`{name}`" in equals and f"`{name}`" in chosen for name in PLANNERS)
     assert all(f"`{name}`" in options for name in PLANNERS if "prada" not in name)
 
 
