@@ -24,6 +24,7 @@ from pathlib import Path
 
 import av
 import cv2
+import learner
 import numpy as np
 import piles
 from PIL import Image as Pillow
@@ -222,6 +223,7 @@ PICTURES: Mapping[str, Maker] = {
     "steps.webp": partial(drawn, "perceive two_groups --out"),
     "push.png": partial(drawn, "act two_groups moveToContainerFast --repeat 10 --plot"),
     "report.webp": page,
+    "learner.png": lambda path, _: learner.draw(path, learner.read(learner.ROWS)),
 }
 """By the name of its file: what makes it."""
 

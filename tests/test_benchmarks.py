@@ -604,3 +604,17 @@ def test_whole_rules_are_learned_from_hidden_ones(
         if size == "1,000":
             assert float(off) < 1.25 * float(least) + 0.005
             assert abs(int(found) - int(hidden)) <= 1
+
+
+def test_a_learner_ends_above_random_actions_and_the_page_says_what_its_rows_say(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    learner = importlib.import_module("learner")
+    rows = learner.read(learner.ROWS)
+    assert learner.table(rows) in (ROOT / "docs" / "gym.md").read_text(encoding="utf-8")
+    returns = {row["policy"]: row["return"] for row in rows}
+    for curve in learner.curves(rows).values():
+        assert curve[-1]["return"] > returns["random"] + 1
+    learner.draw(tmp_path / "learner.png", rows)
+    assert (tmp_path / "learner.png").stat().st_size > 10_000
