@@ -15,11 +15,12 @@ from cleancli.language.load import checked_domain
 from cleancli.language.printing.printer import print_domain
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.contexts import Questions, asked_of
-from cleancli.learning.structure.effects import changes_of, named, with_foralls, with_references
+from cleancli.learning.structure.effects import changes_of, with_foralls, with_references
 from cleancli.learning.structure.induce import revised
 from cleancli.learning.structure.outcomes import Possible, needed, possible
 from cleancli.learning.structure.pasula import Context, _Search, searched
 from cleancli.learning.structure.score import PER_LITERAL
+from cleancli.learning.structure.terms import named
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.random_domains import Generator
 from support.walks import variation, walks

@@ -14,10 +14,10 @@ import numpy as np
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.language.model import Domain, Equality, Literal, Quantified, Reference, Term, Variable
 from cleancli.learning.structure.arrays import Arrays, holds, index_of, ranging, some
-from cleancli.learning.structure.effects import Named, Parts, needed_by, negated
-from cleancli.learning.structure.literals import equalities, is_provable, literals, symbols
+from cleancli.learning.structure.literals import equalities, is_provable, literals, negated, symbols
 from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
 from cleancli.learning.structure.outcomes import Possible
+from cleancli.learning.structure.terms import Named, Parts, needed_by
 
 
 @dataclass(frozen=True, slots=True)

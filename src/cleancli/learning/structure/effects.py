@@ -7,9 +7,8 @@ changed and that nothing names yet, and the one that names most of them is taken
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from cleancli.array_types import Bools, Longs
 from cleancli.language.model import (
     Assign,
     Domain,
-    Equality,
     ForAll,
     Literal,
     Reference,
@@ -30,15 +28,13 @@ from cleancli.learning.structure.arrays import (
     UNDEFINED,
     ActionArrays,
     Arrays,
-    Codes,
-    Index,
-    codes_of,
     holds,
-    index_of,
     ranging,
     some,
 )
-from cleancli.learning.structure.literals import equalities, literals
+from cleancli.learning.structure.literals import equalities, literals, negated
+from cleancli.learning.structure.sets import Change, Outcome, sets
+from cleancli.learning.structure.terms import Effect, Named, Parts, defined, index_of_terms
 
 MOST_REFERENCES = 3
 """Conditions on other objects that are looked for in an action; chosen."""
@@ -48,54 +44,9 @@ chosen."""
 LEAST_COVERED = 0.02
 """The share of the objects that nothing names which a condition has to tell of; what flickers has fewer.
 Chosen."""
-UNFIT = 1_000_000
-"""In place of a number of facts, of an outcome that cannot be."""
 MOST_PARTS = 60
 """Literals of which pairs are tried as such a condition, the ones that hold of most objects that changed;
 chosen."""
-
-Effect = Assign | Shift | ForAll
-Parts = tuple[Literal | Equality, ...]
-
-
-class Change(NamedTuple):
-    """A fluent that changed in the transition of a row: the places of its objects, and its codes."""
-
-    row: int
-    symbol: str
-    places: tuple[int, ...]
-    old: int
-    new: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Named:
-    """The terms that effects may be told of: `columns` are their places in each of the `size` transitions, or
-    UNDEFINED where a reference names nothing."""
-
-    size: int
-    columns: Mapping[Term, Longs]
-    references: tuple[Reference, ...] = ()
-    foralls: tuple[ForAll, ...] = ()
-
-
-def needed_by(known: Named, reference: Reference) -> tuple[Reference, ...]:
-    """A reference after those that its condition uses, and that these use."""
-    used = {term for part in reference.condition for term in terms_of(part)}
-    before = [each for each in known.references if each != reference and used & set(each.variables)]
-    found = dict.fromkeys(more for each in before for more in needed_by(known, each))
-    return (*found, reference)
-
-
-def terms_of(part: Literal | Equality) -> tuple[Term, ...]:
-    """The terms of a part of a condition."""
-    return part.terms if isinstance(part, Literal) else (part.left, part.right)
-
-
-def named(action: ActionArrays, parameters: Sequence[Variable]) -> Named:
-    """The action's arguments and the domain's constants."""
-    columns: dict[Term, Longs] = dict(zip(parameters, action.columns, strict=True))
-    return Named(action.arrays.size, {**columns, **index_of(action.arrays, {})})
 
 
 def changes_of(arrays: Arrays) -> list[Change]:
@@ -202,14 +153,14 @@ def _conditions(
     """Conditions of one or two parts on an object, one of two being positive, and which places satisfy them
     in each transition, (n, N); only those that hold for some of the objects at these rows and places."""
     terms = tuple(known.columns)
-    index, typed = ranging(arrays, _index(known), (variable,))
+    index, typed = ranging(arrays, index_of_terms(known), (variable,))
     listed = [*literals(arrays.domain, (*terms, variable), variable)]
     candidates = []
     for literal in listed:
-        if not _is_defined(literal, known):
+        if not _isdefined(literal, known):
             continue
         fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
-        fits = fits & _defined(literal, known)[:, None]
+        fits = fits & defined(literal, known)[:, None]
         candidates.append((int(fits[rows, places].sum()), literal, fits))
     candidates.sort(key=lambda each: -each[0])
     positive = [each for each in candidates if each[0] > 0][:MOST_PARTS]
@@ -217,7 +168,7 @@ def _conditions(
         yield (literal,), fits
     for _, literal, fits in candidates[:MOST_PARTS]:
         if (typed & ~fits)[rows, places].any():
-            yield (negated(arrays.domain, literal),), typed & ~fits & _defined(literal, known)[:, None]
+            yield (negated(arrays.domain, literal),), typed & ~fits & defined(literal, known)[:, None]
     for number, (_, one, fits) in enumerate(positive):
         for _, other, more in positive[number + 1 :]:
             if one.symbol != other.symbol or one.terms != other.terms:
@@ -231,28 +182,8 @@ def _conditions(
             yield (one, replace(equality, equal=False)), fits & ~same
 
 
-def _is_defined(literal: Literal, known: Named) -> bool:
-    return bool(_defined(literal, known).any())
-
-
-def _defined(literal: Literal, known: Named) -> Bools:
-    """Where all terms of a literal name something, (n,)."""
-    columns = [known.columns[term] for term in literal.terms if term in known.columns]
-    found: Bools = np.ones(known.size, dtype=bool)
-    for column in columns:
-        found = found & (column != UNDEFINED)
-    return found
-
-
-def _index(known: Named) -> Index:
-    return {term: np.maximum(column, 0) for term, column in known.columns.items()}
-
-
-def negated(domain: Domain, literal: Literal) -> Literal:
-    """The literal that holds where this one does not."""
-    symbol = next((each for each in domain.symbols if each.name == literal.symbol), None)
-    values = (False, True) if symbol is None else symbol.values
-    return replace(literal, values=frozenset(values) - literal.values)
+def _isdefined(literal: Literal, known: Named) -> bool:
+    return bool(defined(literal, known).any())
 
 
 # ---- changes of all that satisfy a guard
@@ -366,107 +297,7 @@ def _guard(
     return best
 
 
-# ---- what effects set
-
-
-class Sets(NamedTuple):
-    """What an effect sets in each transition: (n, 1), or (n, N) of a `forall`, for each object.
-
-    `applies`: whether it does so there; `fluents`: of what, by number; `right`: whether that is what it was
-    after; `moves`: whether that is another value than before; `changed`: whether it changed at all. `amount`
-    is that of a shift.
-    """
-
-    applies: Bools
-    fluents: Longs
-    right: Bools
-    moves: Bools
-    changed: Bools
-    symbol: Symbol
-    columns: tuple[Longs, ...]
-    before: Codes
-    after: Codes
-    amount: int | None
-
-    def change(self, row: int, place: int) -> Change:
-        """The change of what is set in a row for the object at a place."""
-        shape = self.applies.shape
-        places = [int(np.broadcast_to(column, shape)[row, place]) for column in self.columns]
-        if self.symbol.symmetric:
-            places.sort()
-        old, new = int(self.before[row, place]), int(self.after[row, place])
-        return Change(row, self.symbol.name, tuple(places), old, new)
-
-
-def sets(arrays: Arrays, known: Named, effect: Effect) -> Sets:
-    """What an effect sets in each transition; a `forall` has one effect here."""
-    index = {term: column[:, None] for term, column in _index(known).items()}
-    applies: Bools = np.ones((arrays.size, 1), dtype=bool)
-    inner: Assign | Shift
-    if isinstance(effect, ForAll):
-        ranged, typed = ranging(arrays, _index(known), effect.variables)
-        applies = typed & holds(arrays, effect.condition, ranged)
-        index, (inner,) = dict(ranged), effect.effects
-        variables = effect.variables
-        for part in effect.condition:
-            if isinstance(part, Literal):
-                applies = applies & _defined(part, known)[:, None]
-    else:
-        inner, variables = effect, ()
-    for term in inner.terms:
-        if term not in variables:
-            applies = applies & (known.columns[term] != UNDEFINED)[:, None]
-    symbol = next(each for each in arrays.domain.symbols if each.name == inner.symbol)
-    before = codes_of(arrays.before[symbol.name], inner.terms, index, 2)
-    after = codes_of(arrays.after[symbol.name], inner.terms, index, 2)
-    amount = inner.amount if isinstance(inner, Shift) else None
-    if isinstance(inner, Assign):
-        told = np.full(before.shape, symbol.values.index(inner.value))
-    else:
-        told = _shifted(before, symbol, inner.amount)
-    columns = tuple(index[term] for term in inner.terms)
-    shape = np.broadcast_shapes(before.shape, applies.shape)
-    before, after, told, applies = (np.broadcast_to(x, shape) for x in (before, after, told, applies))
-    fluents = np.broadcast_to(_numbers(arrays, symbol, columns), shape)
-    return Sets(
-        applies,
-        fluents,
-        told == after,
-        told != before,
-        before != after,
-        symbol,
-        columns,
-        before,
-        after,
-        amount,
-    )
-
-
-def _shifted(before: Codes, symbol: Symbol, amount: int | Longs) -> Longs:
-    """The codes after a shift, which stops at the bounds; where there is no number, it stays so."""
-    found: Longs = np.where(before < 0, before, np.clip(before + amount, 0, len(symbol.values) - 1))
-    return found
-
-
-def _numbers(arrays: Arrays, symbol: Symbol, columns: Sequence[Longs]) -> Longs:
-    """A number for each fluent of a transition."""
-    if symbol.symmetric:
-        columns = np.minimum(*columns), np.maximum(*columns)
-    number: Longs = np.zeros((1, 1), dtype=np.int64)
-    for column in columns:
-        number = number * arrays.places + column
-    offsets, start = {}, 0
-    for each in arrays.domain.symbols:
-        offsets[each.name] = start
-        start += arrays.places ** len(each.parameters)
-    return number + offsets[symbol.name]
-
-
 # ---- outcomes
-
-
-Outcome = frozenset[Effect]
-"""The effects of one result; none of `nothing`."""
 
 
 def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Counter[Outcome]:
@@ -519,45 +350,3 @@ def _plain_effects(
         for change in sorted(candidates[effect] & left):
             yield change, effect
         left -= candidates.pop(effect)
-
-
-def _right_with(told: Sets, chosen: Sequence[Sets]) -> Bools:
-    """Whether what an effect sets is what it was after, where all shifts of one number add up."""
-    shifts = [each for each in chosen if each.amount is not None]
-    if told.amount is None or (shifts == [told] and told.applies.shape[1] == 1):
-        return told.right
-    total = np.zeros(told.fluents.shape, dtype=np.int64)
-    for each in shifts:
-        same = (told.fluents[:, :, None] == each.fluents[:, None, :]) & each.applies[:, None, :]
-        total = total + (each.amount or 0) * same.sum(axis=2)
-    found: Bools = _shifted(told.before, told.symbol, total) == told.after
-    return found
-
-
-def mismatches(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Longs:
-    """About how many facts outcomes are wrong in transitions, (n, outcomes): those that they set otherwise
-    than was seen after, and those that changed and that they do not set; UNFIT where a reference names
-    nothing."""
-    effects = {effect: sets(arrays, known, effect) for outcome in outcomes for effect in outcome}
-    found: Longs = np.zeros((arrays.size, len(outcomes)), dtype=np.int64)
-    for number, outcome in enumerate(outcomes):
-        chosen = sorted((effects[effect] for effect in outcome), key=lambda each: each.applies.shape[1])
-        unfit: Bools = np.zeros(arrays.size, dtype=bool)
-        wrong = arrays.changed.copy()
-        for place, told in enumerate(chosen):
-            if told.applies.shape[1] == 1:
-                unfit = unfit | ~told.applies[:, 0]
-            applies = told.applies
-            is_wrong = applies & ~_right_with(told, chosen)
-            for other in chosen[:place]:
-                same = (told.fluents[:, :, None] == other.fluents[:, None, :]) & other.applies[:, None, :]
-                applies = applies & ~same.any(axis=2)
-            wrong = wrong + is_wrong.sum(axis=1) - (applies & told.changed).sum(axis=1)
-        found[:, number] = np.where(unfit, UNFIT, wrong)
-    return found
-
-
-def fits(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Bools:
-    """Which outcomes may have made which transitions, (n, outcomes): what they set is what was after, and all
-    that changed is among it."""
-    return np.equal(mismatches(arrays, known, outcomes), 0)

@@ -17,18 +17,13 @@ from cleancli.language.printing.printer import print_domain
 from cleancli.learning.edits import is_written
 from cleancli.learning.structure.arrays import ActionArrays
 from cleancli.learning.structure.contexts import asked_of, tree
-from cleancli.learning.structure.effects import (
-    Change,
-    Named,
-    changes_of,
-    named,
-    with_foralls,
-    with_references,
-)
+from cleancli.learning.structure.effects import changes_of, with_foralls, with_references
 from cleancli.learning.structure.outcomes import needed, possible
 from cleancli.learning.structure.pasula import searched
 from cleancli.learning.structure.rules import Described, default_of, described, rows_of, rules_of
 from cleancli.learning.structure.score import Score, scored
+from cleancli.learning.structure.sets import Change
+from cleancli.learning.structure.terms import Named, named
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from cleancli.language.model import (
     DerivedPredicate,
@@ -65,6 +66,13 @@ def value_sets(symbol: Symbol) -> Iterator[frozenset[Value]]:
     for number in chosen:
         if 0 < number < len(values) - 2:
             yield frozenset(values[: number + 1])
+
+
+def negated(domain: Domain, literal: Literal) -> Literal:
+    """The literal that holds where this one does not."""
+    symbol = next((each for each in domain.symbols if each.name == literal.symbol), None)
+    values = (False, True) if symbol is None else symbol.values
+    return replace(literal, values=frozenset(values) - literal.values)
 
 
 def is_provable(domain: Domain, literal: Literal, inside: bool) -> bool:

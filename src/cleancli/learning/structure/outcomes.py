@@ -17,8 +17,10 @@ import numpy as np
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import Arrays
-from cleancli.learning.structure.effects import UNFIT, Change, Named, Outcome, mismatches, raw_outcomes
+from cleancli.learning.structure.effects import raw_outcomes
 from cleancli.learning.structure.mixture import FEW_ROUNDS, SOME_ROUNDS, fitted, log_likelihoods
+from cleancli.learning.structure.sets import UNFIT, Change, Outcome, mismatches
+from cleancli.learning.structure.terms import Named
 
 MOST_OUTCOMES = 30
 """Different results of an action that are looked at, the most frequent ones; chosen."""

@@ -37,9 +37,9 @@ from cleancli.language.model import (
 from cleancli.learning.share import DIGITS, rounded
 from cleancli.learning.structure.arrays import UNDEFINED
 from cleancli.learning.structure.contexts import Asked, Leaf, Question
-from cleancli.learning.structure.effects import Effect, Named, needed_by, negated, terms_of
-from cleancli.learning.structure.literals import meet
+from cleancli.learning.structure.literals import meet, negated
 from cleancli.learning.structure.outcomes import Possible, chosen
+from cleancli.learning.structure.terms import Effect, Named, needed_by, terms_of
 
 LEAST, PER_EFFECT = 1.0, 0.1
 """Nats that an outcome of a rule must save, and more for each effect, so that what changes nothing is

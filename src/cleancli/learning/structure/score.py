@@ -28,8 +28,9 @@ from cleancli.language.model import (
 )
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import UNDEFINED, ActionArrays, Arrays, holds, index_of, ranging
-from cleancli.learning.structure.effects import Effect, Named, fits, named
 from cleancli.learning.structure.mixture import fitted
+from cleancli.learning.structure.sets import fits
+from cleancli.learning.structure.terms import Effect, Named, named
 
 PER_LITERAL = 0.5
 """The paper's α, in nats."""
