@@ -140,6 +140,47 @@ def test_an_action_without_arguments_changes_all_objects_that_satisfy_a_guard() 
     assert told == ["forall ?n - lamp: not broken(?n) => lit(?n)", "nothing"]
 
 
+def test_terms_are_of_the_types_that_symbols_want() -> None:
+    """Dirt is of areas alone, and what is moved may be any thing."""
+    text = """domain moving {
+  types      { thing; area - thing; box - thing }
+  predicates { here(?t - thing)  dirt(?a - area)  by(?t ?u - thing) }
+  derived    { left := count ?a - area: dirt(?a) }
+  actions    { move(?t - thing)  wipe(?a - area) }
+  rule move: move(?t) {
+    when here(?t)
+    with ?u - thing: by(?t, ?u), ?u != ?t
+    then 0.9: not here(?t), here(?u)
+         0.1: nothing
+  }
+  rule wipe: wipe(?a) {
+    when dirt(?a)
+    then 1: not dirt(?a), forall ?u - thing: by(?a, ?u) => here(?u)
+  }
+  reward     { decrease(left) }
+}
+"""
+    domain = load_domain(Source("moving.nid", text))
+    rng = np.random.default_rng(1)
+    things = tuple(Object(f"{name}{number}", name) for name in ("area", "box") for number in range(2))
+    symbols = (("here", things), ("dirt", things[:2]))
+    states: list[Start] = [
+        (
+            things,
+            {(name, (thing.name,)): True for name, among in symbols for thing in among if rng.random() < 0.5}
+            | {("by", (one.name, things[int(rng.integers(4))].name)): True for one in things},
+        )
+        for _ in range(40)
+    ]
+    transitions = list(itertools.islice(walks(domain, states, rng, steps=3), 300))
+    seen = list(flickering(domain, transitions, 0.02, rng))
+    bare = replace(domain, rules=())
+    for experience in (transitions, seen):
+        found = revised(bare, compiled(bare, experience), ["move", "wipe"]).domain
+        assert checked_domain(Source("found.nid", print_domain(found))).get().rules == found.rules
+        assert variation(domain, found, transitions) < 0.15
+
+
 def test_symbols_of_many_parameters_and_constant_states_are_no_trouble() -> None:
     text = """domain wide {
   types      { thing }

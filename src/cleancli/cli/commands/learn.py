@@ -111,30 +111,16 @@ def command(
     same experience changes nothing: give every file that shall count, or --add to what was counted. With
     --check the exit code is 1 if a rule disagrees. With --structure whole rules are learned.
     """
-    if (check or explain) and (add or replace or write or output or diff):
-        asked = "--check" if check else "--explain"
-        others = "--add, --replace, --output, --write and --diff"
-        raise click.UsageError(f"{asked} learns nothing: leave out {others}")
-    if output is not None and write:
-        raise click.UsageError("--write changes DOMAIN, and --output leaves it alone: ask for one")
-    if add and replace:
-        raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
+    counting = Counting(estimator, m, match, forgetting, add, replace)
+    wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0, jobs)
+    _refuse_mixed(counting, structure, check, explain, write, output, diff)
+    if not structure and (search is not None or seed is not None or wanted != Wanted()):
+        raise click.UsageError(f"{_OF_STRUCTURE} are for --structure: add it")
     loaded, is_own = open_loaded(domain), Path(domain).is_file()
     if write and not is_own:
         raise ships_with(domain, loaded)
-    counting = Counting(estimator, m, match, forgetting, add, replace)
-    if not structure and (vocabulary or actions or search or seed is not None or jobs > 1):
-        raise click.UsageError(
-            "--vocabulary, --action, --search, --seed and --jobs are for --structure: add it"
-        )
     if structure:
-        if counting != Counting() or check or explain:
-            raise click.UsageError(
-                "--structure learns rules from all that is given: leave out --estimator, --m, --match,"
-                " --forgetting, --add, --replace, --check and --explain"
-            )
         with working("learning rules"), usage_errors():
-            wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0, jobs)
             rules = structures(loaded, experience, wanted, is_own, may_include_outside())
         return _finish(rules, write, output, diff, as_data)
     if check:
@@ -148,6 +134,34 @@ def command(
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     return _finish(learned, write, output, diff, as_data)
+
+
+_OF_STRUCTURE = "--vocabulary, --action, --search, --seed and --jobs"
+
+
+def _refuse_mixed(
+    counting: Counting,
+    structure: bool,
+    check: bool,
+    explain: bool,
+    write: bool,
+    output: Path | None,
+    diff: bool,
+) -> None:
+    """Refuse options of which one has nothing to do beside another."""
+    if (check or explain) and (counting.adding or counting.replacing or write or output or diff):
+        asked = "--check" if check else "--explain"
+        others = "--add, --replace, --output, --write and --diff"
+        raise click.UsageError(f"{asked} learns nothing: leave out {others}")
+    if output is not None and write:
+        raise click.UsageError("--write changes DOMAIN, and --output leaves it alone: ask for one")
+    if counting.adding and counting.replacing:
+        raise click.UsageError("--add keeps what was counted, and --replace drops it: ask for one")
+    if structure and (counting != Counting() or check or explain):
+        raise click.UsageError(
+            "--structure learns rules from all that is given: leave out --estimator, --m, --match,"
+            " --forgetting, --add, --replace, --check and --explain"
+        )
 
 
 def _finish(

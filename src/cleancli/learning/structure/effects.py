@@ -32,7 +32,7 @@ from cleancli.learning.structure.arrays import (
     ranging,
     some,
 )
-from cleancli.learning.structure.literals import equalities, literals, negated
+from cleancli.learning.structure.literals import equalities, fits_types, literals, negated
 from cleancli.learning.structure.sets import Change, Outcome, sets
 from cleancli.learning.structure.terms import Effect, Named, Parts, defined, index_of_terms
 
@@ -246,9 +246,11 @@ def _open_patterns(
     patterns: dict[_Pattern, list[tuple[int, int, int]]] = {}
     for change in changes:
         terms = tuple(at[change.row].get(place) for place in change.places)
-        if terms.count(None) != 1 or change in explained:
-            continue
         symbol = symbols[change.symbol]
+        named = [(t, p) for t, p in zip(terms, symbol.parameters, strict=True) if t is not None]
+        typed = all(arrays.domain.is_a(term.type, parameter.type) for term, parameter in named)
+        if terms.count(None) != 1 or change in explained or not typed:
+            continue
         hole = terms.index(None)
         key = symbol, terms, symbol.parameters[hole].type
         patterns.setdefault(key, []).append((change.row, change.places[hole], change.new))
@@ -309,14 +311,15 @@ def raw_outcomes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Cou
         for change in _explained(arrays, replace(known, foralls=(forall,))):
             told.setdefault(change, forall)
     plain: dict[tuple[str, tuple[Term, ...]], list[Change]] = {}
-    symmetric = {symbol.name for symbol in arrays.domain.symbols if symbol.symmetric}
+    symbols = {symbol.name: symbol for symbol in arrays.domain.symbols}
     order = {term: number for number, term in enumerate(known.columns)}
     for change in changes:
         terms = tuple(at[change.row].get(place) for place in change.places)
         if None not in terms:
-            if change.symbol in symmetric:
+            if symbols[change.symbol].symmetric:
                 terms = tuple(sorted(terms, key=lambda term: order[term]))  # type: ignore[index]
-            plain.setdefault((change.symbol, terms), []).append(change)  # type: ignore[arg-type]
+            if fits_types(arrays.domain, symbols[change.symbol], terms):  # type: ignore[arg-type]
+                plain.setdefault((change.symbol, terms), []).append(change)  # type: ignore[arg-type]
         elif change in told:
             by_row[change.row].add(told[change])
     for (symbol, terms), found in sorted(plain.items(), key=str):

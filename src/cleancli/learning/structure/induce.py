@@ -121,9 +121,9 @@ def revised(
     declared = {each.name: each for each in domain.actions}
     tasks = [(domain, declared[name], compiled[name], Way(search)) for name in actions if name in compiled]
     found = {each.action: each for each in _all_induced(tasks, jobs)}
-    for name in _overlapping(domain, list(found.values())):
+    for name in _refused(domain, list(found.values())):
         found[name] = induced(domain, declared[name], compiled[name], Way(search, plain=True))
-        if _overlap(domain, found[name].rules):
+        if _is_refused(domain, found[name].rules):
             found[name] = replace(found[name], rules=())
     default = _default(domain, list(found.values()))
     new = tuple(rule for each in found.values() for rule in each.rules)
@@ -159,18 +159,18 @@ def _all_induced(tasks: Sequence[tuple[Domain, Action, ActionArrays, Way]], jobs
         return list(executor.map(induced, *zip(*tasks, strict=True)))
 
 
-def _overlapping(domain: Domain, found: Sequence[Induced]) -> list[str]:
-    """The actions whose rules `check` cannot tell apart: where too much has to be looked at for that."""
+def _refused(domain: Domain, found: Sequence[Induced]) -> list[str]:
+    """The actions whose rules `check` refuses or cannot tell apart, where too much has to be looked at."""
     rules = [rule for each in found for rule in each.rules]
-    if not _overlap(domain, rules):
+    if not _is_refused(domain, rules):
         return []
-    return [each.action for each in found if _overlap(domain, each.rules)]
+    return [each.action for each in found if _is_refused(domain, each.rules)]
 
 
-def _overlap(domain: Domain, rules: Sequence[Rule]) -> bool:
-    text = print_domain(replace(domain, rules=tuple(rules), default=(), parameters=(), learned=None))
-    codes = {each.code for each in checked_domain(Source(domain.name, text)).diagnostics}
-    return bool(codes & {"E305", "E307", "E308", "W307"})
+def _is_refused(domain: Domain, rules: Sequence[Rule]) -> bool:
+    bare = replace(domain, rules=tuple(rules), default=(), parameters=(), learned=None)
+    checked = checked_domain(Source(domain.name, print_domain(bare)))
+    return checked.model is None or any(each.code == "W307" for each in checked.diagnostics)
 
 
 def _of(domain: Domain, actions: Sequence[str]) -> list[Rule]:

@@ -43,9 +43,14 @@ def literals(domain: Domain, known: Sequence[Term], among: Term | None = None) -
                 continue
             if symbol.symmetric and known.index(terms[0]) > known.index(terms[1]):
                 continue
-            if all(meet(domain, t.type, p.type) for t, p in zip(terms, symbol.parameters, strict=True)):
+            if fits_types(domain, symbol, terms):
                 for values in value_sets(symbol):
                     yield Literal(symbol.name, terms, values)
+
+
+def fits_types(domain: Domain, symbol: Symbol, terms: Sequence[Term]) -> bool:
+    """Whether a symbol can be said of terms: whether they are of its parameters' types, or of types below."""
+    return all(domain.is_a(t.type, p.type) for t, p in zip(terms, symbol.parameters, strict=True))
 
 
 def value_sets(symbol: Symbol) -> Iterator[frozenset[Value]]:
