@@ -6,6 +6,7 @@ loaded before it is asked for.
 
 TYPE_CHECKING = False  # mypy takes it for true by its name; `typing` takes longer to load than all of this
 if TYPE_CHECKING:
+    from cleancli.api.conversions import convert
     from cleancli.api.executions import execute, execute_series, resume, resume_series
     from cleancli.api.explanations import explain
     from cleancli.api.inputs import load_domain, load_problem
@@ -22,6 +23,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Refused",
     "__version__",
+    "convert",
     "evaluate",
     "execute",
     "execute_series",
@@ -40,6 +42,7 @@ __all__ = [
 
 _PLACES = {
     "Refused": "language.diagnostics.refused",
+    "convert": "api.conversions",
     "evaluate": "api.plans",
     "execute": "api.executions",
     "execute_series": "api.executions",

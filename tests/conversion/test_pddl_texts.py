@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import cleancli
 from cleancli.cli.main import run
 from cleancli.conversion.pddl.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics.diagnostic import Source
@@ -137,6 +138,23 @@ def test_several_problems_share_the_domain() -> None:
     assert list(made.problems) == ["two", "tidy_"]
     with pytest.raises(Refused, match="wants something else"):
         convert([*sources, Source("3.pddl", other.replace("minimize", "maximize"))], Wishes())
+
+
+def test_python_converts_paths_and_texts(tmp_path: Path) -> None:
+    paths = [TIDY / "tidy.pddl", TIDY / "tidy_two.pddl"]
+    made = cleancli.convert(*paths, domain_name="clean")
+    assert cleancli.convert(*(path.read_text(encoding="utf-8") for path in paths)).problems.keys() == {"two"}
+    assert made.write(tmp_path) == (tmp_path / "clean.nid", tmp_path / "two.nid")
+    assert (tmp_path / "clean.nid").read_text(encoding="utf-8") == str(made)
+    with pytest.raises(Refused, match="already exists"):
+        made.write(tmp_path)
+    assert made.write(tmp_path, force=True) == tuple(made.files(tmp_path))
+    assert made.to_dict()["notes"] == list(made.notes)
+    assert cleancli.convert(TIDY.parent / "kitchen").problems.keys() == {"problem"}
+    with pytest.raises(ValueError, match="RDDL is not converted"):
+        cleancli.convert("tidy.rddl")
+    with pytest.raises(ValueError, match="are for libPRADA"):
+        cleancli.convert(*paths, predicates=True)
 
 
 def test_the_command_writes_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

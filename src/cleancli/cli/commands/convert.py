@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
+from cleancli.api.conversions import FORMATS, ConversionResult, converted
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.conversion.convert import Wishes, convert
-from cleancli.conversion.pddl.convert import Wishes as PddlWishes
-from cleancli.conversion.pddl.convert import convert as convert_pddl
-from cleancli.files.replace import Replacement, write_all
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
+from cleancli.cli.usage import usage_errors
+from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
-from cleancli.language.load import read_source
 from cleancli.language.parsing.lexemes import NAME
-
-FILES = ("rules.dat", "state.dat", "symbols.dat")
-PDDL = (".pddl", ".ppddl")
-FORMATS = ("pddl", "libprada")
 
 
 def _named(context: click.Context, option: click.Parameter, name: str | None) -> str | None:
@@ -88,62 +80,16 @@ def command(
     Writes a domain and its problems into the folder --out, with comments that say what is from where. What
     the checker finds in them is printed; the exit code is 1 then.
     """
-    if any(name.lower().endswith(".rddl") for name in files):
-        raise click.UsageError("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
-    if format is None:
-        format = "pddl" if any(name.lower().endswith(PDDL) for name in files) else "libprada"
-    if format == "pddl":
-        if reward is not None or discount is not None or predicates:
-            raise click.UsageError("--reward, --discount and --predicates are for libPRADA's files")
-        made = _from_pddl(files, domain_name, horizon)
-    else:
-        usual = 0.95 if discount is None else discount
-        made = _from_libprada(files, out, Wishes(domain_name or "domain", reward, horizon, usual, predicates))
-    targets = {out / f"{name}.nid": text for name, text in made.texts.items()}
-    _write(targets, force)
-    _report(targets, made, as_data)
+    options_of_libprada = (reward, discount, predicates)
+    with usage_errors():
+        made = converted(files, format, domain_name, horizon, *options_of_libprada, folder=out)
+    made.write(out, force=force)
+    _report(tuple(made.files(out)), made, as_data)
     found = [diagnostic.level for diagnostic in made.diagnostics]
     return ExitCode.REFUSED if Level.ERROR in found else ExitCode.DONE
 
 
-@dataclass(frozen=True, slots=True)
-class _Made:
-    """The texts by the names of their files, the domain's first, and what has to be told about them."""
-
-    texts: Mapping[str, str]
-    functions: Mapping[str, tuple[str, ...]]
-    notes: tuple[str, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    sources: tuple[Source, ...]
-
-
-def _from_pddl(files: Sequence[str], name: str | None, horizon: int | None) -> _Made:
-    made = convert_pddl([read_source(path) for path in files], PddlWishes(name, horizon))
-    texts = {made.name: made.domain, **made.problems}
-    return _Made(texts, {}, made.notes, made.diagnostics, made.sources)
-
-
-def _from_libprada(files: Sequence[str], out: Path, wishes: Wishes) -> _Made:
-    if len(files) not in (1, len(FILES)):
-        raise click.UsageError("give a folder, or the files of rules, state and symbols")
-    paths = files if len(files) == len(FILES) else [str(Path(files[0]) / name) for name in FILES]
-    rules, state, symbols = (read_source(path) for path in paths)
-    targets = (str(out / f"{wishes.name}.nid"), str(out / "problem.nid"))
-    made = convert(rules, state, symbols, wishes, targets)
-    texts = {wishes.name: made.domain, "problem": made.problem}
-    return _Made(texts, made.functions, made.notes, made.diagnostics, made.sources)
-
-
-def _write(targets: Mapping[Path, str], force: bool) -> None:
-    """All files or none; each must still read as it did when this began."""
-    before = [read_source(str(path)).text if force and path.exists() else None for path in targets]
-    for path in targets:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    written = zip(targets.items(), before, strict=True)
-    write_all(Replacement(path, text, old) for (path, text), old in written)
-
-
-def _report(targets: Mapping[Path, str], made: _Made, as_data: bool) -> None:
+def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> None:
     if made.diagnostics:
         echo_refused(Refused(made.diagnostics, made.sources))
     domain, *problems = map(str, targets)
