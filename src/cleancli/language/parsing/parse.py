@@ -68,6 +68,8 @@ def kind_of(source: Source) -> str:
     near = difflib.get_close_matches(word, KINDS, n=1)
     message = f"a file cannot begin with `{word}`"
     advice = f"did you mean `{near[0]}`?" if near else forms
+    if word in ("(", ";"):
+        advice = "if this is PDDL, `cleancli convert` makes .nid files of it"
     raise Refused([Diagnostic("E105", message, span, help=advice)], [source])
 
 
