@@ -107,7 +107,7 @@ def started(words: list[str], folder: Path, begun: Callable[[], None] | None = N
                 begun()
                 return convert(*arguments)
 
-            convert_command.convert = told  # type: ignore[attr-defined, assignment]
+            convert_command.convert = told  # type: ignore[attr-defined]
         cleancli(words)
     except SystemExit as ended:
         os._exit(int(ended.code or 0))
