@@ -70,7 +70,9 @@ def test_a_run_of_ones_own_robot_is_begun_anew_where_it_was_cut_short(folder: Pa
             raise KeyboardInterrupt
 
     robot = looks(SPOTS, SPOTS)
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(
+        KeyboardInterrupt, match="with the tool up; a run with a robot of your own is begun anew"
+    ):
         cleancli.execute("sweeping", "two_groups", robot=robot, on_event=stop)
     (cut_short,) = folder.glob("runs/*")
     with pytest.raises((cleancli.Refused, ValueError), match=r"E706|checkpoint"):

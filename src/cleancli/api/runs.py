@@ -213,7 +213,10 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
             run.session.stop()
             recorder.note(Interrupted(cell.clock))
             how = "stopped with the tool up" if told is None else "stopped"
-            raise RunStopped(f"{how}; go on with: cleancli execute --resume {again}", again) from None
+            on = f"go on with: cleancli execute --resume {again}"
+            if inputs.robot is not None:
+                on = "a run with a robot of your own is begun anew"
+            raise RunStopped(f"{how}; {on}", again) from None
         except OSError as error:
             run.session.stop()
             error.add_note(f"go on later with `cleancli execute --resume {again}`")
