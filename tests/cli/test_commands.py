@@ -49,6 +49,12 @@ def test_help_answers_at_once(tmp_path: Path) -> None:
     assert min(spent) < 0.3
 
 
+def test_the_name_alone_prints_the_help(tmp_path: Path) -> None:
+    bare, asked = cleancli(cwd=tmp_path), cleancli("--help", cwd=tmp_path)
+    assert (bare.returncode, bare.stdout, bare.stderr) == (0, asked.stdout, "")
+    assert len(bare.stdout.splitlines()) > 20
+
+
 def test_the_help_lists_every_command_module() -> None:
     import click
 

@@ -80,6 +80,8 @@ def _meant(word: str) -> str:
 def cli(include_outside: bool) -> None:
     """Teach a robot to clean: probabilistic rules in, motion out, better rules back.
 
+    Rules of any other domain can be written, planned with, simulated and learned as well.
+
     DOMAIN, PROBLEM, SCENE and STUDY are paths of .nid files, or the bare names of those that ship with
     cleancli: try `cleancli execute cleaning two_groups --seed 1`.
     """
@@ -112,7 +114,8 @@ def run(arguments: Sequence[str]) -> int:
 
 def _run(arguments: Sequence[str]) -> int:
     try:
-        result = cli.main(args=list(arguments), prog_name="cleancli", standalone_mode=False)
+        # Who only says the name wants to know what there is.
+        result = cli.main(args=list(arguments) or ["--help"], prog_name="cleancli", standalone_mode=False)
         return result if isinstance(result, int) else ExitCode.DONE
     except Refused as refused:
         _print_refused(refused)
