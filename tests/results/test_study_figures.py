@@ -100,7 +100,8 @@ def test_episodes_are_a_line_in_their_order_and_missing_cells_are_gaps() -> None
 
 
 def test_a_series_is_named_by_what_its_cells_have() -> None:
-    assert named(("plan-2", None, 0.1)) == "plan-2, 0.1"
+    axes = ("strategy", "planner", "rag.width")
+    assert named(axes, ("plan-2", None, 0.1)) == "plan-2, rag.width 0.1"
 
 
 @pytest.fixture

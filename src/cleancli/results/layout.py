@@ -39,14 +39,19 @@ def grid_of(rows: Sequence[Row], measure: str) -> Grid:
     return Grid(
         along,
         tuple(places),
-        tuple((named(own), tuple(found.get((place, *own)) for place in places)) for own in series),
+        tuple((named(apart, own), tuple(found.get((place, *own)) for place in places)) for own in series),
         is_line,
     )
 
 
-def named(values: Sequence[Value | None]) -> str:
-    """The values of some axes, those left out that a cell does not have."""
-    return ", ".join(str(value) for value in values if value is not None)
+def named(axes: Sequence[str], values: Sequence[Value | None]) -> str:
+    """The values of some axes, numbers with their axis; those left out that a cell does not have."""
+    pairs = zip(axes, values, strict=True)
+    return ", ".join(
+        f"{axis} {value}" if isinstance(value, int | float) else str(value)
+        for axis, value in pairs
+        if value is not None
+    )
 
 
 def _rank(rows: Sequence[Row], axis: str) -> int:
