@@ -166,7 +166,10 @@ def test_the_example_of_section_4_seen_through() -> None:
     task = from_text.task(small_tasks.SECTION_4, small_tasks.TWO_SCATTERED)
     plan = exact(task)
     assert plan.measure == "policy"
-    assert [str(a) for a in plan.actions] == ["join(a, b)", "join(a, b)", "clean(a)"]
+    assert [str(a) for a in plan.actions] == [
+        "join(a, b)",
+        "clean(b)",
+    ]  # join is tried again where it changes nothing
     assert plan.value == pytest.approx(optimum(task)(task.initial, task.horizon))
 
 

@@ -26,7 +26,7 @@ from cleancli.planning.kernels import base_policies, state_graph, tree_search
 from cleancli.planning.plan import Options, TooManyStatesError
 from cleancli.planning.planners import exact
 from cleancli.planning.registry import PLANNERS
-from support import small_tasks
+from support import from_text, small_tasks
 from support.optimal import earliness, optimum
 from support.planned import planned
 
@@ -280,6 +280,16 @@ def test_as_many_transitions_are_found_as_are_allowed() -> None:
 # ---- branches
 
 
+COURSES: dict[str, tuple[str, dict[str, Any]]] = {
+    "exact": ("exact", {}),
+    "exact, fractions": ("exact", {"arithmetic": "rational"}),
+    "prada+": ("prada+", {}),
+    "prada+, not solved": ("prada+", {"solve": 0}),
+    "uct": ("uct", {}),
+}
+"""Planners whose plan is the likeliest course of a policy."""
+
+
 @pytest.mark.parametrize("name", ["exact", "prada+", "prada+, not solved", "uct"])
 def test_branches_are_the_likeliest_of_the_other_results(name: str) -> None:
     """By walking along the plan; what is done there is what is best there."""
@@ -290,6 +300,9 @@ def test_branches_are_the_likeliest_of_the_other_results(name: str) -> None:
     for action in plan.actions:
         results = successors(task, states[-1], task.actions.index(action))
         chance, likely = max(results, key=lambda pair: pair[0])
+        again = optimum(task)(likely, task.horizon - len(states))[2]
+        if likely == states[-1] and again == task.actions.index(action):
+            chance, likely = max((r for r in results if r[1] != likely), key=lambda pair: pair[0])
         others += [likelihood * p for p, state in results if state != likely]
         states.append(likely)
         likelihood *= chance
@@ -301,6 +314,33 @@ def test_branches_are_the_likeliest_of_the_other_results(name: str) -> None:
         first = optimum(task)(state, task.horizon - branch.step)[2]
         assert branch.actions[:1] == (() if first is None else (task.actions[first],))
     assert planned(planner, task, **own).branches == ()
+
+
+FERRY = """
+domain ferry {
+  predicates { across() aboard() delivered() }
+  actions { load() cross() unload() }
+  rule load: load() { when not aboard(), not delivered() then 1: aboard() }
+  rule cross: cross() { when aboard(), not across() then 0.4965: across() 0.5035: nothing }
+  rule unload: unload() { when across(), aboard() then 1: not aboard(), delivered() }
+  reward { 1 * goal }
+}
+"""
+"""Its crossing fails more often than not."""
+
+
+@pytest.mark.parametrize("name", COURSES)
+def test_what_fails_and_is_tried_again_stands_in_a_plan_once(name: str) -> None:
+    task = from_text.task(FERRY, "goal { delivered() } horizon = 10")
+    planner, own = COURSES[name]
+    plan = planned(planner, task, branches=5, **own)
+    assert list(map(str, plan.actions)) == ["load()", "cross()", "unload()"]
+    assert plan.value == pytest.approx(optimum(task)(task.initial, 10)[0], abs=0.01)
+    if "fractions" not in name:
+        (branch,) = plan.branches
+        assert (branch.step, branch.effects) == (2, ())
+        assert branch.probability == pytest.approx(0.5035)
+        assert branch.actions == plan.actions[1:]
 
 
 def test_a_sequence_has_no_branches() -> None:

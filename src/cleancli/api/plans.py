@@ -47,7 +47,7 @@ BRANCHES = 5
 
 @dataclass(frozen=True, slots=True)
 class PlanBranch:
-    """What a policy does where its likeliest course comes to another than the likeliest result: after `step`
+    """What a policy does where its likeliest course comes to another result than it follows: after `step`
     actions, with this `probability`, where the last of them has had these `effects`, if any."""
 
     step: int

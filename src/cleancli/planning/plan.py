@@ -59,7 +59,7 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """What a policy does where its likeliest course comes to another than the likeliest result: after `step`
+    """What a policy does where its likeliest course comes to another result than it follows: after `step`
     actions, with this `probability`, where the last of them has had these `effects` (variables of the task
     and their values). The `actions` are the likeliest course from there."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
 from cleancli.compiler.task import GroundState, Task
@@ -15,22 +16,35 @@ Choose = Callable[[int, GroundState], int | None]
 
 
 def likeliest_course(task: Task, choose: Choose) -> tuple[int, ...]:
-    """The actions taken where each has its likeliest result (of equals the first), up to where the policy
-    stops, or the horizon."""
+    """The actions taken where each has the result that is `followed`, up to where the policy stops, or the
+    horizon."""
     course: list[int] = []
     state = task.initial
+
+    def repeats() -> bool:
+        return len(course) < task.horizon and choose(len(course), state) == course[-1]
+
     while len(course) < task.horizon:
         action = choose(len(course), state)
         if action is None:
             break
         course.append(action)
-        state = likeliest_after(task, state, action)
+        state = followed(task, state, action, repeats)
     return tuple(course)
 
 
-def likeliest_after(task: Task, assignment: GroundState, action: int) -> GroundState:
-    """The likeliest state after an action, of equals the first."""
-    return max(successors(task, assignment, action), key=lambda pair: pair[0])[1]
+def followed(task: Task, state: GroundState, action: int, repeats: Callable[[], bool]) -> GroundState:
+    """The result of an action that a course follows: the likeliest, of equals the first. Where that changes
+    nothing and the policy `repeats` the action then, it is the likeliest result that changes something, so
+    that what fails and is tried again stands in the course once."""
+    results = successors(task, state, action)
+    likeliest = _likeliest(results)
+    changing = [(probability, after) for probability, after in results if after != state]
+    return _likeliest(changing) if likeliest == state and changing and repeats() else likeliest
+
+
+def _likeliest(results: Sequence[tuple[float, GroundState]]) -> GroundState:
+    return max(results, key=lambda pair: pair[0])[1]
 
 
 CourseFrom = Callable[[int, GroundState], Sequence[int] | None]
@@ -38,12 +52,13 @@ CourseFrom = Callable[[int, GroundState], Sequence[int] | None]
 
 
 def branches(task: Task, course: Sequence[int], course_from: CourseFrom, most: int) -> tuple[Branch, ...]:
-    """What a policy does after results of its likeliest course that are not the likeliest: at most so many of
+    """What a policy does after other results than those that its likeliest course follows: at most so many of
     them, those that are most likely to come."""
     found: list[tuple[float, int, GroundState, GroundState]] = []
     state, likelihood = task.initial, 1.0
     for step, action in enumerate(course if most else (), start=1):
-        expected, likely = likeliest_after(task, state, action), 0.0
+        repeats = partial(_repeats, course_from, step, state, action)
+        expected, likely = followed(task, state, action, repeats), 0.0
         for probability, after in successors(task, state, action):
             if after == expected:
                 likely = probability
@@ -57,6 +72,13 @@ def branches(task: Task, course: Sequence[int], course_from: CourseFrom, most: i
             effects = tuple((v, x) for v, x in enumerate(after) if x != before[v])
             told.append(Branch(step, probability, effects, tuple(task.actions[action] for action in way)))
     return tuple(sorted(told, key=lambda branch: branch.step))
+
+
+def _repeats(course_from: CourseFrom, step: int, state: GroundState, action: int) -> bool:
+    """Whether a policy does an action again in a state. Where it does not say, a base policy goes on, and
+    that is taken to stay at what changed nothing."""
+    course = course_from(step, state)
+    return course is None or tuple(course[:1]) == (action,)
 
 
 def beats_nothing(task: Task, value: float, earliness: float | None = None) -> bool:

@@ -153,24 +153,8 @@ def mean_rollout(
 
 
 @compiled
-def likeliest(p: Process, b: Bases, state: Ints, base: int, place: int, standing: float, course: Ints) -> int:
-    """Fills in what a base policy does if each action has its likeliest result, of equals the first, for as
-    many steps as there is room; returns how many it does. Changes the state."""
-    for step in range(len(course)):
-        if base == RETRIED:
-            place = next_place(p, b, state, place)
-        action = chosen(p, b, state, base, place, len(course) - step, standing)
-        if action < 0:
-            return step
-        course[step] = action
-        rule, best = covering(p, state, action), -1
-        if rule >= 0:
-            best = p.outcome_start[rule]
-            for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
-                if p.probability[outcome] > p.probability[best]:
-                    best = outcome
-        if base == TAIL or (best >= 0 and p.effect_start[best] < p.effect_start[best + 1]):
-            place += 1
-        _, rise, _ = carry_out(p, state, action, best)
-        standing += rise
-    return len(course)
+def next_choice(p: Process, b: Bases, state: Ints, base: int, place: int, left: int) -> tuple[int, int]:
+    """Where in its sequence a base policy goes on in a state, and what it does; -1 to stop."""
+    if base == RETRIED:
+        place = next_place(p, b, state, place)
+    return place, chosen(p, b, state, base, place, left, rewarded(p, state)[1])

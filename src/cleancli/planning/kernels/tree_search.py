@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from cleancli.array_types import Ints
 from cleancli.compiler.semantics import idle_worth
 from cleancli.compiler.task import GroundState
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.kernels.base_policies import RETRIED, STOP, Bases, likeliest
+from cleancli.planning.kernels.base_policies import RETRIED, STOP, TAIL, Bases, next_choice
 from cleancli.planning.kernels.policy_tree import (
     NODES,
     PASSED,
@@ -26,6 +27,7 @@ from cleancli.planning.kernels.policy_tree import (
 from cleancli.planning.kernels.relaxed import relaxed
 from cleancli.planning.kernels.state_graph import enter
 from cleancli.planning.kernels.transitions import rewarded
+from cleancli.planning.trajectory import followed
 
 
 class Node(NamedTuple):
@@ -33,6 +35,18 @@ class Node(NamedTuple):
 
     value: float
     worth: dict[int, float]  # of the actions that were tried
+
+
+class _Place(NamedTuple):
+    """Where the policy is, and what it does there, -1 to stop: at a node, or beyond the tree (-1), where a
+    base policy goes on at a place of its sequence."""
+
+    node: int
+    state: GroundState
+    step: int
+    base: int
+    place: int
+    action: int
 
 
 class Search:
@@ -50,8 +64,8 @@ class Search:
         greedy: int = 0,
         hope: float = 0.0,
     ) -> None:
-        task, self._process = prepared.task, prepared.process
-        horizon, variables = max(task.horizon, 0), len(task.variables)
+        self._task, self._process = prepared.task, prepared.process
+        task, horizon, variables = self._task, max(self._task.horizon, 0), len(self._task.variables)
         self._bases = bases_of(prepared, sequence)
         paying = (*self._process.decrease, *self._process.state)
         unit = max(map(abs, paying), default=0.0) or 1.0
@@ -129,21 +143,44 @@ class Search:
         return None if node is None else self.course(node)
 
     def course(self, node: int = 0) -> tuple[int, ...]:
-        """What is done from a node on if each action has its likeliest result, of equals the first, up to
+        """What is done from a node on if each action has the result that `trajectory.followed` says, up to
         where the policy stops."""
-        t, course, first = self._tree, list[int](), int(self._tree.states[node, -1])
-        while t.best[node] >= 0:
-            choice = t.best[node]
-            course.append(int(t.action[choice]))
-            edges = slice(t.edge_start[choice], t.edge_stop[choice])
-            node = int(t.successor[edges][np.argmax(t.chance[edges])])
-        base = STOP if t.best[node] == -1 else int(t.base[node])
-        step = first + len(course)
-        place = int(t.place[node]) if base == RETRIED else step
-        rest = np.zeros(len(self._bases.idle) - 1 - step, dtype=np.int32)
-        state = t.states[node, :-1].copy()
-        length = likeliest(self._process, self._bases, state, base, place, t.standing[node], rest)
-        return (*course, *rest[:length].tolist())
+        course, at = list[int](), self._at_node(node)
+        while at.action >= 0:
+            course.append(at.action)
+            at = self._after(at, followed(self._task, at.state, at.action, partial(self._repeats, at)))
+        return tuple(course)
+
+    def _repeats(self, at: _Place) -> bool:
+        """Whether the policy does the same again where it has changed nothing."""
+        return self._after(at, at.state).action == at.action
+
+    def _after(self, at: _Place, state: GroundState) -> _Place:
+        """Where the policy is when its action has led to a state."""
+        t = self._tree
+        choice = -1 if at.node < 0 else int(t.best[at.node])
+        if choice < 0:
+            onward = at.base == TAIL or state != at.state
+            return self._beyond(-1, state, at.step + 1, at.base, at.place + int(onward))
+        nodes = t.successor[t.edge_start[choice] : t.edge_stop[choice]]
+        (found,) = np.nonzero((t.states[nodes, :-1] == state).all(axis=1))
+        return self._at_node(int(nodes[found[0]]))
+
+    def _at_node(self, node: int) -> _Place:
+        t, best = self._tree, int(self._tree.best[node])
+        *state, step = t.states[node].tolist()
+        if best >= 0:
+            return _Place(node, tuple(state), step, STOP, step, int(t.action[best]))
+        base = STOP if best == -1 else int(t.base[node])
+        return self._beyond(node, tuple(state), step, base, int(t.place[node]) if base == RETRIED else step)
+
+    def _beyond(self, node: int, state: GroundState, step: int, base: int, place: int) -> _Place:
+        """Where a base policy goes on."""
+        left, action = len(self._bases.idle) - 1 - step, -1
+        if left > 0:
+            row = np.array(state, dtype=np.int32)
+            place, action = next_choice(self._process, self._bases, row, base, place, left)
+        return _Place(node, state, step, base, place, action)
 
 
 def base_mean(
