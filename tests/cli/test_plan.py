@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -188,6 +189,43 @@ def test_an_empty_plan_says_why(
     assert words in said(
         capsys, "--planner", "prada", "--option", "margin=0.5", "--explain", problem="other.nid"
     )
+
+
+FERRY = """
+domain ferry {
+  types      { parcel }
+  predicates { across()  aboard(?p - parcel)  delivered(?p - parcel) }
+  derived    { waiting := count ?p - parcel: not delivered(?p) }
+  actions    { load(?p - parcel)  cross()  unload(?p - parcel) }
+  rule load:   load(?p)   { when not aboard(?p), not delivered(?p), not across() then 1: aboard(?p) }
+  rule cross:  cross()    { when not across() then 1: across() }
+  rule unload: unload(?p) { when across(), aboard(?p) then 1: not aboard(?p), delivered(?p) }
+  reward { decrease(waiting) }
+}
+"""
+"""A parcel takes three actions, and the usual horizon is two."""
+
+
+def test_an_empty_plan_says_within_how_many_actions_and_that_a_longer_horizon_may_help(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("ferry.nid").write_text(FERRY)
+
+    def ferried(horizon: str) -> str:
+        Path("p.nid").write_text(f"problem p {{ domain = ferry objects {{ p1 - parcel }} {horizon} }}")
+        return commands.said(capsys, "plan", "ferry.nid", "p.nid")
+
+    usual, stated = ferried(""), ferried("horizon = 2")
+    assert "no plan found within 2 actions is worth more than that" in usual
+    assert "no plan found within 2 actions is worth more than that" in stated
+    assert "the problem states no horizon" not in stated
+    advised = re.search(r"the problem states no horizon, .* for example `(horizon = \d+)`", usual)
+    assert advised
+    assert [line.split()[1] for line in ferried(advised[1]).splitlines()[:3]] == [
+        "load(p1)",
+        "cross()",
+        "unload(p1)",
+    ]
 
 
 def test_a_state_that_no_rule_covers_is_said(capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,11 +33,14 @@ _NOTHING = {
     "no rule": "nothing to do: no rule of any action covers this state;"
     " `cleancli explain` says of an action what its rules lack",
     "out of reach": "nothing to do: the goal is out of reach, whatever is done",
-    "margin": "nothing worth doing: no plan found is worth more than that"
+    "margin": "nothing worth doing: no plan found within {within} is worth more than that"
     " (for prada and aprada, {margin:g} more)",
 }
 
-_BESIDE = ("objects", "margin", "counted")
+_LONGER = "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
+"""Beside an empty plan of the usual horizon."""
+
+_BESIDE = ("objects", "margin", "counted", "horizon_stated")
 """What only the text of a plan tells."""
 
 
@@ -86,6 +89,7 @@ class PlanResult:
     objects: int
     margin: float
     counted: int
+    horizon_stated: bool
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -108,7 +112,11 @@ class PlanResult:
     def beginning(self) -> Iterator[str]:
         """What stands above the steps: why there are none, or that the goal holds."""
         if self.empty_because is not None:
-            yield _NOTHING[self.empty_because].format(margin=self.margin)
+            steps = self.horizon or 0
+            within = plural(steps, "action")
+            yield _NOTHING[self.empty_because].format(margin=self.margin, within=within)
+            if self.empty_because == "margin" and not self.horizon_stated:
+                yield _LONGER.format(within=within, longer=max(2 * steps, 10))
         elif self.goal_reached:
             yield "the goal holds already; this is worth doing all the same:"
 
@@ -262,6 +270,7 @@ def plan_result(
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
+        horizon_stated=job.problem.horizon is not None,
     )
 
 
