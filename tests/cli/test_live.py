@@ -43,6 +43,7 @@ from support.golden import check_golden
 from support.planned import planned
 from support.shipped import shipped_scene
 
+ROOT = Path(__file__).parents[2]
 SCENE = shipped_scene("two_groups")
 
 
@@ -210,6 +211,16 @@ def test_no_terminal_gets_plain_lines() -> None:
     assert "  1. moveToContainerFast(a1): a1 gone" in text
     assert "[too far]" in text, "what stands in brackets is no markup"
     assert text.splitlines()[-1] == "ended: nothing is left to do"
+
+
+def test_what_is_hidden_stands_in_parentheses() -> None:
+    """As docs/execution.md shows it."""
+    stream = io.StringIO()
+    with show(False, console=Console(file=stream, width=80, highlight=False)) as view:
+        view.write(Looked(situation(A1, A2, unseen=("a2",)), None, 0.2, Purpose.AFTER))
+    shown = stream.getvalue().partition(" (0.20 s)")[0]
+    assert shown == "looked: a1, (a2)"
+    assert f"`{shown}`" in (ROOT / "docs" / "execution.md").read_text(encoding="utf-8")
 
 
 def test_a_terminal_gets_the_lines_and_the_table_which_goes_at_the_end() -> None:
