@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -153,3 +154,24 @@ def test_experience_without_transitions_leaves_the_rules(
     text = said(capsys, "learn --structure locks.nid empty.jsonl --diff")
     assert "grab: the experience has no transition of it, so its rules stay as they are" in text
     assert "---" not in text
+
+
+def test_a_condition_that_is_never_violated_is_dropped_and_found_from_vain_actions(tmp_path: Path) -> None:
+    """As docs/learning.md tells of a good planner's own experience."""
+    own, vain = tmp_path / "own.jsonl", tmp_path / "vain.jsonl"
+    cleancli.simulate("cleaning", "three_areas", episodes=60, seed=1, record=own)
+    done = [json.loads(line) for line in own.read_text(encoding="utf-8").splitlines()]
+    assert {each["action"] for each in done} == {"moveToContainerStraight"}
+    with vain.open("w", encoding="utf-8") as file:
+        for each in done:
+            state = [fact for fact in each["before"] if fact[:2] != ["dirt", each["arguments"]]]
+            file.write(json.dumps({**each, "before": state, "after": state}) + "\n")
+
+    def conditions(*experience: Path) -> list[str]:
+        learned = cleancli.learn_structure("cleaning", *experience, vocabulary=True)
+        rules = re.findall(r"^ *rule \w+: moveToContainerStraight.*?^  \}", learned.text, re.M | re.S)
+        assert rules
+        return [rule.partition("then")[0] for rule in rules]
+
+    assert not any("dirt(?a)" in each for each in conditions(own))
+    assert all("dirt(?a)" in each for each in conditions(own, vain))
