@@ -90,6 +90,15 @@ def test_readme_states_the_two_commands() -> None:
     assert "cleancli execute cleaning two_groups --seed 1\n" in README
 
 
+def test_the_readme_fits_the_site() -> None:
+    """At 1280 pixels a line of code has room for 80 signs; at 400 a table shows its first column."""
+    (first, *_) = re.findall(r"^```sh\n(.*?)^```$", README, re.M | re.S)
+    assert max(map(len, first.splitlines())) <= 80
+    rows = re.findall(r"^\| (?!what)(.*?) \| .*\|$", README, re.M)
+    assert len(rows) >= 11
+    assert all("](docs/" in row for row in rows)
+
+
 def test_the_first_run_ends_as_the_readme_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
