@@ -206,3 +206,19 @@ def test_options_of_a_run_are_those_that_the_document_lists(
     }
     assert set(told["options"]) == rows["options"]
     assert told.keys() <= rows.keys()
+
+
+def test_the_mistakes_that_the_comparison_shows_are_all_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (ROOT / "docs" / "comparison.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^```pddl\n(.*?)^```$", page, re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    Path("errand.pddl").write_text(shown, encoding="utf-8")
+    assert run(["check", "errand.pddl"]) == 1
+    told = "".join(capsys.readouterr())
+    for name, meant in (("robot_att", "robot_at"), ("lie_in", "lies_in")):
+        before = shown.partition(f"({name} ")[0] + "("
+        line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
+        assert re.search(rf"errand.pddl:{line}:{column}: error\[E\d+\]: unknown predicate `{name}`", told)
+        assert f"did you mean `{meant}`?" in told
