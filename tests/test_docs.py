@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import shlex
@@ -139,6 +140,17 @@ def test_commands_that_make_numbers_are_there(page: Path) -> None:
                 assert f'"{option}"' in text, f"{command}: {words[1]} has no {option}"
         else:
             assert (ROOT / words[-1].partition("::")[0]).exists(), command
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=docs_numbers.called)
+def test_sources_of_a_section_or_a_page_stand_at_its_end(page: Path) -> None:
+    """docs/decisions/0010: nobody has to read past them."""
+    parts = list(passages(docs_numbers.called(page), page.read_text(encoding="utf-8")))
+    for part, following in itertools.pairwise(parts):
+        if part.text.startswith("Numbers of this page:"):
+            assert following.text.startswith("Numbers of this page:"), f"line {part.line}"
+        if part.text.startswith("Numbers of this section:"):
+            assert following.kind == "heading" or following.text.startswith("Numbers of this")
 
 
 def test_a_number_without_a_source_is_found() -> None:
