@@ -107,6 +107,25 @@ def test_goals_that_are_never_reached_are_told(capsys: pytest.CaptureFixture[str
     assert "tidy_two.pddl:5:4: warning[W403]" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["plan", "simulate"])
+def test_what_a_planner_refuses_is_told_as_for_converted_files(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed("tidy_two.pddl", "(:metric minimize (total-cost))", "(:metric maximize (goal-probability))")
+    assert run(["convert", *FILES, "--out", "out"]) == 0
+    capsys.readouterr()
+    told = []
+    for files in (FILES, ("out/tidy.nid", "out/two.nid")):
+        assert run([command, *files, "--planner", "prada"]) == 1
+        told.append(capsys.readouterr().err)
+    of_pddl, of_nid = (each.splitlines() for each in told)
+    assert of_pddl[0].startswith("tidy_two.pddl:1:18: error[E903]: this cannot be planned")
+    assert of_pddl[0].split(": ", 1)[1] == of_nid[0].split(": ", 1)[1]
+    assert of_pddl[-1:] == of_nid[-1:]
+    assert run([command, *FILES, "--planner", "exact", "--objective", "time"]) == 1
+    assert "error[E902]: time is to discount, but `move` has no duration" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "words", [["learn", "tidy.pddl", "experience.jsonl"], ["execute", *FILES, "--learn"]]
 )

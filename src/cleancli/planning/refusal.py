@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import NoDurationError
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.refactoring.name_index import Kind, names_in
+from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
 from cleancli.language.syntax import ActionNode
 from cleancli.planning.plan import PlanningRefused
 
 _HELP = "plan with another planner, such as prada, or for fewer objects"
+_HELP_PDDL = "declare one, `[duration = 8 s]`, in the .nid file that `cleancli convert` writes"
+_PDDL_PROBLEM = re.compile(r"\(\s*define\s*\(\s*problem\s+([^\s()]+)", re.I)
 
 
 @contextmanager
@@ -29,17 +32,37 @@ def planning_refused(sources: Sequence[Source]) -> Iterator[None]:
 
 
 def _without_duration(error: NoDurationError, sources: Sequence[Source]) -> Iterator[Diagnostic]:
-    """A mistake for each of the actions, wherever it is declared without a duration."""
-    for place in (name for source in dict.fromkeys(sources) for name in names_in(source) if name.declares):
+    """A mistake for each of the actions, wherever it is declared without a duration; one that no .nid text
+    declares is from PPDDL."""
+    lacking = set(error.actions)
+    for place in _declared(sources):
         node, name = place.node, place.meaning.name
         marks = [mark.name.text for mark in node.attributes] if isinstance(node, ActionNode) else ["duration"]
         if name in error.actions and "duration" not in marks:
+            lacking.discard(name)
             message = f"{error.wanted}, but `{name}` has no duration"
             yield Diagnostic("E902", message, place.span, help="declare one: `[duration = 8 s]`")
+    for name in sorted(lacking):
+        message = f"{error.wanted}, but `{name}` has no duration"
+        yield Diagnostic("E902", message, None, help=_HELP_PDDL)
 
 
 def _refused(error: ValueError, sources: Sequence[Source]) -> Diagnostic:
-    places = (name for source in sources for name in names_in(source) if name.declares)
-    span = next((p.span for p in places if p.meaning.kind in (Kind.PROBLEM, Kind.SCENE)), None)
+    kinds = (Kind.PROBLEM, Kind.SCENE)
+    span = next((place.span for place in _declared(sources) if place.meaning.kind in kinds), None)
     help = error.help if isinstance(error, PlanningRefused) else ""
-    return Diagnostic("E903", f"this cannot be planned: {error}", span, help=help or _HELP)
+    message = f"this cannot be planned: {error}"
+    return Diagnostic("E903", message, span or _place_in_pddl(sources), help=help or _HELP)
+
+
+def _declared(sources: Sequence[Source]) -> Iterator[Occurrence]:
+    """What the .nid texts declare; those in PPDDL are passed over."""
+    for source in dict.fromkeys(sources):
+        with suppress(Refused):
+            yield from (name for name in names_in(source) if name.declares)
+
+
+def _place_in_pddl(sources: Sequence[Source]) -> Span | None:
+    """Where a PPDDL text names its problem."""
+    found = ((source, _PDDL_PROBLEM.search(source.text)) for source in sources)
+    return next((Span(source.path, *match.span(1)) for source, match in found if match), None)
