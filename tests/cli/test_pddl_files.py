@@ -44,6 +44,27 @@ def test_commands_take_the_files(line: str) -> None:
     assert run(line.format(*FILES).split()) == 0
 
 
+@pytest.mark.parametrize("folders", [("", ""), ("domains/", "problems/")])
+def test_a_problem_is_checked_with_its_domain_by_either_suffix(
+    folders: tuple[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    named = [
+        f"{folder}{name.replace('.pddl', '.ppddl')}" for folder, name in zip(folders, FILES, strict=True)
+    ]
+    for old, new in zip(FILES, named, strict=True):
+        Path(new).parent.mkdir(exist_ok=True)
+        Path(old).rename(new)
+    for files in (named, named[::-1], ["."]):
+        assert run(["check", *files]) == 0
+        assert capsys.readouterr().out.endswith("in 2 files\n")
+
+
+def test_mistakes_are_found_in_folders(capsys: pytest.CaptureFixture[str]) -> None:
+    changed("tidy_two.pddl", "(dirt a2)", "(dirt a5)")
+    assert run(["check", "."]) == 1
+    assert "tidy_two.pddl:4:26: error[E916]: unknown object `a5`" in capsys.readouterr().out
+
+
 def test_what_is_planned_is_what_is_planned_for_converted_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["convert", *FILES, "--out", "out"]) == 0
     capsys.readouterr()

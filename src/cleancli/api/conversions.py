@@ -12,7 +12,7 @@ from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
 from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
-from cleancli.conversion.pddl.models import is_pddl
+from cleancli.conversion.pddl.models import SUFFIXES, is_pddl
 from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.load import read_source
@@ -20,7 +20,6 @@ from cleancli.planning.plan import BadOption
 
 FORMATS = ("pddl", "libprada")
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
-_PDDL = (".pddl", ".ppddl")
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +96,7 @@ def converted(
     check_between(0, 1, discount=discount)
     if any(name.lower().endswith(".rddl") for name in files):
         raise BadOption("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
-    names_pddl = any(name.lower().endswith(_PDDL) or is_pddl(Source("", name)) for name in files)
+    names_pddl = any(name.lower().endswith(SUFFIXES) or is_pddl(Source("", name)) for name in files)
     if format == "pddl" or (format is None and names_pddl):
         if reward is not None or discount is not None or predicates:
             raise BadOption("reward, discount and predicates are for libPRADA's files")

@@ -1,10 +1,10 @@
-"""The .nid files that FILES, FOLDERS and `-` on a command line mean, and changes to them as diffs."""
+"""The files that FILES, FOLDERS and `-` on a command line mean, and changes to them as diffs."""
 
 from __future__ import annotations
 
 import difflib
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from cleancli.cli.echo import echo_exactly
@@ -15,24 +15,27 @@ from cleancli.language.load import read_source, read_stream
 STDIN = "-"
 
 
-def below(folder: Path) -> tuple[Path, ...]:
-    """All .nid files in a folder and its folders, sorted, no hidden ones; refuses (E002) where none is."""
+def below(folder: Path, suffixes: Collection[str] = (".nid",)) -> tuple[Path, ...]:
+    """All .nid files, or those with other suffixes, in a folder and its folders, sorted, no hidden ones;
+    refuses (E002) where none is."""
     found = [
         path
-        for path in sorted(folder.rglob("*.nid"))
-        if path.is_file() and not any(part.startswith(".") for part in path.relative_to(folder).parts)
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in suffixes
+        and path.is_file()
+        and not any(part.startswith(".") for part in path.relative_to(folder).parts)
     ]
     if not found:
         raise Refused([Diagnostic("E002", f"`{folder}` is a folder without .nid files", None)])
     return tuple(found)
 
 
-def expanded(names: tuple[str, ...]) -> Iterator[str]:
-    """The names with the files below each folder in its place; a folder without any stands for itself."""
+def expanded(names: tuple[str, ...], suffixes: Collection[str] = (".nid",)) -> Iterator[str]:
+    """The names with the files `below` each folder in its place; a folder without any stands for itself."""
     for name in names:
         if Path(name).is_dir():
             try:
-                yield from map(str, below(Path(name)))
+                yield from map(str, below(Path(name), suffixes))
             except Refused:
                 yield name
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,14 @@ import click
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.cli.files import STDIN, read
-from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, is_pddl, models_of
+from cleancli.conversion.pddl.models import (
+    SUFFIXES,
+    defines_domain,
+    defines_problem,
+    domain_for,
+    is_pddl,
+    models_of,
+)
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
 from cleancli.language.load import (
@@ -23,6 +31,9 @@ from cleancli.language.model import Domain
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene
+
+CHECKED = (".nid", *SUFFIXES)
+"""What the names of files that can be checked end with."""
 
 
 def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
@@ -63,17 +74,20 @@ def _load_scene(source: Source) -> Scene:
     return load_scene(source)
 
 
-def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+def check_file(
+    name_or_path: str, others: Iterable[str] = ()
+) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """All mistakes and warnings of a file of any kind (`-`: standard input), with the texts they point into.
 
-    A problem's domain is sought beside the problem before it is sought among the shipped ones. Raises Refused
+    A problem's domain is sought beside the problem before it is sought among the shipped ones; that of a
+    problem in PPDDL beside it and then among `others`, files that are checked as well. Raises Refused
     where the file, or the domain of a problem, cannot be read at all.
     """
     is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
     path = find(name_or_path, "domains", "problems", "studies") if is_named else Path(name_or_path)
     source = read(str(path))
     if is_pddl(source):
-        return _check_pddl(source)
+        return _check_pddl(source, others)
     match kind_of(source):
         case "domain":
             checked = checked_domain(source, may_include_outside())
@@ -90,12 +104,13 @@ def check_file(name_or_path: str) -> tuple[tuple[Diagnostic, ...], tuple[Source,
             return _check_problem(source, domain.model)
 
 
-def _check_pddl(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it."""
+def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
+    then in `others`."""
     if not defines_domain(source):
-        beside = sorted(Path(source.path).parent.glob("*.pddl"))
-        others = [read_source(str(path)) for path in beside if str(path) != source.path]
-        domain = domain_for(source, others)
+        paths = [*sorted(Path(source.path).parent.glob("*")), *map(Path, others)]
+        pddl = [str(path) for path in paths if path.suffix.lower() in SUFFIXES and path.is_file()]
+        domain = domain_for(source, (read_source(path) for path in pddl if path != source.path))
         made = models_of(domain or source, source)
     else:
         made = models_of(source, source if defines_problem(source) else None)

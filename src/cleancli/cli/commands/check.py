@@ -12,7 +12,7 @@ from cleancli.cli.echo import echo, wants_colour
 from cleancli.cli.elsewhere import without_used_elsewhere
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import expanded
-from cleancli.cli.inputs import check_file
+from cleancli.cli.inputs import CHECKED, check_file
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
 from cleancli.language.diagnostics.messages import MOST, distinct, excerpt
 from cleancli.language.diagnostics.plural import plural
@@ -29,13 +29,14 @@ from cleancli.language.diagnostics.render import as_json, as_sarif, render
 def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
     """Report every mistake in FILEs: domains, problems, scenes or studies, by path or shipped name.
 
-    A folder stands for all .nid files in it and in its folders, `-` for standard input. A problem is checked
-    with the domain that it names, found beside it or among the shipped ones. A mistake to which several files
+    A folder stands for all .nid, .pddl and .ppddl files in it and in its folders, `-` for standard input. A
+    problem is checked with the domain that it names, found beside it or among the shipped ones; one in PPDDL
+    with that found beside it or among FILEs. A mistake to which several files
     lead is reported once. Exit code 1 if there is any mistake, 0 if there is none; warnings are printed and
     change nothing.
     """
-    names = tuple(expanded(files))
-    found = [_found(name) for name in names]
+    names = tuple(expanded(files, CHECKED))
+    found = [_found(name, names) for name in names]
     diagnostics = distinct(diagnostic for some, _ in found for diagnostic in some)
     diagnostics = without_used_elsewhere(diagnostics, (some for _, some in found))
     sources = tuple(dict.fromkeys(source for _, some in found for source in some))
@@ -55,9 +56,9 @@ def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
     return ExitCode.REFUSED if Level.ERROR in levels else ExitCode.DONE
 
 
-def _found(name: str) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+def _found(name: str, names: tuple[str, ...]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     try:
-        return check_file(name)
+        return check_file(name, names)
     except Refused as refused:
         return refused.diagnostics, refused.sources
 

@@ -16,6 +16,9 @@ from cleancli.language.load import checked_domain, checked_problem
 from cleancli.language.model import Action, Domain, Problem, Rule
 from cleancli.language.printing.printer import print_domain, print_problem
 
+SUFFIXES = (".pddl", ".ppddl")
+"""What the names of PPDDL files end with."""
+
 _BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
 _RULE = re.compile(r"^  rule \w+: (\w+)\(", re.M)
 
