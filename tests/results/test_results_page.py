@@ -77,6 +77,14 @@ def test_cells_come_as_the_study_lists_them() -> None:
     assert cells == [(scene, strategy) for scene in "ba" for strategy in STRATEGIES]
 
 
+def test_comparisons_say_what_they_compare() -> None:
+    scored = replace(STUDY, comparisons=(against("tsp"), replace(against("reactive"), measure="actions")))
+    page = results_page([results_of(scored, rows_of())])
+    assert "| comparison | measure | pairs |" in page
+    assert re.search(r"^\| beside_tsp \| seconds \|", page, re.M)
+    assert re.search(r"^\| beside_reactive \| actions \|", page, re.M)
+
+
 def test_each_claim_has_its_verdict_and_what_decided_it() -> None:
     lines = dict(re.findall(r"^\| (\d) \| (.*) \|$", results_page([results()]), re.M))
     assert len(lines) == len(CLAIMS) == 9

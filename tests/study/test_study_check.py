@@ -90,3 +90,13 @@ def test_a_study_may_consist_of_others_alone() -> None:
     assert (study.studies, study.parts) == (("one", "two"), ())
     both = load("study s { studies = one  scene = two_groups }")
     assert len(both.parts) == 1
+
+
+def test_a_comparison_is_of_what_the_study_shows_unless_it_names_another_measure() -> None:
+    text = TEXT.replace("seed     = 7", "seed     = 7\n  measure  = actions")
+    inheriting = text.replace("    measure = moving\n", "")
+    assert [load(each).comparisons[0].measure for each in (text, inheriting)] == ["moving", "actions"]
+    small = load(inheriting).quick
+    assert small is not None
+    assert small.comparisons[0].measure == "actions"
+    assert load(TEXT.replace("    measure = moving\n", "")).comparisons[0].measure == "seconds"

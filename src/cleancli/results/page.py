@@ -123,8 +123,8 @@ Numbers of this page: `cleancli experiment`.
   *p*: of the signed-rank test of what is expected. *Holm*: the same, among all comparisons of the study."""
 
 _COMPARED = (
-    *("comparison", "pairs", "first", "second", "ratio", "difference", "first is less in", "effect"),
-    *("p", "Holm", "verdict"),
+    *("comparison", "measure", "pairs", "first", "second", "ratio", "difference"),
+    *("first is less in", "effect", "p", "Holm", "verdict"),
 )
 
 
@@ -184,13 +184,13 @@ def _cell(same: Sequence[Cell]) -> tuple[str, ...]:
 
 
 def _compared(each: Judged) -> tuple[str, ...]:
-    name, sides = each.comparison.name, each.sides
+    named, sides = (each.comparison.name, each.comparison.measure), each.sides
     tests = (_chance(each.chance), _chance(each.adjusted), str(each.verdict))
     if sides is None:
         limit = _number(each.comparison.limit or 0.0)
-        return name, str(each.estimate.count), _interval(each.estimate), limit, "", "", "", "", *tests
+        return *named, str(each.estimate.count), _interval(each.estimate), limit, "", "", "", "", *tests
     return (
-        name,
+        *named,
         str(sides.paired.pairs),
         _interval(sides.first),
         _interval(sides.second),

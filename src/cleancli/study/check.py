@@ -59,8 +59,11 @@ def check_study(node: StudyNode, findings: Findings) -> Study:
     if not parts and ("scene" in top or "studies" not in top):
         parts = [("", _axes(top))]
     _refuse_without_scene(node, parts, findings)
+    measure = top["measure"].values[0] if "measure" in top else OWN["measure"].default
     comparisons = tuple(
-        _comparison(section, parts, findings) for section in sections if section.name.text == "compare"
+        _comparison(section, parts, measure, findings)
+        for section in sections
+        if section.name.text == "compare"
     )
     whole = _study(node.name.text, top, parts, comparisons)
     small = [(name, {**axes, **_axes(_QUICK), **_axes(quick)}) for name, axes in parts]
@@ -116,12 +119,15 @@ def _refuse_without_scene(
 # ---- comparisons
 
 
-def _comparison(section: Section, parts: Sequence[tuple[str, _Settings]], findings: Findings) -> Comparison:
+def _comparison(
+    section: Section, parts: Sequence[tuple[str, _Settings]], measure: str, findings: Findings
+) -> Comparison:
+    """A `compare`; where it names no measure, of that of the study."""
     settings, sections = _read(section.entries, "compare", findings)
     sides: dict[str, _Settings] = {s.name.text: _read(s.entries, s.name.text, findings)[0] for s in sections}
     for side in (settings, *sides.values()):
         _refuse_unknown_cells(side, parts, findings)
-    once = {key: known.default for key, known in COMPARED.items()}
+    once = {key: known.default for key, known in COMPARED.items()} | {"measure": measure}
     once |= {key: stated.values[0] for key, stated in settings.items() if key in COMPARED}
     first, second = (_selection(sides.get(side, {})) for side in SIDES)
     name = _title(section)

@@ -76,7 +76,9 @@ COMPARED: Mapping[str, Key] = MappingProxyType(
     {
         "claim": Key(Whole(1, 9), None, "the number of the paper's claim that it tests"),
         "says": Key(Text(), "", "what is expected, in words", '"..."'),
-        "measure": Key(Choice(tuple(MEASURES)), "seconds", "what is compared"),
+        "measure": Key(
+            Choice(tuple(MEASURES)), None, "what is compared; where none is named, what the study shows"
+        ),
         "expect": Key(Choice(EXPECTED), "less", "what `first` is expected to be beside `second`"),
         "factor": Key(Number(0, 1000), 1.0, "times which `second` counts"),
         "limit": Key(
