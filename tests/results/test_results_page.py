@@ -124,6 +124,42 @@ def test_reasons_are_told_in_words(said: Comparison, runs: int, expected: str) -
     assert re.search(expected, reason(found))
 
 
+def test_where_nobody_ended_clean_nothing_is_decided_and_that_is_said_first() -> None:
+    rows = [replace(row, clean=False) for row in rows_of(8)]
+    limited = replace(against(""), second={}, limit=1.0)
+    for said in (against("reactive"), replace(against("reactive"), expect="equal", margin=0.1)):
+        (found,) = judged([said], rows)
+        assert (found.verdict, found.more) == (Verdict.UNDECIDED, None)
+        assert reason(found) == "no episode of either side ended clean"
+    for said in (limited, replace(limited, expect="more")):
+        (found,) = judged([said], rows)
+        assert (found.verdict, found.chance, reason(found)) == (
+            Verdict.UNDECIDED,
+            1.0,
+            "no episode ended clean",
+        )
+    idle = [replace(row, actions=0) if row.axes["strategy"] == "reactive" else row for row in rows]
+    (found,) = judged([against("reactive")], idle)
+    assert reason(found) == "no episode of either side ended clean; the second did nothing at all"
+
+
+def test_a_side_that_did_nothing_or_never_ended_clean_is_told_first() -> None:
+    rows = rows_of(8)
+    other = [row.axes["strategy"] == "reactive" for row in rows]
+    never = [replace(row, clean=not is_other) for row, is_other in zip(rows, other, strict=True)]
+    idle = [
+        replace(row, actions=0 if is_other else 3, score=0.0 if is_other else 1.0)
+        for row, is_other in zip(never, other, strict=True)
+    ]
+    (found,) = judged([against("reactive")], never)
+    assert found.verdict is Verdict.WON
+    assert reason(found).startswith("the second never ended clean; all of the interval lies below 1; 0 epi")
+    (found,) = judged([against("reactive")], idle)
+    assert reason(found).startswith("the second did nothing at all and never ended clean; all of")
+    (scored,) = judged([replace(against("reactive"), measure="score", expect="more")], idle)
+    assert reason(scored).startswith("the second did nothing at all; "), "a score counts failures as they are"
+
+
 def test_what_no_number_of_runs_would_decide_is_told_as_such() -> None:
     (found,) = judged([against("tsp")], rows_of(8))
     near = replace(found, verdict=Verdict.UNDECIDED, more=None)

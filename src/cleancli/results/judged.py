@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, si
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
 from cleancli.study.model import Comparison, Value
 from cleancli.study.row import Row, axes_of, chosen
+from cleancli.study.schema import SIDES
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,8 @@ class Judged:
     is compared with a limit, the mean of the first; there `sides` is None. `failed`: how many of the first's
     episodes did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted`
     that among all comparisons of the study (Holm). `more`: how many more runs would decide it; None where
-    that can't be told, or nothing is left to decide.
+    that can't be told, or nothing is left to decide. `idle` and `never`: the sides that carried out no action
+    in any episode, and those of which none ended clean although the measure is of the way there.
     """
 
     comparison: Comparison
@@ -49,6 +51,13 @@ class Judged:
     adjusted: float
     verdict: Verdict
     more: int | None
+    idle: tuple[str, ...]
+    never: tuple[str, ...]
+
+    @property
+    def unmeasured(self) -> bool:
+        """Whether no episode ended clean, so that nothing is left but what failures count as."""
+        return _unmeasured(self.sides, self.never)
 
 
 def judged(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> tuple[Judged, ...]:
@@ -65,9 +74,14 @@ def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
     """By the ratio to the second, which is claimed to be the factor, or on one side of it."""
     factor, margin = comparison.factor, comparison.margin
     bounds = _bounds(comparison.expect, factor, margin)
-    first, second, sides = _sides(_matched(comparison, rows))
+    found = _matched(comparison, rows)
+    first, second, sides = _sides(found)
     chance = max(signed_rank(first - end * second) for end in bounds.ends)
-    return _judged(comparison, bounds, sides.paired.ratio, chance, sides.failed[0], sides)
+    told = {
+        side: (found.actions[of], found.clean[of])
+        for side, of in zip(SIDES, (~found.is_second, found.is_second), strict=True)
+    }
+    return _judged(comparison, bounds, sides.paired.ratio, chance, told, sides)
 
 
 def _against_limit(comparison: Comparison, limit: float, rows: Sequence[Row]) -> Judged:
@@ -77,7 +91,7 @@ def _against_limit(comparison: Comparison, limit: float, rows: Sequence[Row]) ->
     values, clean = measured(own, comparison.measure)
     means = by_run(runs_of(own), counted(values, clean))
     chance = max(signed_rank(means - end) for end in bounds.ends)
-    return _judged(comparison, bounds, mean_of(means), chance, int((~clean).sum()), None)
+    return _judged(comparison, bounds, mean_of(means), chance, {"first": (_actions(own), clean)}, None)
 
 
 def _judged(
@@ -85,12 +99,27 @@ def _judged(
     bounds: Bounds,
     estimate: Estimate,
     chance: float,
-    failed: int,
+    told: Mapping[str, tuple[Longs, Bools]],
     sides: Sides | None,
 ) -> Judged:
-    found = verdict(estimate, bounds)
-    more = more_needed(estimate, bounds) if found is Verdict.UNDECIDED else None
-    return Judged(comparison, estimate, bounds, sides, failed, chance, chance, found, more)
+    """`told`: of each side the actions of its episodes, and which of these ended clean."""
+    idle = tuple(side for side, (actions, _) in told.items() if len(actions) and not actions.any())
+    never = tuple(side for side, (_, clean) in told.items() if len(clean) and not clean.any())
+    failed = int((~told["first"][1]).sum())
+    if _unmeasured(sides, never):
+        found, more, chance = Verdict.UNDECIDED, None, 1.0
+    else:
+        found = verdict(estimate, bounds)
+        more = more_needed(estimate, bounds) if found is Verdict.UNDECIDED else None
+    return Judged(comparison, estimate, bounds, sides, failed, chance, chance, found, more, idle, never)
+
+
+def _unmeasured(sides: Sides | None, never: Sequence[str]) -> bool:
+    return len(never) == (1 if sides is None else len(SIDES))
+
+
+def _actions(rows: Iterable[Row]) -> Longs:
+    return np.array([row.actions for row in rows], dtype=np.int64)
 
 
 def _bounds(expect: str, at: float, margin: float) -> Bounds:
@@ -115,6 +144,7 @@ class _Matched:
     is_second: Bools
     values: Floats
     clean: Bools
+    actions: Longs
 
 
 def _matched(comparison: Comparison, rows: Sequence[Row]) -> _Matched:
@@ -136,7 +166,8 @@ def _matched(comparison: Comparison, rows: Sequence[Row]) -> _Matched:
     for group in np.unique(groups):
         own = kept & (groups == group)
         values[own] = counted(values[own], clean[own])
-    return _Matched(runs_of(both)[kept], places[kept], is_second[kept], values[kept], clean[kept])
+    actions = _actions(both)[kept]
+    return _Matched(runs_of(both)[kept], places[kept], is_second[kept], values[kept], clean[kept], actions)
 
 
 def _of_axis(rows: Iterable[Row], axis: str) -> set[Value | None]:

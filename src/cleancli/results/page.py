@@ -211,7 +211,19 @@ def _verdict(each: Judged) -> str:
 
 
 def reason(each: Judged) -> str:
-    """Why a verdict is as it is, and how many more runs would bring one."""
+    """Why a verdict is as it is, and how many more runs would bring one; before it what the numbers hide: a
+    side that did nothing at all or never ended clean."""
+    if each.unmeasured:
+        nobody = "no episode ended clean" if each.sides is None else "no episode of either side ended clean"
+        return "; ".join((nobody, *(f"the {side} did nothing at all" for side in each.idle)))
+    hidden = {side: ["did nothing at all"] for side in each.idle}
+    for side in each.never:
+        hidden.setdefault(side, []).append("never ended clean")
+    told = (f"the {side} {' and '.join(whats)}" for side, whats in hidden.items())
+    return "; ".join((*told, _by_numbers(each)))
+
+
+def _by_numbers(each: Judged) -> str:
     within = _within(each.bounds)
     failed = _failures(each)
     match each.verdict:
