@@ -153,6 +153,17 @@ def test_sources_of_a_section_or_a_page_stand_at_its_end(page: Path) -> None:
             assert following.kind == "heading" or following.text.startswith("Numbers of this")
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["editors", "execution", "experiments", "language", "learning", "planning", "report", "simulation"],
+)
+def test_sentences_for_users_are_not_broken_by_paths_of_code(name: str) -> None:
+    """Where a number comes from is said at the end; a section for programmers may name modules."""
+    text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8").partition("## For programs")[0]
+    paths = re.findall(r"\(`((?:\w+/)+\w+\.py)`\)", text)
+    assert [path for path in paths if (ROOT / "src" / "cleancli" / path).exists()] == []
+
+
 def test_a_number_without_a_source_is_found() -> None:
     """Of each way to name one, and of each way to miss."""
     page = """# Page
