@@ -78,6 +78,34 @@ def test_a_line_has_a_limit_and_so_has_what_is_told(tmp_path: Path, monkeypatch:
     assert len(refused.value.diagnostics) == 11
 
 
+def test_lines_of_another_domain_are_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "e.jsonl"
+    record = json.loads(LINES[0])
+    others = [json.dumps(record | {"action": f"fly{each % 9}"}) for each in range(300)]
+    path.write_text(TEXT + "\n" + "".join(f"{line}\n" for line in others) + "{}\n")
+    with pytest.raises(Refused) as refused:
+        tuple(read_experience(path, DOMAIN))
+    assert len(refused.value.diagnostics) == 2
+    assert run(["learn", str(GOLDEN / "domain.nid"), str(path)]) == 1
+    told = capsys.readouterr().err
+    named = "`fly0`, `fly1`, `fly2`, `fly3`, `fly4` and others"
+    assert (
+        f"{path}:5:1: error[E701]: 300 of 304 lines name actions that `{DOMAIN.name}` lacks: {named}" in told
+    )
+    assert f"help: is `{DOMAIN.name}` the domain that the experience is of?" in told
+    assert f"{path}:305:1: error[E701]: not a transition" in told
+    assert max(len(line) for line in told.splitlines() if set(line) <= set(" |^")) <= 80
+
+
+def test_a_line_whose_action_is_lacking_is_told_after_any_number_of_others(tmp_path: Path) -> None:
+    path = tmp_path / "e.jsonl"
+    path.write_text("{}\n" * 150 + LINES[0].replace('"action": "', '"action": "un') + "\n")
+    with pytest.raises(Refused, match="has no action 'un") as refused:
+        tuple(read_experience(path, DOMAIN))
+    assert "52 more lines" in refused.value.diagnostics[-1].message
+    assert len(refused.value.diagnostics) == 100
+
+
 def test_a_wrong_line_anywhere_keeps_everything_from_being_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

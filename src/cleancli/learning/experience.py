@@ -24,8 +24,11 @@ from cleancli.language.parsing.read import refused_as
 
 LONGEST = 8 << 20
 """Bytes of a line."""
-MOST = 1000
-"""Lines that are told of one file."""
+MOST = 98
+"""Lines that are told of one file: with one whose action the domain lacks, and the number of all others, as
+many messages as a run shows."""
+MOST_NAMED = 5
+"""Actions that are named of those that a domain lacks."""
 SHOWN = 2000
 """Bytes of a line that are shown."""
 
@@ -123,7 +126,8 @@ def decode(file: BinaryIO, name: str, domain: Domain, reading: Reading | None = 
 
     No more of the file than a line is in memory at a time. A last line without a line end is a record that a
     crash cut short and is passed over. Raises Refused at the end, for the first `MOST` other lines that are
-    no transitions of the domain, and the number of those that follow; at once for a line that is too long.
+    no transitions of the domain, and the number of those that follow; once for all lines whose actions the
+    domain lacks; at once for a line that is too long.
     """
     wrong, reader = _Wrong(name, domain.name), _Reader(domain)
     reading = Reading() if reading is None else reading
@@ -138,11 +142,19 @@ def decode(file: BinaryIO, name: str, domain: Domain, reading: Reading | None = 
             _refuse_no_text(line)
             transition = reader.transition(line)
         except ValueError as error:
-            wrong.add(line, str(error))
+            wrong.add(line, error)
         else:
             wrong.skip()
             yield transition
-    wrong.refuse()
+    wrong.refuse(reading.transitions)
+
+
+class _NoAction(ValueError):
+    """The domain has no action of the `name`."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"the domain has no action {name!r}")
+        self.name = name
 
 
 def _refuse_no_text(line: bytes) -> None:
@@ -162,33 +174,54 @@ class _Wrong:
         self._parts: list[str] = []
         self._size = self._ended = self._others = 0
         self._mistakes: list[Diagnostic] = []
+        self._without_action = 0
+        self._lacking: dict[str, None] = {}
+        self._first_lacking = 0
 
     def skip(self) -> None:
         """Pass over a line that is right."""
         self.lines += 1
 
-    def add(self, line: bytes, reason: str) -> None:
-        """Take in a line that is wrong."""
+    def add(self, line: bytes, error: ValueError) -> None:
+        """Take in a line that is wrong; of those whose actions the domain lacks the first is kept."""
         self.lines += 1
-        if len(self._mistakes) == MOST:
+        if isinstance(error, _NoAction):
+            self._without_action += 1
+            if len(self._lacking) <= MOST_NAMED:
+                self._lacking[error.name] = None
+            if self._without_action > 1:
+                return
+            self._first_lacking = len(self._mistakes)
+        elif len(self._mistakes) >= MOST:
             self._others += 1
             return
         between = self.lines - 1 - self._ended
         shown = line[:SHOWN].decode("utf-8", "replace").strip().replace("\r", " ")
         start = self._size + between
         span = Span(self._name, start, start + len(shown))
-        self._mistakes.append(Diagnostic("E701", f"not a transition of {self._domain}: {reason}", span))
+        self._mistakes.append(Diagnostic("E701", f"not a transition of {self._domain}: {error}", span))
         self._parts.append("\n" * between + shown + "\n")
         self._size += len(self._parts[-1])
         self._ended = self.lines
 
-    def refuse(self) -> None:
-        """Raise Refused if there are any."""
+    def refuse(self, lines: int) -> None:
+        """Raise Refused if there are any among so many lines."""
+        if self._without_action > 1:
+            self._tell_lacking(lines)
         if self._others:
             said = f"{self._others} more lines of `{self._name}` are no transitions of {self._domain}"
             self._mistakes.append(Diagnostic("E701", said, None))
         if self._mistakes:
             raise Refused(self._mistakes, (Source(self._name, "".join(self._parts)),))
+
+    def _tell_lacking(self, lines: int) -> None:
+        """Say at the first line whose action the domain lacks how many there are."""
+        names = [f"`{name}`" for name in self._lacking][:MOST_NAMED]
+        named = ", ".join(names) + (" and others" if len(self._lacking) > MOST_NAMED else "")
+        message = f"{self._without_action} of {lines} lines name actions that `{self._domain}` lacks: {named}"
+        help = f"is `{self._domain}` the domain that the experience is of?"
+        span = self._mistakes[self._first_lacking].span
+        self._mistakes[self._first_lacking] = Diagnostic("E701", message, span, help=help)
 
 
 def _encode_state(values: Values) -> list[list[object]]:
@@ -232,7 +265,7 @@ class _Reader:
         """Raises ValueError, with the reason, for anything that is not a transition."""
         record = _decoded(_DECODER, line)
         if record.action not in self._arity:
-            raise ValueError(f"the domain has no action {record.action!r}")
+            raise _NoAction(record.action)
         if len(record.arguments) != self._arity[record.action]:
             taken = plural(self._arity[record.action], "argument")
             raise ValueError(f"{record.action} takes {taken}, not {len(record.arguments)}")

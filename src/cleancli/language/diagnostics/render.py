@@ -15,6 +15,7 @@ from cleancli.language.diagnostics.source_lines import Lines
 
 _TAB = 4
 _WIDEST = 160
+_MOST_CARETS = 76
 _LONGEST = 2000
 """Characters of a message."""
 _RED, _YELLOW, _CYAN, _BOLD, _PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[36m", "\x1b[1m", "\x1b[0m"
@@ -65,7 +66,7 @@ def _excerpt(lines: Lines, span: Span) -> tuple[str, tuple[str, str]]:
     shown, widths = _expand(raw[cut : cut + _WIDEST])
     first, stop = first - cut, min(stop - cut, len(widths))
     before = sum(widths[:first])
-    return shown, (" " * before, "^" * max(1, sum(widths[first:stop])))
+    return shown, (" " * before, "^" * min(max(1, sum(widths[first:stop])), _MOST_CARETS))
 
 
 def _expand(text: str) -> tuple[str, list[int]]:
