@@ -300,3 +300,15 @@ def test_a_terminal_says_that_the_table_is_looked_at_where_there_is_one(
     monkeypatch.setattr(sys, "stderr", out)
     assert run(["compile", "cleaning", problem]) == 0
     assert ("looking at the table" in out.getvalue()) == looks
+
+
+def test_who_ran_out_of_seconds_is_told_what_raises_the_limit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["execute", "cleaning", "three_areas", "--samples", "50", "--runs", str(tmp_path)]
+    assert run([*words, "--max-seconds", "5"]) == 3
+    told = capsys.readouterr()
+    assert "the limit of 5 seconds is reached" in told.out
+    assert "note: --max-seconds raises the limit of seconds" in told.err
+    assert run([*words, "--max-actions", "1"]) == 3
+    assert "--max-seconds" not in capsys.readouterr().err

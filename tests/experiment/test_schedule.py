@@ -11,7 +11,7 @@ import pytest
 from cleancli.experiment.episode import Episode, Finished
 from cleancli.experiment.schedule import GivenUp, Known, due, number_due, rows, scheduled
 from cleancli.experiment.series import Series
-from cleancli.experiment.summary import cells_table
+from cleancli.experiment.summary import cells_table, ending
 from cleancli.experiment.until import known_to
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
@@ -171,6 +171,14 @@ def test_a_line_a_cell_tells_what_the_study_came_to() -> None:
             (ALL[0], 0.12, 9, False, 0.25),
         )
     ]
+    given_up = replace(rows_of[2], reason="the limit of 1800 seconds is reached")
+    told = [*rows_of[:1], replace(rows_of[1], reason="nothing helps"), given_up, given_up]
+    assert list(ending(study.study, told)) == [
+        "not clean: the limit of 1800 seconds is reached 2, nothing helps 1"
+        "; `max_seconds` of the study raises the limit"
+    ]
+    assert list(ending(study.study, told[:2])) == ["not clean: nothing helps 1"]
+    assert not list(ending(study.study, rows_of[:1]))
     table = cells_table(study.study, rows_of)
     assert table.heads == ("rag.width", "episodes", "clean", "actions")
     assert table.rows == (("0.08", "2", "1", "4"), ("0.12", "1", "0", ""))

@@ -182,6 +182,15 @@ def test_of_a_score_episodes_that_are_not_clean_are_told_and_count() -> None:
     assert "seed 101, with" in page
 
 
+def test_why_episodes_did_not_end_clean_is_told_the_most_frequent_first() -> None:
+    reasons = ("the limit of 1800 seconds is reached", "nothing helps", "nothing helps")
+    rows = rows_of(6)
+    failed = [replace(row, clean=False, reason=why) for row, why in zip(rows, reasons, strict=False)]
+    page = results_page([results_of(STUDY, [*failed, *rows[3:]])])
+    assert "Not clean: nothing helps 2, the limit of 1800 seconds is reached 1." in page
+    assert "Not clean" not in results_page([results_of(STUDY, rows)])
+
+
 def test_numbers_have_three_digits() -> None:
     seconds = (0.00123, 999.4, 999.6, 12345.0)
     rows = [replace(row, total=value) for row, value in zip(rows_of(4)[:4], seconds, strict=False)]

@@ -118,8 +118,13 @@ def _over(setup: EpisodeSetup, cell: Workcell, state: EpisodeState) -> str:
     if state.actions >= setup.options.max_actions:
         return f"the limit of {plural(setup.options.max_actions, 'action')} is reached"
     if state.spent.total >= setup.options.max_seconds:
-        return f"the limit of {setup.options.max_seconds:g} seconds is reached"
+        return seconds_reached(setup.options.max_seconds)
     return ""
+
+
+def seconds_reached(limit: float) -> str:
+    """Why an episode is over that took so many seconds."""
+    return f"the limit of {limit:g} seconds is reached"
 
 
 def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief) -> Steps:

@@ -16,7 +16,7 @@ from cleancli.experiment.rows import PARQUET, write_rows
 from cleancli.experiment.schedule import Enough, GivenUp, Pool, here, number_due, rows, scheduled
 from cleancli.experiment.series import OpenedStudy, open_studies
 from cleancli.experiment.store import Store, read_finished
-from cleancli.experiment.summary import cells_table
+from cleancli.experiment.summary import cells_table, ending
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
@@ -103,6 +103,7 @@ class StudyResult:
         for each in self.studies:
             yield f"{each.name}: {each.about}" if each.about else each.name
             yield str(cells_table(each, self._own(each)))
+            yield from ending(each, self._own(each))
         done = f"{plural(len(self.rows), 'row')}, {plural(self.carried_out, 'episode')} carried out"
         yield f"{done}: {self.folder}/"
 

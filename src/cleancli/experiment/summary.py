@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from statistics import mean
 
 from cleancli.api.tables import TextTable
+from cleancli.execution.loop import seconds_reached
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row
+from cleancli.study.row import MEASURES, Row, endings
 
 
 def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
@@ -26,6 +27,16 @@ def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
         lines.append((*cell, str(len(own)), clean, f"{mean(counts):.4g}" if counts else ""))
     heads = (*(("part",) if has_parts else ()), *axes, "episodes", "clean", study.measure)
     return TextTable(heads, tuple(lines), range(len(heads) - 3))
+
+
+def ending(study: Study, rows: Sequence[Row]) -> Iterator[str]:
+    """Why episodes did not end clean, and what raises the limit of seconds where it ended some; nothing where
+    all ended clean."""
+    reasons = endings(rows)
+    if reasons:
+        reached = seconds_reached(study.limits.max_seconds)
+        raised = any(row.reason == reached for row in rows)
+        yield f"not clean: {reasons}" + ("; `max_seconds` of the study raises the limit" if raised else "")
 
 
 def _differs(axis: str, rows: Sequence[Row]) -> bool:

@@ -21,7 +21,7 @@ from cleancli.results.judged import Judged, judged
 from cleancli.statistics.bootstrap import FEWEST, Estimate
 from cleancli.statistics.verdict import MOST_PAIRS, Bounds, Verdict, together
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row, axes_of
+from cleancli.study.row import MEASURES, Row, axes_of, endings
 
 PAGE = "results.md"
 FIGURES = "results"
@@ -157,6 +157,8 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
         yield f"### {study.name}, {name}"
     yield from (f"![{figure.shows}]({FIGURES}/{figure.name}.svg)" for figure in figures)
     yield _in_common(rows)
+    if reasons := endings(rows):
+        yield f"Not clean: {reasons}."
     axes = telling(rows)
     measures = dict.fromkeys((study.measure, "actions", "left"))
     always = MEASURES[study.measure].always

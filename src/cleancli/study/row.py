@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -118,6 +119,13 @@ def matches(row: Row, selection: Selection) -> bool:
 def chosen(rows: Iterable[Row], *selections: Selection) -> Iterator[Row]:
     """The rows that all selections mean."""
     return (row for row in rows if all(matches(row, each) for each in selections))
+
+
+def endings(rows: Iterable[Row]) -> str:
+    """Why episodes did not end clean, each reason with how many these are, the most first; empty where all
+    ended clean."""
+    reasons = Counter(row.reason for row in rows if not row.clean)
+    return ", ".join(f"{reason} {number}" for reason, number in reasons.most_common())
 
 
 def comparable(row: Row) -> Row:

@@ -34,6 +34,7 @@ from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
 from cleancli.execution.events import Event
+from cleancli.execution.loop import seconds_reached
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
 from cleancli.language.diagnostics.plural import plural
@@ -298,6 +299,8 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
         for note in getattr(error, "__notes__", ()):
             echo(note, err=True)
         raise
+    if result.reason == seconds_reached(setup.options.max_seconds) and not said.silently:
+        _note("--max-seconds raises the limit of seconds, which are of the account and no real time")
     with working(f"writing {PAGE}", said.silently):
         write_page(opened.folder)
     return result
