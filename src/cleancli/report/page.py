@@ -88,7 +88,8 @@ def write_page(folder: Path) -> Run:
 def run_page(run: Run) -> str:
     """The page of one run, as far as the run has come."""
     steps = steps_of(run.records)
-    first = data_uri(run.picture(0))
+    row, first = row_of(run), data_uri(run.picture(0))
+    spent = _taken(run.spent(), row.symbolic)
     sections = len(steps) + (first is not None)
     script = _script() if sections > 1 else ""
     stretches, counts = timeline(run.records)
@@ -98,10 +99,10 @@ def run_page(run: Run) -> str:
         .get_template("run.html")
         .render(
             run=run,
-            row=row_of(run),
+            row=row,
             verdict=_verdict(run),
             figures=list(_figures(run, steps)),
-            account=bars(run.spent()),
+            account=bars(spent),
             total=run.total(),
             segments=[_segment(stretch, axis, steps) for stretch in stretches],
             ticks=marks(axis),
@@ -112,10 +113,15 @@ def run_page(run: Run) -> str:
             script=script,
             script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
             videos=embedded(run.folder, run.videos),
-            steps=[_view(step, run, _settable(steps)) for step in steps],
-            kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(run.spent())],
+            steps=[_view(step, run, _settable(steps), row.symbolic) for step in steps],
+            kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(spent)],
         )
     )
+
+
+def _taken(spent: Mapping[str, float], symbolic: bool) -> Mapping[str, float]:
+    """Seconds by kind; in the symbolic world without the kinds that take none there, as looks do."""
+    return {kind: s for kind, s in spent.items() if s} if symbolic else spent
 
 
 def _script() -> str:
@@ -227,7 +233,7 @@ def _settable(steps: Iterable[Step]) -> frozenset[str]:
     return frozenset(effect.symbol for outcome in outcomes for effect in outcome.effects)
 
 
-def _view(step: Step, run: Run, settable: frozenset[str]) -> StepView:
+def _view(step: Step, run: Run, settable: frozenset[str], symbolic: bool) -> StepView:
     best = likeliest(step.expected)
     outcomes = tuple(
         Possible(outcome.probability, chance_text(outcome), number == best, number == step.outcome)
@@ -240,7 +246,7 @@ def _view(step: Step, run: Run, settable: frozenset[str]) -> StepView:
         facts_text([fact for fact in step.changed if fact.symbol in settable]),
         facts_text([fact for fact in step.changed if fact.symbol not in settable]),
         _surprise(step, best),
-        bars(step.seconds),
+        bars(_taken(step.seconds, symbolic)),
     )
 
 
