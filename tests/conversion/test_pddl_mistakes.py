@@ -215,6 +215,33 @@ def test_what_is_plainly_meant_is_a_warning(name: str) -> None:
     assert all(d.code in ("W911", "W402") and d.label for d in made.diagnostics if d.code == "W911")
 
 
+LIDS = """\
+(define (domain lids)
+  (:types box lid)
+  (:predicates (shut ?b - box) (open) (done))
+  (:action go
+    :precondition (exists (?l - lid) (open))
+    :effect (and (forall (?l - lid) (done)) (forall (?b - box) (shut ?b)))))
+"""
+A_PROBLEM = "(define (problem {0}) (:domain lids) (:objects {1}) (:init (open)) (:goal (done)))\n"
+WITH, WITHOUT = A_PROBLEM.format("one", "b - box l - lid"), A_PROBLEM.format("two", "b - box")
+
+
+@pytest.mark.parametrize("problems", ["", WITH + WITHOUT])
+def test_a_type_of_which_a_problem_may_have_no_object_is_told(problems: str) -> None:
+    text = LIDS + problems
+    found = [d for d in converted(text).diagnostics if d.code == "W912"]
+    assert [place(d, text) for d in found] == [(5, 19), (6, 37)]
+    assert all("an object of type `lid`" in d.message for d in found)
+
+
+@pytest.mark.parametrize(
+    "text", [LIDS + WITH, LIDS + WITHOUT, LIDS.replace("box lid)", "box lid)\n(:constants l - lid)")]
+)
+def test_nothing_is_told_where_it_is_known_whether_a_type_has_objects(text: str) -> None:
+    assert "W912" not in {d.code for d in converted(text).diagnostics}
+
+
 def test_too_many_outcomes_are_refused() -> None:
     """Ten independent draws have 1024 results, and the push doubles them."""
     places = " ".join(f"m{n}" for n in range(10))
@@ -243,7 +270,7 @@ def test_damaged_files_are_refused_or_converted(seed: int) -> None:
         made = converted_or_refused(text)
         codes = {d.code for d in made.diagnostics}
         if isinstance(made, Refused):
-            assert codes <= {"E915", "E916", "E917", "E918", "W911"}
+            assert codes <= {"E915", "E916", "E917", "E918", "W911", "W912"}
             assert all(d.span is not None for d in made.diagnostics)
         else:
             assert not [code for code in codes if code.startswith("E")], text

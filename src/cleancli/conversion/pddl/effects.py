@@ -20,6 +20,7 @@ from cleancli.conversion.pddl.formula import (
     MayBeOne,
     assuming,
     both,
+    free_variables,
     quantified,
     substituted,
 )
@@ -136,6 +137,7 @@ class Effects:
         asked = quantified(True, others, guard)
         if asked == NEVER:
             return NOTHING
+        self._words.warn_of_empty([v for v in others if v not in free_variables(guard)], node.atom.span)
         change = Change(bound, asked if bound else ALWAYS, symbol, terms, node.value)
         return change if bound or asked == ALWAYS else Branch(asked, change)
 

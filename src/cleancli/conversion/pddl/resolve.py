@@ -16,6 +16,7 @@ from cleancli.conversion.pddl.formula import (
     both,
     either,
     equality,
+    free_variables,
     literal,
     negated,
     quantified,
@@ -281,9 +282,24 @@ class Words:
         missing = [v for v in variables if self.is_empty(v.type)]
         if missing:
             return NEVER if node.exists else ALWAYS
-        if node.exists:
-            return quantified(True, variables, both([asked, part]))
-        return quantified(False, variables, either([negated(asked), part]))
+        whole = both([asked, part]) if node.exists else either([negated(asked), part])
+        if whole != (NEVER if node.exists else ALWAYS):
+            self.warn_of_empty([v for v in variables if v not in free_variables(whole)], node.span)
+        return quantified(node.exists, variables, whole)
+
+    def warn_of_empty(self, left_out: Iterable[Variable], span: Span) -> None:
+        """W912 for variables that a quantifier leaves out, of types of which a problem may have no object."""
+        for variable in left_out:
+            if self.of_type(variable.type) == () or self._has_each(variable.type):
+                continue
+            message = f"this is read as if every problem had an object of type `{variable.type}`"
+            help = "give the problem too; of several, one at a time"
+            self.findings.warning("W912", message, span, help=help)
+
+    def _has_each(self, kind: str) -> bool:
+        """Whether it is known that each problem has an object of a type."""
+        each_has = [[*self.constants.values(), *own.values()] for own in self.objects or [{}]]
+        return all(any(self.types.is_a(thing.type, kind) for thing in has) for has in each_has)
 
     def is_empty(self, kind: str) -> bool:
         """Whether no problem has an object of a type."""
