@@ -24,6 +24,11 @@ def check_between(low: int, high: int, **named: object) -> None:
         _check(name, value, int, f"{low}<=x<={high}", low, high)
 
 
+def check_share(name: str, value: object) -> None:
+    """Raise BadOption for what is no number from 0 to 1; None stands for the usual."""
+    _check(name, value, int | float, "0<=x<=1", 0, 1)
+
+
 def check_seconds(name: str, value: object, *, none_of_it: bool, most: float = math.inf) -> None:
     """Raise BadOption for what is no number of seconds; `none_of_it`: whether 0 is one. None stands for the
     usual."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cleancli.api.checks import check_between, check_one_of
+from cleancli.api.checks import check_between, check_one_of, check_share
 from cleancli.api.plain import fields_of
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
@@ -93,7 +93,7 @@ def converted(
     if format is not None:
         check_one_of("format", format, FORMATS)
     check_between(1, 1000, horizon=horizon)
-    check_between(0, 1, discount=discount)
+    check_share("discount", discount)
     if any(name.lower().endswith(".rddl") for name in files):
         raise BadOption("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
     names_pddl = any(name.lower().endswith(SUFFIXES) or is_pddl(Source("", name)) for name in files)
