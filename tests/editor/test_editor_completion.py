@@ -36,7 +36,7 @@ def offered(name: str, text: str) -> list[str]:
         ("rule r: push(?a) { when weight(?a) >= |", ["small", "large"]),
         ("rule r: push(?a) { then |", ["rest"]),
         ("rule r: push(?a) { then 0.5 [|", ["fixed", "prior", "seen"]),
-        ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, "forall", "noise", "not", "nothing"]),
+        ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, "forall", "if", "noise", "not", "nothing"]),
         ("rule r: push(?a) { then 0.5: size(?a) := |", ["small", "medium", "big"]),
         ("rule r: push(?a) { then 0.5: forall ?m - |", ["place", "area", "container"]),
         ("rule r: push(?a) { then 0.5: forall ?m - area: near(?a, |", ["?a", "?m"]),

@@ -163,8 +163,9 @@ def compare_optimum(
 def compare_course(comparison: Comparison, worth: Worth, plan: list[Call], horizon: int, name: str) -> None:
     """Each action is one of the best where it is done, and at the end stopping is best.
 
-    The state follows the likeliest result where that is more likely than all others together; otherwise any
-    that may come, since planners may forget what no longer matters, and so join results.
+    The state follows the likeliest result where that is more likely than all others together, and where that
+    changes nothing and the action is then done again, one that changes something (docs/planning.md);
+    otherwise any that may come, since planners may forget what no longer matters, and so join results.
     """
     states = {worth.meaning.initial()}
     certain = True
@@ -182,6 +183,11 @@ def compare_course(comparison: Comparison, worth: Worth, plan: list[Call], horiz
         for state in fitting:
             after = worth.after(state, asked)
             likely = {there for there, chance in after.items() if chance > Fraction(1, 2)}
+            changed = after.keys() - {state}
+            again = worth.choice(state, left - 1).equals
+            if state in likely and changed and asked in again:
+                # What fails and is tried again stands there once; of equals the policy may try another.
+                likely = changed | (likely if len(again) > 1 else set())
             states |= likely or set(after)
             certain = certain and len(after) == 1
     if certain:
