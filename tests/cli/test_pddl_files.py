@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -161,3 +163,12 @@ def test_the_domain_has_to_be_in_pddl_too(capsys: pytest.CaptureFixture[str]) ->
     assert "tidy_two.pddl:1:1: error[E106]" in capsys.readouterr().err
     assert run(["plan", "tidy.pddl", "tidy.pddl"]) == 1
     assert "no problem is defined" in capsys.readouterr().err
+
+
+def test_who_plans_for_nid_files_does_not_load_the_converter() -> None:
+    code = (
+        "import sys; from cleancli.cli.main import run;"
+        "run(['plan', 'cleaning', 'three_areas', '--seed', '1']);"
+        "sys.exit('cleancli.conversion.pddl.models' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL).returncode == 0

@@ -12,7 +12,7 @@ from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
 from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
-from cleancli.conversion.pddl.models import SUFFIXES, is_pddl
+from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
 from cleancli.files.replace import Replacement, write_all
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.load import read_source

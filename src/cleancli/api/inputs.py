@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cleancli.api.tables import preformatted
-from cleancli.conversion.pddl.models import is_pddl, models_of
+from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
@@ -90,6 +90,8 @@ def load_domain(domain: GivenDomain, *, include_outside: bool = False) -> Loaded
 def opened_domain(source: Source, include_outside: bool, *, compat: bool = False) -> LoadedDomain:
     """The domain of a text; `compat`: for planning as libPRADA does. Raises Refused."""
     if is_pddl(source):
+        from cleancli.conversion.pddl.models import models_of  # few need it, and it takes time to load
+
         made = models_of(source)
         return LoadedDomain(made.domain.name, made.domain, made.sources, is_pddl=True)
     checked = checked_domain(source, include_outside, compat=compat)
@@ -137,6 +139,8 @@ def _pddl_problem(source: Source, domain: GivenDomain) -> LoadedProblem:
         message = "this problem is written in PPDDL, and its domain is not"
         help = "give the domain's PPDDL file, or convert both: `cleancli convert`"
         raise Refused([Diagnostic("E106", message, Span(source.path, 0, 0), help=help)], [source])
+    from cleancli.conversion.pddl.models import models_of
+
     made = models_of(text, source)
     if len(made.problems) > 1:
         message, help = "this file defines several problems", "give a file of each"

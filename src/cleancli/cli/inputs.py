@@ -10,14 +10,7 @@ import click
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.cli.files import STDIN, read
-from cleancli.conversion.pddl.models import (
-    SUFFIXES,
-    defines_domain,
-    defines_problem,
-    domain_for,
-    is_pddl,
-    models_of,
-)
+from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.find import find
 from cleancli.language.load import (
@@ -107,6 +100,8 @@ def check_file(
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
     then in `others`."""
+    from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
+
     if not defines_domain(source):
         paths = [*sorted(Path(source.path).parent.glob("*")), *map(Path, others)]
         pddl = [str(path) for path in paths if path.suffix.lower() in SUFFIXES and path.is_file()]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
 from cleancli.compiler.unreached import Unreached, unreached
-from cleancli.conversion.pddl.models import is_pddl
+from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
 from cleancli.language.diagnostics.refused import Refused

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from cleancli.conversion.pddl.draft import Draft, Wishes, draft_of
 from cleancli.conversion.pddl.read import read
+from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.conversion.pddl.syntax import ProblemNode
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
@@ -16,16 +17,7 @@ from cleancli.language.load import checked_domain, checked_problem
 from cleancli.language.model import Action, Domain, Problem, Rule
 from cleancli.language.printing.printer import print_domain, print_problem
 
-SUFFIXES = (".pddl", ".ppddl")
-"""What the names of PPDDL files end with."""
-
-_BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
 _RULE = re.compile(r"^  rule \w+: (\w+)\(", re.M)
-
-
-def is_pddl(source: Source) -> bool:
-    """Whether a text is PDDL: its first sign is a parenthesis, with which no .nid file begins."""
-    return _BEGINNING.match(source.text) is not None
 
 
 def defines_domain(source: Source) -> bool:

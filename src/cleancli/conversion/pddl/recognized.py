@@ -1,0 +1,18 @@
+"""What tells PPDDL from other texts. It stands apart from what reads and converts PPDDL, which takes time to
+load and which few commands need."""
+
+from __future__ import annotations
+
+import re
+
+from cleancli.language.diagnostics.diagnostic import Source
+
+SUFFIXES = (".pddl", ".ppddl")
+"""What the names of PPDDL files end with."""
+
+_BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
+
+
+def is_pddl(source: Source) -> bool:
+    """Whether a text is PDDL: its first sign is a parenthesis, with which no .nid file begins."""
+    return _BEGINNING.match(source.text) is not None
