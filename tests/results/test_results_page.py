@@ -207,3 +207,13 @@ def test_failures_are_told_with_the_reason() -> None:
     assert reason(found).endswith(f"; 0 episodes of the first and {failed} of the second did not end clean")
     (limited,) = judged([replace(against(""), first={"strategy": ("reactive",)}, second={}, limit=1e6)], rows)
     assert reason(limited).endswith(f"; {failed} episodes did not end clean")
+
+
+def test_the_page_says_in_how_many_episodes_the_processor_was_shared() -> None:
+    """docs/experiments.md, "Results": less than 90 % of a processor."""
+    rows = [replace(row, cpu=0.9 * row.real) for row in rows_of()]
+    assert "of a processor" not in results_page([results_of(STUDY, rows)])
+    rows[3] = replace(rows[3], cpu=0.89 * rows[3].real)
+    assert "In 1 episode the process had less than 90% of a processor" in results_page(
+        [results_of(STUDY, rows)]
+    )

@@ -21,7 +21,7 @@ from cleancli.results.judged import Judged, judged
 from cleancli.statistics.bootstrap import FEWEST, Estimate
 from cleancli.statistics.verdict import MOST_PAIRS, Bounds, Verdict, together
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row, axes_of, endings
+from cleancli.study.row import CROWDED, MEASURES, Row, axes_of, endings, is_crowded
 
 PAGE = "results.md"
 FIGURES = "results"
@@ -129,14 +129,25 @@ _COMPARED = (
 
 
 def _went_in(results: Iterable[Results]) -> str:
-    """Of how many episodes, with which seeds and versions."""
+    """Of how many episodes, with which seeds and versions, and how many had to share a processor."""
     rows = [row for each in results for row in each.rows]
     if not rows:
         return "There are no rows yet."
     seeds = sorted({row.seed for row in rows})
     versions = sorted({f"{name} {version}" for row in rows for name, version in row.versions.items()})
     told = f"seeds {seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else f"seed {seeds[0]}"
-    return f"{plural(len(rows), 'episode')}, {told}, with {', '.join(versions)}."
+    return f"{plural(len(rows), 'episode')}, {told}, with {', '.join(versions)}.{_crowded(rows)}"
+
+
+def _crowded(rows: Sequence[Row]) -> str:
+    """That real time is longer than it need be in some of the episodes."""
+    shared = sum(is_crowded(row) for row in rows)
+    if not shared:
+        return ""
+    return (
+        f" In {plural(shared, 'episode')} the process had less than {CROWDED:.0%} of a processor"
+        " (`cpu`, `real`): planning and looking, which are real time, took longer than on a free machine."
+    )
 
 
 def _claims(results: Sequence[Results]) -> Iterator[tuple[str, ...]]:

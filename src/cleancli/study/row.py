@@ -12,6 +12,9 @@ from cleancli.study.model import Selection, Value
 REAL = ("planning", "perceiving", "extra_perceptions", "learning")
 """Kinds of seconds that hold real time, and differ from one machine to the next (`Account`)."""
 
+CROWDED = 0.9
+"""With less of a processor than this share of its real time, an episode shared it with others. Chosen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -103,6 +106,11 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
     }
 )
 """By name."""
+
+
+def is_crowded(row: Row) -> bool:
+    """Whether planning and looking took notably longer than they need, because the processor was busy."""
+    return row.cpu < CROWDED * row.real
 
 
 def axes_of(row: Row) -> Mapping[str, Value]:
