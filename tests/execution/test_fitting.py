@@ -96,6 +96,7 @@ def test_an_episode_of_the_domain_fits(given: tuple[Object, ...] | None) -> None
         (around(placed(centre=(0.0, -1001.0))), "a1 is nowhere near a table"),
         (around(placed(angle=float("nan"))), "a1 is nowhere near a table"),
         ({"vain": (replace(STATE.vain[0], areas=(replace(AREA, name=""),)),)}, "not named as areas are"),
+        ({"vain": (replace(STATE.vain[0], chance=1.1),)}, "the chance of a failure is none"),
         ({"queue": (Move("sing", ()),)}, "the domain has no action 'sing' for 0 objects"),
         ({"queue": (Move("join2", ("a1",)),)}, "the domain has no action 'join2' for 1 object"),
         ({"rest": (GroundAction("join2", ("a1",), 7.5),)}, "the domain has no action 'join2' for 1 object"),

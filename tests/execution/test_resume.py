@@ -286,7 +286,7 @@ def test_a_checkpoint_holds_everything(tmp_path: Path) -> None:
         clear_looks=1,
         queue=(Move("sweep", ("a1",), path), Move("join2", ("a1", "a2"))),
         rest=(GroundAction("join2", ("a1", "a2"), 7.5, Fraction(1, 3)), GroundAction("push", (), None)),
-        vain=(FailedAttempt(("push", ("a1",)), (area,), facts, 4, "out of reach"),),
+        vain=(FailedAttempt(("push", ("a1",)), (area,), facts, 4, "out of reach", 0.3),),
         examples=((0, Fraction(31, 10)),),
         spent=Account(planning=0.25, actions=3.5),
         loading=1.0,

@@ -29,7 +29,11 @@ SAME_PLACE = 0.01
 of perception stays below (docs/perception.md)."""
 
 PATIENCE = 4
-"""Times in a row that an action may change nothing before it is not tried there any more. Chosen."""
+"""Times in a row that an action may change nothing, whatever is believed of it, before it is given up. Chosen."""
+
+IMPROBABLE = 0.01
+"""An action is given up only where so many failures in a row are less probable than this by what is believed
+of it. Chosen: no rule that ships lets an action on a table fail more often than `PATIENCE` says."""
 
 FULLY_SEEN = 0.02
 """Share of the surface that may be hidden in a look that counts as full. Chosen: hardly a lentil."""
@@ -85,14 +89,21 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class FailedAttempt:
-    """A move that was tried in vain, so many `times` in a row, and what its objects looked like: until that
-    changes it is of no use. `reason`: why the robot failed, or nothing."""
+    """A move that was tried in vain, so many `times` in a row, and what its objects looked like. `reason`:
+    why the robot failed, or nothing. `chance`: the probability of so many failures in a row by what was believed
+    when each began; 0 where nothing is believed of them."""
 
     key: ActionKey
     areas: tuple[Area, ...]
     facts: State
     times: int
     reason: str = ""
+    chance: float = 0.0
+
+    @property
+    def is_given_up(self) -> bool:
+        """Whether the move is of no use until its objects have changed."""
+        return self.times >= PATIENCE and self.chance < IMPROBABLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +159,8 @@ class EpisodeState:
 
     def times_in_vain(self, key: ActionKey) -> int:
         """How often a move was tried in a row while nothing about its objects has changed since."""
-        return 0 if self.situation is None else times_in_vain(self.vain, key, self.situation)
+        before = None if self.situation is None else last_failure(self.vain, key, self.situation)
+        return 0 if before is None else before.times
 
     @property
     def excluded(self) -> frozenset[ActionKey]:
@@ -156,13 +168,13 @@ class EpisodeState:
         if self.situation is None:
             return frozenset()
         return frozenset(
-            vain.key for vain in self.vain if vain.times >= PATIENCE and unchanged(vain, self.situation)
+            vain.key for vain in self.vain if vain.is_given_up and unchanged(vain, self.situation)
         )
 
 
-def times_in_vain(vain: Iterable[FailedAttempt], key: ActionKey, situation: Situation) -> int:
-    """How often a move was tried in a row, if its objects look in this situation as they did then; else 0."""
-    return next((each.times for each in vain if each.key == key and unchanged(each, situation)), 0)
+def last_failure(vain: Iterable[FailedAttempt], key: ActionKey, situation: Situation) -> FailedAttempt | None:
+    """How a move was tried in vain, if its objects look in this situation as they did then."""
+    return next((each for each in vain if each.key == key and unchanged(each, situation)), None)
 
 
 def unchanged(vain: FailedAttempt, situation: Situation) -> bool:
@@ -176,7 +188,10 @@ def unchanged(vain: FailedAttempt, situation: Situation) -> bool:
 
 
 def about(objects: tuple[str, ...], situation: Situation) -> tuple[tuple[Area, ...], State]:
-    """The areas of these names, in their order, and the facts that speak of them alone."""
+    """The areas of these names, in their order, and the facts that speak of them alone; where nothing has a
+    place, all facts, because an action may be meant to change what it does not name."""
+    if not situation.areas:
+        return (), situation.state
     areas = {area.name: area for area in situation.areas}
     facts = frozenset(fact for fact in situation.state if set(fact.objects) <= set(objects))
     return tuple(areas[name] for name in objects if name in areas), facts

@@ -13,7 +13,6 @@ from fractions import Fraction
 from functools import partial
 
 from cleancli.compiler.fluents import values_of
-from cleancli.compiler.lifted_state import StateView
 from cleancli.compiler.task import GroundAction
 from cleancli.execution import seeds
 from cleancli.execution.believed import (
@@ -32,7 +31,7 @@ from cleancli.execution.episode_state import (
     Move,
     Situation,
     about,
-    times_in_vain,
+    last_failure,
     unchanged,
 )
 from cleancli.execution.events import (
@@ -47,11 +46,11 @@ from cleancli.execution.events import (
     Purpose,
     Started,
 )
+from cleancli.execution.foreseen import Foreseen, foreseen
 from cleancli.execution.setup import DecisionContext, EpisodeSetup
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.workcell import Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition, milliseconds
 from cleancli.perception.surface import NoSurface
 from cleancli.perception.symbols import remembered
@@ -135,7 +134,7 @@ def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief)
     if hides or cell.is_done(state.situation):
         return (yield from _clear_look(cell, replace(state, queue=()), Purpose.EXTRA))
     if state.queue:
-        return (yield from _carry_out(setup, cell, state, state.situation))
+        return (yield from _carry_out(setup, cell, state, state.situation, now))
     return (yield from _decide(setup, cell, state, state.situation, now))
 
 
@@ -177,7 +176,7 @@ def _decide(
 def _idle(state: EpisodeState) -> str:
     """That nothing seems worth doing, and what was tried in vain."""
     failures = dict.fromkeys(vain.reason for vain in state.vain if vain.reason)
-    tried = [f"{vain.key[0]}({', '.join(vain.key[1])})" for vain in state.vain if vain.times >= PATIENCE]
+    tried = [f"{vain.key[0]}({', '.join(vain.key[1])})" for vain in state.vain if vain.is_given_up]
     return IDLE + (f"; in vain: {', '.join(tried)}" if tried else "") + "".join(f"; {f}" for f in failures)
 
 
@@ -212,7 +211,9 @@ def _look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke 
     )
 
 
-def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before: Situation) -> Steps:
+def _carry_out(
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before: Situation, believed: Belief
+) -> Steps:
     """Do the next move of the queue, and look what came of it."""
     move, number = state.queue[0], state.actions + 1
     expected = _expected(cell, move, before)
@@ -228,12 +229,12 @@ def _carry_out(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, before:
     if motions.failure:
         state = replace(state, queue=(), rest=())
         yield Failed(number, move, motions.failure)
-    rule = _covering(setup.domain, before, move)
-    if rule in unknown(setup, state) and not motions.failure:
+    told = foreseen(believed.domain, before, move)
+    if told.rule in unknown(setup, state) and not motions.failure:
         state = yield from _clear_look(cell, state, Purpose.LEARNING, motions.stroke)
     else:
         state = yield from _look_after(cell, state, motions.stroke)
-    return (yield from _concluded(setup, state, number, before, rule, motions, move, expected))
+    return (yield from _concluded(setup, state, number, before, told, motions, move, expected))
 
 
 def _look_after(cell: Workcell, state: EpisodeState, stroke: Stroke | None) -> Steps:
@@ -249,7 +250,7 @@ def _concluded(
     state: EpisodeState,
     number: int,
     before: Situation,
-    rule: int | None,
+    told: Foreseen,
     motions: Motions,
     move: Move,
     expected: float | None,
@@ -259,10 +260,12 @@ def _concluded(
     if state.reason or after is None:
         return state
     seen = not motions.failure and after.is_full and before.unseen.isdisjoint(move.objects)
-    state = replace(state, vain=_tried(state.vain, move, before, after, motions.failure))
-    if seen and rule is not None:
+    knows_rules = STRATEGIES[setup.options.strategy].planner is not None
+    chance = told.nothing if knows_rules else 0.0
+    state = replace(state, vain=_tried(state.vain, move, before, after, chance, motions.failure))
+    if seen and told.rule is not None:
         counts = dict(state.examples)
-        counts[rule] = counts.get(rule, Fraction(0)) + 1
+        counts[told.rule] = counts.get(told.rule, Fraction(0)) + 1
         state = replace(state, examples=tuple(counts.items()))
     is_action = move.path is None
     transition = _transition(move, before, after, motions, expected) if is_action else None
@@ -273,26 +276,23 @@ def _concluded(
 
 
 def _tried(
-    vain: tuple[FailedAttempt, ...], move: Move, before: Situation, after: Situation, failure: str
+    vain: tuple[FailedAttempt, ...],
+    move: Move,
+    before: Situation,
+    after: Situation,
+    chance: float,
+    failure: str,
 ) -> tuple[FailedAttempt, ...]:
-    """What has been tried in vain, after one more move."""
+    """What has been tried in vain, after one more move that changes nothing with this chance."""
     others = tuple(each for each in vain if each.key != move.key and unchanged(each, after))
-    if not move.objects:
+    if not move.objects and move.path is not None:  # a strategy's own path, which is another one each time
         return others
-    times = times_in_vain(vain, move.key, before)
-    now = FailedAttempt(move.key, *about(move.objects, before), times + 1, failure)
+    last, looks = last_failure(vain, move.key, before), about(move.objects, before)
     if failure:
-        return (*others, replace(now, times=PATIENCE))
+        return (*others, FailedAttempt(move.key, *looks, PATIENCE, failure))
+    times, chances = (0, 1.0) if last is None else (last.times, last.chance)
+    now = FailedAttempt(move.key, *looks, times + 1, chance=chance * chances)
     return (*others, now) if unchanged(now, after) else others
-
-
-def _covering(domain: Domain, before: Situation, move: Move) -> int | None:
-    """The index of the rule that says what the move does; None for moves that are no actions, and where only
-    the default rule does."""
-    if move.path is not None:
-        return None
-    covering = StateView(domain, before.objects, before.state).covering(move.action, move.objects)
-    return None if covering is None else covering[0]
 
 
 def _expected(cell: Workcell, move: Move, situation: Situation) -> float | None:

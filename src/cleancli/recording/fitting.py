@@ -50,6 +50,8 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
             raise ValueError(f"{action} would take {action.duration:g} seconds")
     for vain in episode.vain:
         _check_areas(vain.areas)
+        if not 0 <= vain.chance <= 1:
+            raise ValueError("the chance of a failure is none")
 
 
 def check_evidence(evidence: Evidence, domain: Domain) -> None:
