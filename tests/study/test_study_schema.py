@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.execution.setup import MOST, Job
+from cleancli.execution.setup import MOST, Job, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
@@ -53,6 +53,7 @@ def options(key: str) -> tuple[str, ...]:
 
 def test_names_are_those_of_the_modules_that_have_them() -> None:
     assert options("strategy") == tuple(STRATEGIES)
+    assert (usual_strategy(is_scene=True), usual_strategy(is_scene=False)) == schema.USUAL_STRATEGIES
     assert options("planner") == tuple(PLANNERS)
     assert options("estimator") == (schema.NOTHING, *ESTIMATORS)
     assert options("match") == tuple(MATCHES)

@@ -13,8 +13,8 @@ from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event
-from cleancli.execution.setup import MOST, EpisodeOptions, Job
-from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
+from cleancli.execution.strategies import STRATEGIES
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
 from cleancli.planning.registry import PLANNERS
@@ -35,7 +35,7 @@ def execute(
     problem: GivenProblem,
     *,
     seed: int | None = None,
-    strategy: str = DEFAULT_STRATEGY,
+    strategy: str | None = None,
     planner: str | None = None,
     samples: int = 10_000,
     objective: str | None = None,
@@ -99,7 +99,7 @@ def execute_series(
     *,
     episodes: int,
     seed: int | None = None,
-    strategy: str = DEFAULT_STRATEGY,
+    strategy: str | None = None,
     planner: str | None = None,
     samples: int = 10_000,
     objective: str | None = None,
@@ -142,7 +142,13 @@ def execute_series(
         check_writable(given.domain.sources[0], is_writable)
     method = counting.method(given.domain.model) if learn else None
     asked = EpisodeOptions(
-        strategy, planner, samples, max_actions, max_seconds, learning=method, optimism=optimism
+        strategy or usual_strategy(given.is_scene),
+        planner,
+        samples,
+        max_actions,
+        max_seconds,
+        learning=method,
+        optimism=optimism,
     )
     acting = None if world is None else load_domain(world)
     inputs = inputs_of(

@@ -29,7 +29,8 @@ SAME_PLACE = 0.01
 of perception stays below (docs/perception.md)."""
 
 PATIENCE = 4
-"""Times in a row that an action may change nothing, whatever is believed of it, before it is given up. Chosen."""
+"""Times in a row that an action may change nothing before it is given up, whatever is believed of it. It was
+chosen."""
 
 IMPROBABLE = 0.01
 """An action is given up only where so many failures in a row are less probable than this by what is believed
@@ -90,8 +91,8 @@ class Move:
 @dataclass(frozen=True, slots=True)
 class FailedAttempt:
     """A move that was tried in vain, so many `times` in a row, and what its objects looked like. `reason`:
-    why the robot failed, or nothing. `chance`: the probability of so many failures in a row by what was believed
-    when each began; 0 where nothing is believed of them."""
+    why the robot failed, or nothing. `chance`: the probability of so many failures in a row by what was
+    believed when each began; 0 where nothing is believed of them."""
 
     key: ActionKey
     areas: tuple[Area, ...]

@@ -63,6 +63,3 @@ STRATEGIES: Mapping[str, Strategy] = MappingProxyType(
         "tsp": Strategy(gather_all, needs_places=True),
     }
 )
-
-DEFAULT_STRATEGY = "plan-2"
-"""Where none is asked for: usually best in §6."""

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from cleancli.api.inputs import opened_domain
 from cleancli.api.run_session import refuse_impossible
+from cleancli.execution.setup import usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.experiment.episode import Axes, Episode, Texts, inputs_for, versions_here
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
@@ -186,7 +187,7 @@ class _Files:
 
 def _without_idle(axes: Axes, is_scene: bool) -> Axes:
     """The values of a cell that make a difference, with the usual ones of what is always told."""
-    strategy = str(axes.get("strategy", AXES["strategy"].default))
+    strategy = str(axes.get("strategy") or usual_strategy(is_scene))
     usual = STRATEGIES[strategy].planner
     estimator = axes.get("estimator", NOTHING)
     idle = {"planner", "objective", "samples", "optimism"} if usual is None else set()

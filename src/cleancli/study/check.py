@@ -18,7 +18,17 @@ from cleancli.scene.kinds import Report
 from cleancli.scene.schema import TOP
 from cleancli.study.kinds import axis_value
 from cleancli.study.model import Comparison, Limits, Part, Selection, Study, Value
-from cleancli.study.schema import AXES, COMPARED, INNER, ONE_VALUE, OWN, SIDES, VARIED, keys_of
+from cleancli.study.schema import (
+    AXES,
+    COMPARED,
+    INNER,
+    ONE_VALUE,
+    OWN,
+    SIDES,
+    USUAL_STRATEGIES,
+    VARIED,
+    keys_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,15 +177,22 @@ def _values(axis: str, parts: Sequence[tuple[str, _Settings]], text: str) -> dic
         return {name: name for name, _ in parts if name}
     found: dict[Value, str] = {}
     for _, axes in parts:
-        usual = AXES[axis].default if axis in AXES else None
         if axis in axes:
             stated = axes[axis]
             found |= {
                 v: text[n.span.start : n.span.end] for v, n in zip(stated.values, stated.nodes, strict=True)
             }
-        elif usual is not None:
-            found[usual] = AXES[axis].kind.write(usual)
+        else:
+            found |= {value: AXES[axis].kind.write(value) for value in _usual(axis)}
     return found
+
+
+def _usual(axis: str) -> tuple[Value, ...]:
+    """What cells may have for an axis of which nothing is said."""
+    if axis == "strategy":
+        return USUAL_STRATEGIES
+    default = AXES[axis].default if axis in AXES else None
+    return () if default is None else (default,)
 
 
 # ---- sections and settings

@@ -19,6 +19,8 @@ from cleancli.study.row import MEASURES
 
 STRATEGIES = ("plan-1", "plan-2", "plan-3", "plan-all", "determinized", "reactive", "wipe", "tsp")
 """Those of `execution.strategies`, which takes long to load: a test holds them equal, and what follows."""
+USUAL_STRATEGIES = ("plan-2", "plan-1")
+"""Where a study names none: for scenes, and for problems that are none."""
 PLANNERS = ("prada+", "prada", "aprada", "exact", "uct", "sst", "likeliest", "all-outcomes")
 ESTIMATORS = ("decreasing-m", "m", "fitted-m", "likelihood")
 NOTHING = "none"
@@ -35,7 +37,9 @@ AXES: Mapping[str, Key] = MappingProxyType(
     {
         "domain": Key(Named("a domain"), None, "the rules to plan by; where none is named, the scene's own"),
         "scene": Key(Named("a scene or a problem"), NEEDED, "what is carried out: scenes and problems"),
-        "strategy": Key(option(*STRATEGIES), "plan-2", "who decides what to do"),
+        "strategy": Key(
+            option(*STRATEGIES), None, "who decides what to do; where none is named, as in `execute`"
+        ),
         "planner": Key(option(*PLANNERS), None, "what plans; where none is named, the strategy's own"),
         "samples": Key(Whole(1, MOST), 10_000, "action sequences to draw for each plan"),
         "objective": Key(option("reward", "time"), None, "what discounts later rewards"),

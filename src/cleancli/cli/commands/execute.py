@@ -35,8 +35,8 @@ from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
 from cleancli.execution.events import Event
 from cleancli.execution.loop import seconds_reached
-from cleancli.execution.setup import MOST, EpisodeOptions, Job
-from cleancli.execution.strategies import DEFAULT_STRATEGY, STRATEGIES
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
+from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
@@ -67,9 +67,9 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--strategy",
     type=click.Choice(list(STRATEGIES)),
-    default=DEFAULT_STRATEGY,
-    show_default=True,
-    help="Who decides what to do; plan-N plans, and carries out N actions before planning again (§4.2.4).",
+    help="Who decides what to do; plan-N plans, and carries out N actions before planning again (§4.2.4)."
+    f"  [default: {usual_strategy(is_scene=True)}, or for a problem that is no scene"
+    f" {usual_strategy(is_scene=False)}]",
 )
 @click.option(
     "--planner", type=click.Choice(list(PLANNERS)), help="[default: all-outcomes for determinized, or prada+]"
@@ -160,7 +160,7 @@ def command(
     problem: str | None,
     resume: Path | None,
     seed: int | None,
-    strategy: str,
+    strategy: str | None,
     planner: str | None,
     samples: int,
     objective: str | None,
@@ -213,7 +213,13 @@ def command(
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
     known = _known(known, epsilon, delta)
     asked = EpisodeOptions(
-        strategy, planner, samples, max_actions, max_seconds, learning=method, optimism=optimism
+        strategy or usual_strategy(given.is_scene),
+        planner,
+        samples,
+        max_actions,
+        max_seconds,
+        learning=method,
+        optimism=optimism,
     )
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
