@@ -77,6 +77,24 @@ def test_rules_that_explain_as_well_stay_with_their_comments(
     assert slam["after"]["score"] > slam["before"]["score"]
     assert slam["after"]["held_out"] < slam["before"]["held_out"]
     assert data["together"]["transitions"] == 600
+    assert data["together"]["kept"] == ["unlock", "grab"]
+
+
+def test_of_three_rules_of_an_action_the_wrong_one_gives_way(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = layout(TEXTS["locks"]).replace("0.3: not jammed(?d)", "0.3: open(?d)  # a guess")
+    Path("guess.nid").write_text(text.replace("  rule slam_open", "  # shuts it\n  rule slam_open"))
+    said(capsys, "learn --structure guess.nid seen.jsonl --write")
+    lines = Path("guess.nid").read_text(encoding="utf-8").splitlines()
+    assert [line.strip() for line in lines if line.strip().startswith(("rule", "#"))] == [
+        "rule unlock: unlock(?d) {",
+        "rule grab: grab(?k) {",
+        "# shuts it",
+        "rule slam_open: slam(?d) {",
+        "rule slam_jammed: slam(?d) {",
+    ]
+    assert not any("a guess" in line for line in lines)
 
 
 def test_only_asked_for_actions_and_none_with_fixed_rules_change(

@@ -61,3 +61,12 @@ def test_all_rules_of_an_action_go_and_nothing_comes() -> None:
         "  rule hit_it: hit(?l) { then 1: lit(?l) }"
     ]
     assert edited([], []) == TEXT
+
+
+def test_a_rule_comes_where_one_of_its_action_stood() -> None:
+    domain = load_domain(SOURCE)
+    new = [replace(domain.rules[2], name="hit_new"), replace(domain.rules[0], name="press_new")]
+    text = apply_edits(TEXT, rule_edits(domain, [SOURCE], ["go_out", "hit_it"], new))
+    places = ["rule press_new", "rule go_on", "rule hit_new", "reward"]
+    assert sorted(map(text.index, places)) == list(map(text.index, places))
+    assert "go_out" not in text

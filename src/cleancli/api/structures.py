@@ -46,12 +46,12 @@ class StructureScore:
 
 @dataclass(frozen=True, slots=True)
 class ActionStructure:
-    """What became of the rules of an action, of which there were so many transitions; they are `kept` where
-    those that were induced are no better."""
+    """What became of the rules of an action, of which there were so many transitions; those are `kept`, by
+    their names, that explain these as well as rules that were induced."""
 
     action: str
     transitions: int
-    kept: bool
+    kept: tuple[str, ...]
     before: StructureScore
     after: StructureScore
 
@@ -81,7 +81,7 @@ class StructureResult(Rewritten):
                     f"{_number(getattr(each.before, name))} -> {_number(getattr(each.after, name))}"
                     for name in ("rules", "literals", "log_likelihood", "score", "held_out")
                 ),
-                "kept" if each.kept else "",
+                f"{len(each.kept)} kept" if each.kept else "",
             )
             for each in (*self.actions, self.together)
         )
@@ -114,11 +114,11 @@ def learn_structure(
     """Learn the rules of a domain from experience files or run folders: their conditions, references,
     outcomes and probabilities. Nothing is written unless asked for: by `write`, or by the result's method.
 
-    The rules of an action stay where they explain the experience as well as those that were learned, and
-    where one of them is `fixed`; with `vocabulary`, none stays. `actions` names those to learn the rules of,
-    by default all. `search` says how contexts are found: "tree", by a decision tree, or "pasula", by the
-    search of Pasula, Zettlemoyer and Kaelbling (2007). `seed` draws the transitions that are held out; `jobs`
-    is on how many processes, which changes nothing else.
+    Each rule stays that explains the experience as well as those that were learned, and all rules of an
+    action stay where one of them is `fixed`; with `vocabulary`, none stays. `actions` names those to learn
+    the rules of, by default all. `search` says how contexts are found: "tree", by a decision tree, or
+    "pasula", by the search of Pasula, Zettlemoyer and Kaelbling (2007). `seed` draws the transitions that are
+    held out; `jobs` is on how many processes, which changes nothing else.
 
     Raises Refused for mistakes in the texts and in the experience, ValueError for what makes no sense, and
     OSError.
@@ -228,7 +228,7 @@ def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores
     return ActionStructure(
         title,
         before.transitions,
-        all(name in found.kept for name in names),
+        tuple(rule.name for rule in start.rules if rule.action in names and rule not in found.dropped),
         _score(before, sum(rule.action in names for rule in start.rules), held_before),
         _score(after, sum(rule.action in names for rule in found.domain.rules), held_after),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
 
 from cleancli.language.diagnostics.diagnostic import Source, Span
 from cleancli.language.diagnostics.source_lines import line_start
@@ -25,25 +26,41 @@ def rule_edits(
     default: Sequence[Outcome] = (),
 ) -> tuple[Edit, ...]:
     """The edits that drop the rules of these names, with the comments that stand right above them, and that
-    add others to the first of the sources: where its first dropped rule stood, or before what ends a domain.
+    add others to the first of the sources.
 
-    `default` is what a default rule that the domain has none of yet says; empty for none.
+    A rule is added where the first dropped rule of its action stood, or else where the first dropped rule
+    did, or before what ends a domain. `default` is what a default rule that the domain has none of yet says;
+    empty for none.
     """
-    edits: list[Edit] = []
-    for source in sources:
-        edits += [Edit(span, "") for span in _places(source, dropped)]
-    symbols = symbols_of(domain)
-    text = "\n".join(print_rule(rule, symbols) for rule in added)
-    text += f"\n{print_default(default, symbols)}" if default else ""
-    if text:
-        main = sources[0]
-        here = [edit for edit in edits if edit.span.path == main.path]
-        if here:
-            edits[edits.index(here[0])] = Edit(here[0].span, text)
-        else:
-            end = _end(main)
-            edits.append(Edit(Span(main.path, end, end), f"\n{text}\n"))
+    gaps = {source.path: list(_places(source, dropped)) for source in sources}
+    main, symbols = sources[0], symbols_of(domain)
+    texts: dict[Span, list[str]] = {}
+    for rule in added:
+        place = _place(main, gaps[main.path], rule.action)
+        texts.setdefault(place, []).append(print_rule(rule, symbols))
+    if default:
+        place = next(reversed(texts), None) or _place(main, gaps[main.path], None)
+        texts.setdefault(place, []).append(print_default(default, symbols))
+    edits = [Edit(gap.span, "") for listed in gaps.values() for gap in listed if gap.span not in texts]
+    for place, parts in texts.items():
+        text = "\n".join(parts)
+        edits.append(Edit(place, text if place.start < place.end else f"\n{text}\n"))
     return tuple(edits)
+
+
+class _Gap(NamedTuple):
+    """Where a rule of an action stood that is dropped."""
+
+    action: str
+    span: Span
+
+
+def _place(main: Source, gaps: Sequence[_Gap], action: str | None) -> Span:
+    """Where a rule of an action is added; None of a default rule."""
+    for gap in (*(gap for gap in gaps if gap.action == action), *gaps):
+        return gap.span
+    end = _end(main)
+    return Span(main.path, end, end)
 
 
 def _root(source: Source) -> DomainNode:
@@ -52,17 +69,18 @@ def _root(source: Source) -> DomainNode:
     return root
 
 
-def _places(source: Source, names: Collection[str]) -> Iterator[Span]:
+def _places(source: Source, names: Collection[str]) -> Iterator[_Gap]:
     """Where rules stand, each with its lines and the lines of comments right above."""
     for section in _root(source).sections:
         if isinstance(section, RuleNode) and section.name.text in names:
             start = line_start(source.text, section.span.start)
             if source.text[start : section.span.start].strip(" \t"):
-                yield section.span
+                yield _Gap(section.action.text, section.span)
                 continue
             start = _above(source.text, start)
             rest = _REST_OF_LINE.match(source.text, section.span.end)
-            yield Span(source.path, start, section.span.end if rest is None else rest.end())
+            end = section.span.end if rest is None else rest.end()
+            yield _Gap(section.action.text, Span(source.path, start, end))
 
 
 def _above(text: str, start: int) -> int:

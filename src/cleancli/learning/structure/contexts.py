@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
+from cleancli.language.checking.literals import with_terms
 from cleancli.language.model import Domain, Equality, Literal, Quantified, Reference, Term, Variable
 from cleancli.learning.structure.arrays import Arrays, holds, index_of, ranging, some
 from cleancli.learning.structure.literals import equalities, is_provable, literals, negated, symbols
@@ -248,8 +249,8 @@ def _of_references(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Boo
 def _several(reference: Reference, taken: Collection[str]) -> Quantified:
     """That more than one object is as a reference says."""
     (one,) = reference.variables
-    other = Variable(next(name for name in _NAMES if name not in taken), one.type)
-    renamed = tuple(_with_terms(part, {one: other}) for part in reference.condition)
+    other = Variable(unnamed(taken), one.type)
+    renamed = tuple(with_terms(part, {one: other}) for part in reference.condition)
     return Quantified(True, (one, other), (*reference.condition, *renamed, Equality(one, other, False)))
 
 
@@ -267,11 +268,9 @@ _NAMES = "zyxwvutsrqponmlkjihgfedcba"
 """Of objects that nothing else names."""
 
 
-def _with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
-    """The part with other terms for some."""
-    if isinstance(part, Equality):
-        return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
-    return replace(part, terms=tuple(names.get(term, term) for term in part.terms))
+def unnamed(taken: Collection[str]) -> str:
+    """A name for an object that nothing else names."""
+    return next(name for name in _NAMES if name not in taken)
 
 
 def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]:
@@ -281,7 +280,7 @@ def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]
     types = dict.fromkeys(p.type for symbol in symbols(arrays.domain) for p in symbol.parameters)
     taken = {term.name for term in known.columns if isinstance(term, Variable)}
     for type_name in types:
-        variable = Variable(next(name for name in _NAMES if name not in taken), type_name)
+        variable = Variable(unnamed(taken), type_name)
         index, typed = ranging(arrays, index_of(arrays, columns), (variable,))
         fitting = []
         for literal in _inside(arrays.domain, (*terms, variable), variable):

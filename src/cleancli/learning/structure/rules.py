@@ -111,10 +111,12 @@ def _terms(effect: Effect) -> Iterator[Term]:
         yield from effect.terms
 
 
-def rules_of(domain: Domain, action: Action, leaves: Sequence[Described]) -> tuple[Rule, ...]:
-    """The rules of an action, one for each leaf that changes anything."""
+def rules_of(
+    domain: Domain, action: Action, leaves: Sequence[Described], beside: bool = False
+) -> tuple[Rule, ...]:
+    """The rules of an action, one for each leaf that changes anything; `beside`: it has others, too."""
     written = [each for each in leaves if each.changes]
-    names = _names(domain, action, [each.leaf.path for each in written])
+    names = _names(domain, action, [each.leaf.path for each in written], beside)
     return tuple(
         _rule(domain, action, each, [other.leaf.path for other in written], name)
         for each, name in zip(written, names, strict=True)
@@ -147,7 +149,7 @@ def _condition(
                 condition = (*references[place].condition, *more)
                 references[place] = replace(references[place], condition=condition)
                 continue
-        parts.append(_answered(domain, question.part, asked.answer))
+        parts.append(answered(domain, question.part, asked.answer))
     references = [replace(each, condition=_merged(each.condition)) for each in references]
     return _merged(parts), tuple(references)
 
@@ -165,9 +167,10 @@ def _of_reference(domain: Domain, asked: Asked, alone: bool) -> tuple[Literal | 
     return question.further if asked.answer else tuple(_opposite(domain, p) for p in question.further)
 
 
-def _answered(
+def answered(
     domain: Domain, part: Literal | Equality | Quantified, answer: bool
 ) -> Literal | Equality | Quantified:
+    """The part where the answer is yes, else its opposite."""
     if isinstance(part, Quantified):
         return replace(part, exists=answer)
     return part if answer else _opposite(domain, part)
@@ -328,13 +331,14 @@ def _with_part(rule: Rule, part: Equality) -> Rule:
 # ---- names
 
 
-def _names(domain: Domain, action: Action, paths: Sequence[tuple[Asked, ...]]) -> list[str]:
+def _names(domain: Domain, action: Action, paths: Sequence[tuple[Asked, ...]], beside: bool) -> list[str]:
     """The action's name, with what tells its rules apart where there are several."""
-    if len(paths) == 1:
+    if len(paths) == 1 and not beside:
         return [action.name]
     found: list[str] = []
     for path in paths:
-        parts = [asked for asked, alone in zip(path, _alone(path, paths), strict=True) if not alone]
+        tell_apart = [beside or not alone for alone in _alone(path, paths)]
+        parts = itertools.compress(path, tell_apart)
         name = "_".join([action.name, *dict.fromkeys(filter(None, (_word(domain, each) for each in parts)))])
         number = 2
         while name in found:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from cleancli.language.model import (
     Shift,
     Term,
 )
+from cleancli.learning.edits import is_written
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import UNDEFINED, ActionArrays, Arrays, holds, index_of, ranging
 from cleancli.learning.structure.mixture import fitted
@@ -71,7 +71,8 @@ def together(scores: Sequence[Score]) -> Score:
 
 def scored(domain: Domain, action: str, given: ActionArrays, refitted: bool = False) -> Score:
     """The score of an action's transitions by the domain's rules for it; where `refitted`, with those
-    probabilities of its outcomes that make the transitions likeliest."""
+    probabilities of its outcomes that make the transitions likeliest, and with such a default rule where the
+    domain has none."""
     explained, foretold = _foretold(domain, action, given, refitted)
     literals = sum(literals_of(rule) for rule in domain.rules if rule.action == action)
     logs = np.log(np.where(explained > 0, explained, IMPOSSIBLE * _by_noise(given.arrays)))
@@ -101,13 +102,11 @@ def _foretold(domain: Domain, action: str, given: ActionArrays, refitted: bool) 
     read it, by whom noise is taken to change nothing."""
     arrays, noise = given.arrays, _by_noise(given.arrays)
     still = arrays.changed == 0
-    default = domain.default or (Outcome(Fraction(1), OutcomeKind.NOTHING),)
-    odd = float(sum(each.probability for each in default if each.kind is OutcomeKind.NOISE))
-    explained = np.where(still, 1 - odd, 0.0) + odd * noise
-    foretold = still.astype(float)
+    explained, foretold = np.zeros(arrays.size), still.astype(float)
+    left: Bools = np.ones(arrays.size, dtype=bool)
     for rule in domain.rules:
         if rule.action == action:
-            known, covered = _bound(rule, given)
+            known, covered = bound(rule, given)
             may, stated = _of_outcomes(rule, arrays, known)
             made = np.column_stack([may, noise])[covered]
             if refitted and len(made):
@@ -115,10 +114,21 @@ def _foretold(domain: Domain, action: str, given: ActionArrays, refitted: bool) 
                 stated = fitted(np.ones((1, len(made))), made, start)[0]
             explained[covered] = made @ stated
             foretold[covered] = (may @ stated[:-1] + stated[-1] * still)[covered]
+            left &= ~covered
+    odd = _odd(domain, still[left], refitted)
+    explained[left] = np.where(still, 1 - odd, 0.0)[left] + odd * noise[left]
     return explained, foretold
 
 
-def _bound(rule: Rule, given: ActionArrays) -> tuple[Named, Bools]:
+def _odd(domain: Domain, still: Bools, refitted: bool) -> float:
+    """How likely it is that noise happens where no rule covers an action; in such transitions nothing has
+    changed where `still`. Where `refitted` it is their share, if the domain has no default rule to say it."""
+    if refitted and not any(map(is_written, domain.default)):
+        return float(1 - still.mean()) if len(still) else 0.0
+    return float(sum(each.probability for each in domain.default if each.kind is OutcomeKind.NOISE))
+
+
+def bound(rule: Rule, given: ActionArrays) -> tuple[Named, Bools]:
     """What a rule's variables stand for in each transition, and which of them it covers."""
     known = named(given, rule.variables)
     arrays = given.arrays
