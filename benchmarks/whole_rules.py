@@ -38,10 +38,11 @@ from cleancli.learning.learn import revised as with_probabilities
 from cleancli.learning.method import Method
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import SEARCHES, TREE, revised
+from cleancli.learning.variation import variation
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.hidden_rules import TEXTS, domain_of, starts
-from support.walks import Start, flickering, variation, walks
+from support.walks import Start, flickering, walks
 
 SIZES = (100, 300, 1000)
 UNUSED = {"W201", "W202", "W203"}

@@ -15,9 +15,10 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.score import IMPOSSIBLE, PER_LITERAL, Score, literals_of, scored, together
+from cleancli.learning.variation import foretold
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.random_domains import Generator
-from support.walks import Start, foretold, walks
+from support.walks import Start, walks
 
 
 def reference(domain: Domain, transition: Transition) -> tuple[float, float]:

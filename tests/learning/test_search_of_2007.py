@@ -21,9 +21,10 @@ from cleancli.learning.structure.outcomes import Possible, needed, possible
 from cleancli.learning.structure.pasula import Context, _Search, searched
 from cleancli.learning.structure.score import PER_LITERAL
 from cleancli.learning.structure.terms import named
+from cleancli.learning.variation import variation
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.random_domains import Generator
-from support.walks import variation, walks
+from support.walks import walks
 
 
 def parts(name: str, action: str, number: int) -> tuple[Possible, Questions]:

@@ -18,9 +18,10 @@ from cleancli.language.printing.printer import print_domain, print_result, print
 from cleancli.learning.experience import Transition
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import revised
+from cleancli.learning.variation import variation
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.random_domains import Generator
-from support.walks import Start, flickering, variation, walks
+from support.walks import Start, flickering, walks
 
 EXPECTED = {
     "locks": {

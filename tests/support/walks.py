@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Fluent, Values
+from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
-from cleancli.language.model import Domain, Object, Value
+from cleancli.language.model import Domain, Object
 from cleancli.learning.experience import Transition
 
 Start = tuple[tuple[Object, ...], Values]
@@ -60,34 +60,6 @@ def _after(
     drawn = rng.choice(len(outcomes), p=[float(outcome.probability) for outcome in outcomes])
     changes = results(rules, state, number, names)[drawn]
     return {key: value for key, value in {**values, **changes}.items() if value is not False}
-
-
-def foretold(rules: LiftedRules, transition: Transition) -> dict[frozenset[tuple[Fluent, Value]], float]:
-    """What rules say that an action changes in a state, and how likely; noise changes nothing."""
-    state = rules.state(transition.objects, transition.before)
-    found = rules.covering(state, transition.action, transition.arguments)
-    if found is None:
-        return {frozenset(): 1.0}
-    number, names = found
-    likely: dict[frozenset[tuple[Fluent, Value]], float] = {}
-    outcomes = rules.domain.rules[number].outcomes
-    for outcome, changes in zip(outcomes, results(rules, state, number, names), strict=True):
-        before = {key: transition.before.get(key, rules.meaning.missing(key[0])) for key in changes}
-        moved = frozenset((key, value) for key, value in changes.items() if before[key] != value)
-        likely[moved] = likely.get(moved, 0.0) + float(outcome.probability)
-    return likely
-
-
-def variation(one: Domain, other: Domain, transitions: Sequence[Transition]) -> float:
-    """How far two domains are from each other, as the total variation of the states that follow these states
-    and actions, in the mean."""
-    both = LiftedRules(one), LiftedRules(other)
-    total = 0.0
-    for transition in transitions:
-        first, second = (foretold(rules, transition) for rules in both)
-        keys = first.keys() | second.keys()
-        total += sum(abs(first.get(key, 0.0) - second.get(key, 0.0)) for key in keys) / 2
-    return total / len(transitions)
 
 
 def flickering(
