@@ -30,7 +30,7 @@ myst_heading_anchors = (
 NAVIGATION = {
     "index": {
         "First steps": "tutorial gallery comparison",
-        "Guides": "planning simulation execution learning experiments report editors",
+        "Guides": "planning simulation execution learning comparing-rules experiments report editors",
         "Robots and agents of your own": "your_own_robot recording real_tables gym",
         "Reference": "language from-pddl diagnostics commands exit-codes python runs",
         "How it works": "planners perception world physics statistics",

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cleancli.api.lessons import learn
     from cleancli.api.observations import perceive
     from cleancli.api.plans import evaluate, plan
+    from cleancli.api.rule_comparisons import compare_rules
     from cleancli.api.simulations import simulate
     from cleancli.api.structures import learn_structure
     from cleancli.experiment.conduct import run_study
@@ -23,6 +24,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Refused",
     "__version__",
+    "compare_rules",
     "convert",
     "evaluate",
     "execute",
@@ -42,6 +44,7 @@ __all__ = [
 
 _PLACES = {
     "Refused": "language.diagnostics.refused",
+    "compare_rules": "api.rule_comparisons",
     "convert": "api.conversions",
     "evaluate": "api.plans",
     "execute": "api.executions",

@@ -62,7 +62,8 @@ def test_the_help_lists_every_command_module() -> None:
     from cleancli.cli.main import cli
 
     folder = ROOT / "src" / "cleancli" / "cli" / "commands"
-    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == set(COMMANDS)
+    modules = {path.stem for path in folder.glob("*.py")} - {"__init__"}
+    assert {name.replace("_", "-") for name in modules} == set(COMMANDS)
     context = click.Context(cli)
     assert {name: command.name for name in COMMANDS if (command := cli.get_command(context, name))} == {
         name: name for name in COMMANDS

@@ -174,10 +174,11 @@ def _outcome(outcome: OutcomeHere) -> str:
 
 
 def _effects(outcome: OutcomeHere) -> list[str]:
-    return [_effect(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
+    return [effect_text(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
 
 
-def _effect(symbol: str, objects: tuple[str, ...], value: Value) -> str:
+def effect_text(symbol: str, objects: tuple[str, ...], value: Value) -> str:
+    """What a fact becomes: `not dirt(a1)`, `level() := 3`."""
     applied = f"{symbol}({', '.join(objects)})"
     if isinstance(value, bool):
         return applied if value else f"not {applied}"

@@ -126,6 +126,23 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             "Improve a domain's probabilities from recorded experience.",
             (_DOMAIN, Argument("experience", None, -1, {"type": click.Path(path_type=Path)})),
         ),
+        "compare-rules": CommandRow(
+            "Two domains side by side: which rules say the same, and where they differ.",
+            (
+                Argument("first", domains),
+                Argument("second", domains),
+                Argument(
+                    "experience",
+                    None,
+                    -1,
+                    {
+                        "metavar": "[EXPERIENCE]...",
+                        "required": False,
+                        "type": click.Path(path_type=Path),
+                    },
+                ),
+            ),
+        ),
         "convert": CommandRow(
             "PDDL and PPDDL, or libPRADA's files, as a domain and its problems.",
             (Argument("files", None, -1, {"metavar": "FILE... | FOLDER"}),),
@@ -133,7 +150,8 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
         "lsp": CommandRow("Serve editors: mistakes while typing, completion, rename."),
     }
 )
-"""In the order of the help. Each lives in the module of the same name in `cli.commands`, as `command`."""
+"""In the order of the help. Each lives in the module of the same name in `cli.commands`, with `_` for `-`, as
+`command`."""
 
 
 def command_of(name: str) -> Callable[[Callable[..., Any]], click.Command]:

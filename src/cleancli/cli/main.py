@@ -58,7 +58,7 @@ class _Commands(click.Group):
 def _imported(name: str) -> click.Command:
     """The command, with all that its module imports. Python's collector would find nothing in that, and is
     kept from looking for it, now and while the command runs."""
-    command = importlib.import_module(f"cleancli.cli.commands.{name}").command
+    command = importlib.import_module(f"cleancli.cli.commands.{name.replace('-', '_')}").command
     assert isinstance(command, click.Command)
     if not gc.get_freeze_count():  # else it was told already
         gc.freeze()

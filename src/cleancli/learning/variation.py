@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent
@@ -10,8 +10,11 @@ from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Domain, Value
 from cleancli.learning.experience import Transition
 
+Distribution = Mapping[frozenset[tuple[Fluent, Value]], float]
+"""What may change, and how likely: the fluents that get other values, with these."""
 
-def foretold(rules: LiftedRules, transition: Transition) -> dict[frozenset[tuple[Fluent, Value]], float]:
+
+def foretold(rules: LiftedRules, transition: Transition) -> Distribution:
     """What rules say that an action changes in a state, and how likely; noise changes nothing."""
     state = rules.state(transition.objects, transition.before)
     found = rules.covering(state, transition.action, transition.arguments)
@@ -27,13 +30,15 @@ def foretold(rules: LiftedRules, transition: Transition) -> dict[frozenset[tuple
     return likely
 
 
+def distance(one: Distribution, other: Distribution) -> float:
+    """The total variation of two distributions: half of what their probabilities differ by in all."""
+    keys = one.keys() | other.keys()
+    return sum(abs(one.get(key, 0.0) - other.get(key, 0.0)) for key in keys) / 2
+
+
 def variation(one: Domain, other: Domain, transitions: Sequence[Transition]) -> float:
     """How far two domains are from each other, as the total variation of the states that follow these states
     and actions, in the mean."""
-    both = LiftedRules(one), LiftedRules(other)
-    total = 0.0
-    for transition in transitions:
-        first, second = (foretold(rules, transition) for rules in both)
-        keys = first.keys() | second.keys()
-        total += sum(abs(first.get(key, 0.0) - second.get(key, 0.0)) for key in keys) / 2
+    first, second = LiftedRules(one), LiftedRules(other)
+    total = sum(distance(foretold(first, each), foretold(second, each)) for each in transitions)
     return total / len(transitions)
