@@ -2,62 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 from cleancli.api.checks import check_between, check_one_of, check_share
-from cleancli.api.plain import fields_of
+from cleancli.api.conversion_result import ConversionResult
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
 from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
 from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
-from cleancli.files.replace import Replacement, write_all
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
 
 FORMATS = ("pddl", "libprada")
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
-
-
-@dataclass(frozen=True, slots=True)
-class ConversionResult:
-    """The texts of a domain and its problems, by their names, and what has to be told about them. `functions`
-    has the predicates of libPRADA that a function stands for; `sources` has the texts that `diagnostics`
-    point into. Prints as the domain's text."""
-
-    name: str
-    domain: str
-    problems: Mapping[str, str]
-    functions: Mapping[str, tuple[str, ...]]
-    notes: tuple[str, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    sources: tuple[Source, ...]
-
-    def __str__(self) -> str:
-        return self.domain
-
-    def files(self, folder: str | Path) -> dict[Path, str]:
-        """The texts by the paths that they have in a folder, the domain's first."""
-        texts = {self.name: self.domain, **self.problems}
-        return {Path(folder) / f"{name}.nid": text for name, text in texts.items()}
-
-    def write(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
-        """Writes all files or none into a folder, and says which; `force` replaces those that exist. Raises
-        Refused."""
-        files = self.files(folder)
-        before = [read_source(str(path)).text if force and path.exists() else None for path in files]
-        for path in files:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        pairs = zip(files.items(), before, strict=True)
-        write_all(Replacement(path, text, old) for (path, text), old in pairs)
-        return tuple(files)
-
-    def to_dict(self) -> dict[str, object]:
-        """Everything but what the diagnostics point into."""
-        return fields_of(self, ("diagnostics", "sources"))
 
 
 def convert(

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import click
 
-from cleancli.api.conversions import FORMATS, ConversionResult, converted
+from cleancli.api.conversion_result import ConversionResult
+from cleancli.api.conversions import FORMATS, converted
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
