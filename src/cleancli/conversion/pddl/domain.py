@@ -57,7 +57,7 @@ def domain_of(
     naming: Naming,
 ) -> Domain:
     """The domain; `naming` gives its rules their names."""
-    declared = _declarations(words, definitions)
+    declared = _declarations(schemas, words, definitions)
     rules = [rule for schema in schemas for rule in _rules(schema, declared, naming)]
     acting = {rule.action for rule in rules}
     actions = tuple(schema.action for schema in schemas if schema.action.name in acting)
@@ -115,15 +115,18 @@ def problem_of(
     )
 
 
-def _declarations(words: Words, definitions: Definitions) -> Declarations:
-    """All that rules may speak of, for the checker's means."""
+def _declarations(schemas: Sequence[Schema], words: Words, definitions: Definitions) -> Declarations:
+    """All that the rules of schemas speak of, for the checker's means."""
     symbols = {each.name: Symbol(each.name, each.parameters) for each in words.predicates.values()}
     derived = {each.name: each for each in definitions.predicates}
     parents = {name: None if above == OBJECT else above for name, above in words.types.declared.items()}
     types = {name: Type(name, above or OBJECT) for name, above in parents.items()}
-    things = {thing.name: thing for thing in words.everything}
+    rules = [rule for schema in schemas for rule in schema.rules]
+    conditions = [*_conditions(rules), *(each.condition for each in definitions.predicates)]
+    named = _objects_in(conditions, [e for rule in rules for o in rule.outcomes for e in _plain(o)])
+    constants = {thing.name: thing for thing in sorted(named)}
     return Declarations(
-        types | {OBJECT: Type(OBJECT)}, things, symbols | as_symbols(derived.values()), derived=derived
+        types | {OBJECT: Type(OBJECT)}, constants, symbols | as_symbols(derived.values()), derived=derived
     )
 
 

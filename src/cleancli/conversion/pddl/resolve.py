@@ -242,9 +242,11 @@ class Words:
     def _of_types(self, variable: Variable, members: tuple[str, ...]) -> Formula:
         """That what a variable stands for is of one of some types; always true for none of them, and where
         all objects that it may stand for are."""
+        if not members:
+            return ALWAYS
         fitting = [thing for thing in self.everything if self.types.is_a(thing.type, variable.type)]
         others = [o for o in fitting if not any(self.types.is_a(o.type, one) for one in members)]
-        if not members or (self.objects and not others):
+        if self.objects and not others:
             return ALWAYS
         parts = []
         for kind in members:
