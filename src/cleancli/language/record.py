@@ -18,6 +18,7 @@ class _RecordType(type):
 
     _parts: Mapping[str, Field[Any]] = {}
     _fields: tuple[str, ...]
+    _defaults: tuple[tuple[str, Any], ...]
     _compared: tuple[str, ...]
 
     def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> _RecordType:
@@ -27,6 +28,7 @@ class _RecordType(type):
         parts = {n: part if isinstance(part, Field) else field(default=part) for n, part in stated.items()}
         made._parts = parts | made._parts
         made._fields = tuple(made._parts)
+        made._defaults = tuple((name, part.default) for name, part in made._parts.items())
         made._compared = tuple(name for name, part in made._parts.items() if part.compare)
         return cast(_RecordType, dataclass(init=False, repr=False, eq=False)(made))
 
@@ -36,15 +38,21 @@ class Record(metaclass=_RecordType):
 
     def __init__(self, *values: object, **named: object) -> None:
         kind = type(self)
-        rest = [
-            named.pop(name) if name in named else kind._parts[name].default
-            for name in kind._fields[len(values) :]
-        ]
-        if named or MISSING in rest:
-            raise TypeError(f"{kind.__name__} is made of {', '.join(kind._fields)}")
-        values = (*values, *rest)
+        if kind._fields[len(values) :] == tuple(named):
+            values += tuple(named.values())
+        else:
+            values = kind._with_defaults(values, named)
+        put = object.__setattr__
         for name, value in zip(kind._fields, values, strict=True):
-            object.__setattr__(self, name, value)
+            put(self, name, value)
+
+    @classmethod
+    def _with_defaults(cls, values: tuple[object, ...], named: dict[str, object]) -> tuple[object, ...]:
+        """The values of all fields in their order."""
+        rest = [named.pop(name, default) for name, default in cls._defaults[len(values) :]]
+        if named or len(values) > len(cls._fields) or [value for value in rest if value is MISSING]:
+            raise TypeError(f"{cls.__name__} is made of {', '.join(cls._fields)}")
+        return (*values, *rest)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise FrozenInstanceError(f"cannot assign to field {name!r}")
