@@ -1,7 +1,7 @@
 """How fast a large PDDL problem is read: `python benchmarks/pddl_speed.py [rounds] [--parsers PYTHON]`.
 
-A domain of 30 schemas and a problem of 1,000 objects and 2,000 facts are parsed, converted and checked, beside
-what the parsers of PDDL on PyPI take to parse them: pyperplan, pddl, unified-planning, tarski. PYTHON is an
+A domain of 30 schemas and a problem of 1,000 objects and 2,000 facts are parsed, converted and checked, and
+what parsers of PDDL on PyPI take to parse them: pyperplan, pddl, unified-planning, tarski. PYTHON is the
 interpreter that has some of them (`pip install pyperplan pddl unified-planning tarski`); those that it lacks
 are left out. Each is a process of its own, in which the files were read once before; rounds take turns, and
 the medians of CPU seconds are printed. `--seed` draws other facts. 9 rounds take about a minute on one core.

@@ -12,9 +12,11 @@ import pytest
 import cleancli
 from cleancli.compiler.semantics import covering_rule, successors
 from cleancli.compiler.task import GroundState
+from cleancli.conversion.pddl.models import models_of
 from cleancli.conversion.pddl.words import Group, groups_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.sink import Findings
+from cleancli.language.load import load_domain, load_problem
 from support.pddl_compared import converted, disagreements, meaning_of, state_of, task_of
 from support.pddl_drawn import Drawn
 
@@ -47,6 +49,25 @@ def test_constructs_mean_the_same_beside_each_other(feature: str) -> None:
     made = converted(text)
     assert {d.code for d in made.diagnostics} <= {"W402"}
     assert disagreements(text, made, _IN_PAIRS) == []
+
+
+DRAWN = [Drawn(Random(seed)).text() for seed in range(40)]
+
+
+@pytest.mark.parametrize("text", [*map(text_of, FEATURES), *DRAWN], ids=[*FEATURES, *map(str, range(40))])
+def test_what_commands_check_and_take_is_what_the_written_files_say(text: str) -> None:
+    """Commands have no text of the .nid files checked, but trees that say the same."""
+    source = Source("given.pddl", text)
+    models, made = models_of(source, source), converted(text)
+    domain = load_domain(Source("domain.nid", made.domain))
+    assert models.domain == domain
+    assert models.problems == tuple(
+        load_problem(Source("p", each), domain) for each in made.problems.values()
+    )
+    assert [(d.code, d.message, d.help) for d in models.diagnostics] == [
+        (d.code, d.message, d.help) for d in made.diagnostics
+    ]
+    assert all(d.span is not None and d.span.path == "given.pddl" for d in models.diagnostics)
 
 
 def _joined(one: str, other: str) -> str:

@@ -259,6 +259,17 @@ def test_mistakes_are_told_at_once() -> None:
     assert [d.code for d in caught.value.diagnostics] == ["E916"] * 3
 
 
+def test_facts_of_the_objects_of_another_problem_are_mistakes() -> None:
+    text = LIDS + WITH + WITHOUT.replace("(open)", "(open) (shut l)")
+    text = text.replace("(shut ?b - box)", "(shut ?b - object)", 1)
+    with pytest.raises(Refused) as caught:
+        converted(text)
+    (found,) = (each for each in caught.value.diagnostics if each.code != "W912")
+    assert (found.code, found.message) == ("E916", "unknown object `l`")
+    assert found.span is not None
+    assert text[found.span.start - len("(shut ") : found.span.end + 1] == "(shut l)"
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_damaged_files_are_refused_or_converted(seed: int) -> None:
     """Whatever stands in a file, it is a located refusal, or texts that the checker can read."""

@@ -26,6 +26,7 @@ from cleancli.conversion.pddl.syntax import (
     EachNode,
     EffectNode,
     EqualNode,
+    FactNode,
     Name,
     NotNode,
     OrNode,
@@ -154,8 +155,9 @@ class Meaning:
 
     def initial(self) -> World:
         """The world at first, where chance has no part in it."""
+        plain = {fact.names for fact in self.problem.init if isinstance(fact, FactNode)}
         facts = [fact for fact in self.problem.init if isinstance(fact, SetNode)]
-        return frozenset(self.atom(fact.atom, {}) for fact in facts if fact.value)
+        return frozenset(plain | {self.atom(fact.atom, {}) for fact in facts if fact.value})
 
     def initial_worlds(self) -> dict[World, Fraction]:
         """The worlds that there may be at first."""

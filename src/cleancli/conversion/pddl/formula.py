@@ -63,9 +63,9 @@ def negated(formula: Formula) -> Formula:
     """The opposite."""
     match formula:
         case Literal():
-            return replace(formula, values=_BOTH[True in formula.values])
+            return Literal(formula.symbol, formula.terms, _BOTH[True in formula.values])
         case Equality():
-            return replace(formula, equal=not formula.equal)
+            return Equality(formula.left, formula.right, not formula.equal)
         case Both(parts):
             return either(map(negated, parts))
         case Either(parts):
@@ -138,7 +138,8 @@ def substituted(formula: Formula, terms: Mapping[Term, Term], may_be_one: MayBeO
     """The formula with other terms for some; bound variables that these would meet get other names."""
     match formula:
         case Literal():
-            return replace(formula, terms=tuple(terms.get(term, term) for term in formula.terms))
+            changed = tuple([terms.get(term, term) for term in formula.terms])
+            return Literal(formula.symbol, changed, formula.values)
         case Equality():
             left, right = (terms.get(term, term) for term in (formula.left, formula.right))
             same = equality(left, right, may_be_one)

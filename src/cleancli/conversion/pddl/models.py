@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from cleancli.conversion.pddl.draft import Draft, Wishes, draft_of
+from cleancli.conversion.pddl.draft import DraftProblem, Wishes, draft_of
 from cleancli.conversion.pddl.read import read
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.conversion.pddl.syntax import ProblemNode
+from cleancli.conversion.pddl.trees import domain_tree, problem_tree
+from cleancli.language.checking.domain import check_domain
+from cleancli.language.checking.problem import check_aims
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.load import checked_domain, checked_problem
 from cleancli.language.model import Action, Domain, Problem, Rule
-from cleancli.language.printing.printer import print_domain, print_problem
-
-_RULE = re.compile(r"^  rule \w+: (\w+)\(", re.M)
 
 
 def defines_domain(source: Source) -> bool:
@@ -66,23 +64,20 @@ def models_of(domain: Source, problem: Source | None = None) -> Models:
     if problem is not None:
         _refuse_none(problem, problems, findings)
     draft = draft_of(domains, problems, findings, Wishes())
-    text = Source(f"{draft.domain.name}.nid", print_domain(draft.domain))
-    others = [
-        Source(f"{each.problem.name}.nid", print_problem(each.problem, draft.domain))
-        for each in draft.problems
-    ]
-    places = {text.path: draft.place}
-    places |= {other.path: each.place for other, each in zip(others, draft.problems, strict=True)}
-    checked = checked_domain(text)
-    looked = [checked_problem(other, checked.model) for other in others] if checked.model is not None else []
-    found = [each for each in checked.diagnostics if each.code != "W201" or problem is None]
-    found += [each for other in looked for each in other.diagnostics]
-    told = (*findings.sorted, *(_in_pddl(each, text, draft, places) for each in found))
-    if checked.model is None or any(other.model is None for other in looked):
+    looked = Findings(domain)
+    looked.include(findings.sources[-1], (), frozenset())
+    checked = check_domain(domain_tree(draft), looked)
+    models = [_problem(each, checked, looked) for each in draft.problems] if not looked.errors else []
+    found = [each for each in looked.sorted if each.code != "W201" or problem is None]
+    told = (*findings.sorted, *found)
+    if looked.errors:
         raise Refused(told, findings.sources)
-    return Models(
-        _placed(checked.model, draft), tuple(other.get() for other in looked), told, tuple(findings.sources)
-    )
+    return Models(_placed(checked), tuple(models), told, tuple(findings.sources))
+
+
+def _problem(draft: DraftProblem, domain: Domain, findings: Findings) -> Problem:
+    made = draft.problem
+    return check_aims(problem_tree(draft), domain, made.objects, made.state, findings)
 
 
 def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Findings) -> None:
@@ -91,28 +86,16 @@ def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Find
         findings.error("E915", "no problem is defined", Span(source.path, 0, 0), help=help)
 
 
-def _placed(domain: Domain, draft: Draft) -> Domain:
-    """The domain with the places of PPDDL in place of those in its text."""
-    rules = tuple(_rule(rule, draft.actions.get(rule.action, draft.place)) for rule in domain.rules)
+def _placed(domain: Domain) -> Domain:
+    """The domain without the places of numbers that a learner would write to."""
+    rules = tuple(map(_rule, domain.rules))
     return replace(domain, rules=rules, actions=tuple(map(_action, domain.actions)), end=None)
 
 
-def _rule(rule: Rule, place: Span) -> Rule:
+def _rule(rule: Rule) -> Rule:
     outcomes = tuple(replace(each, probability_span=None, weight_span=None) for each in rule.outcomes)
-    return replace(rule, outcomes=outcomes, span=place)
+    return replace(rule, outcomes=outcomes)
 
 
 def _action(action: Action) -> Action:
     return replace(action, duration_span=None, noted_span=None)
-
-
-def _in_pddl(diagnostic: Diagnostic, domain: Source, draft: Draft, places: Mapping[str, Span]) -> Diagnostic:
-    """The diagnostic at the action that it is about, or where the domain or problem is named."""
-    span = diagnostic.span
-    if span is None or span.path not in places:
-        return diagnostic
-    place = places[span.path]
-    if span.path == domain.path:
-        before = [rule for rule in _RULE.finditer(domain.text) if rule.start() <= span.start]
-        place = draft.actions.get(before[-1][1], place) if before else place
-    return replace(diagnostic, span=place)

@@ -9,8 +9,16 @@ from fractions import Fraction
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.formula import NEVER
 from cleancli.conversion.pddl.naming import Naming
+from cleancli.conversion.pddl.read_conditions import Reader
 from cleancli.conversion.pddl.resolve import Words
-from cleancli.conversion.pddl.syntax import ChanceNode, DomainNode, ProblemNode
+from cleancli.conversion.pddl.syntax import (
+    AtomNode,
+    ChanceNode,
+    DomainNode,
+    FactNode,
+    ProblemNode,
+    SetNode,
+)
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Condition, Fact, Object, RewardKind, RewardTerm
 
@@ -83,7 +91,7 @@ def starts_of(problems: Sequence[ProblemNode], words: Words, definitions: Defini
         Start(
             problem,
             tuple(objects.values()),
-            _facts(problem, words),
+            _facts(problem, words, objects),
             _goal(problem, words, definitions),
         )
         for problem, objects in zip(problems, words.objects, strict=True)
@@ -100,20 +108,69 @@ def _goal(problem: ProblemNode, words: Words, definitions: Definitions) -> Condi
     return definitions.condition(goal)
 
 
-def _facts(problem: ProblemNode, words: Words) -> frozenset[Fact]:
+def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) -> frozenset[Fact]:
+    """The facts that hold at first. One in which all is declared and fits is taken as it is; of others it is
+    looked up what is wrong with them, and where."""
+    fitting = _Fitting(words, objects)
+    reader = Reader(problem.span.path, words.findings)
     found: set[Fact] = set()
     for node in problem.init:
         if isinstance(node, ChanceNode):
             continue  # an action draws it (`beginning`)
-        atom = words.atom(node.atom, {})
-        if atom is None or not node.value:
+        if isinstance(node, FactNode) and (plain := fitting.fact(node.names)) and plain not in found:
+            found.add(plain)
             continue
-        fact = Fact(atom[0], tuple(term.name for term in atom[1]))
+        atom = reader.atom(node.group) if isinstance(node, FactNode) else node.atom
+        fact = _resolved(atom, words, objects)
+        if fact is None or (isinstance(node, SetNode) and not node.value):
+            continue
         if fact in found:
-            message = f"`{node.atom.symbol.text}` holds twice of the same"
-            words.findings.warning("W911", message, node.atom.span, "passed over")
+            message = f"`{atom.symbol.text}` holds twice of the same"
+            words.findings.warning("W911", message, atom.span, "passed over")
         found.add(fact)
     return frozenset(found)
+
+
+def _resolved(node: AtomNode, words: Words, objects: Mapping[str, Object]) -> Fact | None:
+    """The fact that an atom is; None after a mistake. What another problem declares is no object of this."""
+    atom = words.atom(node, {})
+    if atom is None:
+        return None
+    for name in node.terms:
+        if name.text not in objects and name.text not in words.constants:
+            known = (*words.constants, *objects)
+            words.findings.unknown("E916", "object", name.text, name.span, known)
+    return Fact(atom[0], tuple(term.name for term in atom[1]))
+
+
+class _Fitting:
+    """Which objects may stand where in the facts of a problem: their names in .nid files by those in PDDL."""
+
+    def __init__(self, words: Words, objects: Mapping[str, Object]) -> None:
+        self._words = words
+        self._objects = {**words.constants, **objects}
+        self._of_type: dict[str, dict[str, str]] = {}
+        self._places: dict[str, tuple[str, list[dict[str, str]]]] = {}
+
+    def fact(self, names: tuple[str, ...]) -> Fact | None:
+        """The fact of a declared predicate and objects that fit it; None where they are not."""
+        symbol, *terms = names
+        if symbol not in self._places:
+            predicate = self._words.predicates.get(symbol)
+            if predicate is None:
+                return None
+            self._places[symbol] = predicate.name, [self._fitting(kind) for kind in predicate.types]
+        name, places = self._places[symbol]
+        if len(terms) != len(places):
+            return None
+        objects = tuple([place.get(term, "") for place, term in zip(places, terms, strict=True)])
+        return None if "" in objects else Fact(name, objects)
+
+    def _fitting(self, kind: str) -> dict[str, str]:
+        if kind not in self._of_type:
+            is_a = self._words.types.is_a
+            self._of_type[kind] = {n: o.name for n, o in self._objects.items() if is_a(o.type, kind)}
+        return self._of_type[kind]
 
 
 def names_of(problems: Sequence[ProblemNode], domain: str, naming: Naming) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from cleancli.conversion.pddl.syntax import (
     AndNode,
     ChanceNode,
     DomainNode,
+    FactNode,
     MetricNode,
     Name,
     ProblemNode,
@@ -208,9 +209,9 @@ def _problem(name: Group, sections: list[Group], reader: Reader) -> ProblemNode:
 
 def _init(
     items: Sequence[Node], reader: Reader
-) -> tuple[tuple[SetNode | ChanceNode, ...], tuple[ValueNode, ...]]:
+) -> tuple[tuple[FactNode | SetNode | ChanceNode, ...], tuple[ValueNode, ...]]:
     """The facts, what chance decides of them, and the values of functions."""
-    facts: list[SetNode | ChanceNode] = []
+    facts: list[FactNode | SetNode | ChanceNode] = []
     values: list[ValueNode] = []
     for item in _members(items):
         try:

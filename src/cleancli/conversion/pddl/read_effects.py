@@ -11,6 +11,7 @@ from cleancli.conversion.pddl.syntax import (
     ChanceNode,
     EachNode,
     EffectNode,
+    FactNode,
     PayNode,
     SetNode,
     ValueNode,
@@ -21,6 +22,8 @@ from cleancli.language.printing.printer import print_fraction
 
 _CONDITIONS = frozenset({"or", "imply", "exists", "=", "<", "<=", ">", ">="})
 _ASSIGNS = frozenset({"assign", "scale-up", "scale-down"})
+_EFFECTS = frozenset({"and", "not", "when", "forall", "probabilistic", "increase", "decrease"})
+_NO_PREDICATES = _CONDITIONS | _ASSIGNS | _EFFECTS
 
 
 def effect_of(node: Node, reader: Reader) -> EffectNode:
@@ -100,8 +103,10 @@ def _function(node: Node, reader: Reader) -> AtomNode:
 # ---- what holds at first
 
 
-def initial_of(node: Node, reader: Reader) -> SetNode | ChanceNode | ValueNode:
+def initial_of(node: Node, reader: Reader) -> FactNode | SetNode | ChanceNode | ValueNode:
     """A fact, what chance decides, or the value of a function. Raises `Unreadable`."""
+    if isinstance(node, Group) and (names := node.names) and names[0] not in _NO_PREDICATES:
+        return FactNode(names, node)
     if isinstance(node, Group) and node.head == "=":
         if len(node.items) != 3:
             raise Unreadable("`=` gives a function a value", reader.span(node))

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import NamedTuple
 
+from cleancli.conversion.pddl.words import Group
 from cleancli.language.diagnostics.diagnostic import Span
 
 
@@ -183,6 +185,14 @@ class DomainNode(Node):
     actions: tuple[ActionNode, ...] = ()
 
 
+class FactNode(NamedTuple):
+    """A fact of a predicate and objects by their names. Problems have thousands of them, and hardly one has a
+    mistake: what has places is made of `group` where one is to be told."""
+
+    names: tuple[str, ...]
+    group: Group
+
+
 @dataclass(frozen=True, slots=True)
 class ValueNode(Node):
     """The value of a numeric function at first."""
@@ -207,7 +217,7 @@ class ProblemNode(Node):
     name: Name
     domain: Name | None
     objects: tuple[Typed, ...] = ()
-    init: tuple[SetNode | ChanceNode, ...] = ()
+    init: tuple[FactNode | SetNode | ChanceNode, ...] = ()
     values: tuple[ValueNode, ...] = ()
     goal: ConditionNode | None = None
     metric: MetricNode | None = None

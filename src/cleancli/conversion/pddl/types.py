@@ -95,7 +95,9 @@ class Types:
 
     def is_a(self, name: str, ancestor: str) -> bool:
         """Whether a type is another, or below it."""
-        return ancestor in self.line(name)
+        while name not in (ancestor, OBJECT):
+            name = self._parents[name]
+        return name == ancestor
 
     def may_be_one(self, one: Term, other: Term) -> bool:
         """Whether the types of two terms allow that they are one object: an object is of its own type, a

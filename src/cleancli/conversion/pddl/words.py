@@ -1,5 +1,9 @@
 """A PPDDL text as words and groups in parentheses, each with its place; parentheses that are missing, or too
-many, are mended where it is plain what they were to enclose."""
+many, are mended where it is plain what they were to enclose.
+
+A group that holds words alone, as most do, is read as one piece: its words get their places when they are
+asked for.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,10 @@ from cleancli.language.diagnostics.sink import Findings
 DEEPEST = 80
 """How deep groups may stand in one another. Chosen: far more than people write, and few enough to recurse."""
 
-_TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
+_COMMENT = re.compile(r";[^\n]*")
+_PIECE = re.compile(r"\([^()]*\)|[()]|[^\s()]+")
+_WORD = re.compile(r"\S+")
+_NAMES = re.compile(r"\(\s*[a-z][\w-]*(\s+[a-z][\w-]*)*\s*\)", re.ASCII)
 _SECTION_DEPTH = 2
 """How many groups are open where `define` and one section are."""
 
@@ -32,16 +39,38 @@ class Word(NamedTuple):
         return self.start + len(self.text)
 
 
-class Group(NamedTuple):
-    """What stands between two parentheses, and where these stand."""
+class Group:
+    """What stands between two parentheses, and where these stand: several `items`, or a `text` of words
+    alone, with its parentheses."""
 
-    items: tuple[Node, ...]
-    start: int
-    end: int
+    __slots__ = ("_items", "_text", "end", "start")
+
+    def __init__(self, start: int, end: int, items: tuple[Node, ...] | None = None, text: str = "") -> None:
+        self.start = start
+        self.end = end
+        self._items = items
+        self._text = text
+
+    @property
+    def items(self) -> tuple[Node, ...]:
+        """The words and groups in it."""
+        if self._items is None:
+            first = self.start + 1
+            found = _WORD.finditer(self._text[1:-1])
+            self._items = tuple(Word(match[0], first + match.start()) for match in found)
+        return self._items
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its words, where there is nothing else in it and each is a name that begins with a letter;
+        otherwise none."""
+        return tuple(self._text[1:-1].split()) if _NAMES.fullmatch(self._text) else ()
 
     @property
     def head(self) -> str:
         """The word that it begins with; empty where it does not begin with a word."""
+        if self._items is None:
+            return next(iter(self._text[1:-1].split(None, 1)), "")
         first = self.items[0] if self.items else None
         return first.text if isinstance(first, Word) else ""
 
@@ -60,24 +89,31 @@ def groups_of(text: str, path: str, findings: Findings) -> tuple[Group, ...]:
     stack = [_Open(found, 0)]
     surplus: list[int] = []
     last = 0
-    for token, start, follows in _tokens(text):
-        if token == "(":
-            if follows.startswith(":") and len(stack) > _SECTION_DEPTH:
+    # Letter case says nothing in PDDL; letters beyond ASCII stay, and comments become blanks: no place moves.
+    lower = text.translate(str.maketrans(string.ascii_uppercase, string.ascii_lowercase))
+    lower = _COMMENT.sub(lambda match: " " * len(match[0]), lower)
+    for match in _PIECE.finditer(lower):
+        piece, start = match[0], match.start()
+        if piece[0] == "(":
+            if len(stack) > _SECTION_DEPTH and lower.startswith(":", start + 1):
                 _close(stack, _SECTION_DEPTH, last, path, findings)
-            stack.append(_Open([], start))
-            if len(stack) > DEEPEST:
+            if len(stack) >= DEEPEST:
                 message = f"groups stand in one another more than {DEEPEST} deep"
                 findings.error("E915", message, Span(path, start, start + 1))
                 return ()
-        elif token == ")":
+            if piece == "(":
+                stack.append(_Open([], start))
+            else:
+                stack[-1].items.append(Group(start, match.end(), text=piece))
+        elif piece == ")":
             if len(stack) == 1:
                 surplus.append(start)
             else:
                 opened = stack.pop()
-                stack[-1].items.append(Group(tuple(opened.items), opened.start, start + 1))
+                stack[-1].items.append(Group(opened.start, start + 1, tuple(opened.items)))
         else:
-            stack[-1].items.append(Word(token, start))
-        last = start + len(token)
+            stack[-1].items.append(Word(piece, start))
+        last = match.end()
     _close(stack, 1, last, path, findings)
     if surplus:
         many = "closes nothing" if len(surplus) == 1 else f"and {len(surplus) - 1} more close nothing"
@@ -87,23 +123,12 @@ def groups_of(text: str, path: str, findings: Findings) -> tuple[Group, ...]:
     return tuple(_without_words(found, path, findings))
 
 
-def _tokens(text: str) -> Iterator[tuple[str, int, str]]:
-    """Words and parentheses with their places, and the beginning of what follows."""
-    # Letter case says nothing in PDDL; letters beyond ASCII stay, so that no place moves.
-    lower = text.translate(str.maketrans(string.ascii_uppercase, string.ascii_lowercase))
-    for match in _TOKEN.finditer(lower):
-        token = match[0]
-        if token[0] != ";":
-            end = match.end()
-            yield token, match.start(), lower[end : end + 1]
-
-
 def _close(stack: list[_Open], depth: int, place: int, path: str, findings: Findings) -> None:
     """Closes groups until so many are open, and says so of the outermost of them."""
     missing = len(stack) - depth
     while len(stack) > depth:
         opened = stack.pop()
-        stack[-1].items.append(Group(tuple(opened.items), opened.start, place))
+        stack[-1].items.append(Group(opened.start, place, tuple(opened.items)))
         if len(stack) == depth:
             lacks = plural(missing, "parenthesis is", "parentheses are")
             span = Span(path, opened.start, opened.start + 1)

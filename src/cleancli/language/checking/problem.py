@@ -69,6 +69,23 @@ def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) 
     everything = {**scope.objects, **{o.name: o for o in objects}}
     scope = Scope(scope.declared, everything, {}, findings)
     state = _state(node, domain, scope)
+    return _with_aims(node, domain, objects, state, scope)
+
+
+def check_aims(
+    node: syntax.ProblemNode, domain: Domain, objects: tuple[Object, ...], state: State, findings: Findings
+) -> Problem:
+    """The model of a problem whose objects and facts are right and do not stand in the tree; as
+    `check_problem`."""
+    scope = scope_of(domain, findings)
+    everything = {**scope.objects, **{o.name: o for o in objects}}
+    return _with_aims(node, domain, objects, state, Scope(scope.declared, everything, {}, findings))
+
+
+def _with_aims(
+    node: syntax.ProblemNode, domain: Domain, objects: tuple[Object, ...], state: State, scope: Scope
+) -> Problem:
+    findings = scope.findings
     discounts = sections_of(node.sections, syntax.Discount)
     planners = sections_of(node.sections, syntax.Planner)
     options = check_planner(planners[0], findings) if planners else PlannerOptions()
