@@ -18,8 +18,7 @@ from cleancli.conversion.pddl.types import OBJECT
 from cleancli.language.checking.declarations import Declarations
 from cleancli.language.checking.derived import as_symbols
 from cleancli.language.checking.equivalence import asked_by, doing, idle_because
-from cleancli.language.checking.first_order import Reading
-from cleancli.language.checking.satisfiability import TooHard, satisfy
+from cleancli.language.checking.exclusivity import can_apply
 from cleancli.language.model import (
     Assign,
     Condition,
@@ -143,7 +142,7 @@ def _rules(schema: Schema, declared: Declarations, naming: Naming) -> Iterator[R
 def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
     """The rule without effects that its condition says already, and each outcome once; None for a rule that
     can never apply, or that changes nothing."""
-    if not _can_apply(rule, declared):
+    if not can_apply(rule, declared):
         return None
     asked = asked_by(rule.condition, declared)
     found: dict[object, Outcome] = {}
@@ -162,15 +161,6 @@ def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
     if outcomes[-1].kind is OutcomeKind.NOTHING:
         outcomes[-1] = replace(outcomes[-1], is_rest=True)
     return replace(rule, outcomes=tuple(outcomes))
-
-
-def _can_apply(rule: Rule, declared: Declarations) -> bool:
-    """Whether the checker would not find that the rule can never apply (E305)."""
-    reading = Reading(declared, rule.variables)
-    try:
-        return satisfy(reading.rule(rule), reading, declared) is not None
-    except TooHard:
-        return True
 
 
 # ---- what is used

@@ -47,5 +47,7 @@ class Naming:
 
 def readable(name: str, initial: str) -> str:
     """The name in signs that a .nid file's names have."""
-    changed = _SIGN.sub("_", name.removeprefix("?"))
+    changed = name.removeprefix("?")
+    if not (changed.isascii() and changed.isidentifier()):
+        changed = _SIGN.sub("_", changed)
     return changed if changed and not changed[0].isdigit() else f"{initial}{changed}"

@@ -31,18 +31,22 @@ _MOST_SHOWN = 6
 
 def refuse_unsatisfiable(rule: Rule, place: Span, scope: Scope) -> None:
     """E305 for a rule that no state of no problem lets apply."""
-    declared = scope.declared
-    possible = witness([rule.condition], declared) is not None
-    if possible and not _is_plain(rule, declared):
-        reading = Reading(declared, rule.variables)
-        try:
-            possible = satisfy(reading.rule(rule), reading, declared) is not None
-        except TooHard:
-            return
-    if not possible:
+    if not can_apply(rule, scope.declared):
         scope.findings.error(
             "E305", f"the rule `{rule.name}` can never apply", place, "these literals contradict each other"
         )
+
+
+def can_apply(rule: Rule, declared: Declarations) -> bool:
+    """Whether a state of some problem may let a rule apply; true where that is too hard to find out."""
+    possible = witness([rule.condition], declared) is not None
+    if not possible or _is_plain(rule, declared):
+        return possible
+    reading = Reading(declared, rule.variables)
+    try:
+        return satisfy(reading.rule(rule), reading, declared) is not None
+    except TooHard:
+        return True
 
 
 def refuse_overlaps(rules: Iterable[Rule], scope: Scope) -> None:
