@@ -279,6 +279,12 @@ def test_a_large_pddl_problem_is_read_beside_what_other_parsers_take(tmp_path: P
     assert result.stdout.startswith("30 schemas, 40 objects, 80 facts: medians of CPU seconds\ncleancli ")
 
 
+def test_no_changed_pddl_file_crashes_or_stalls(tmp_path: Path) -> None:
+    result = _run("fuzz_pddl.py", "300", "--keep", str(tmp_path / "kept"), cwd=tmp_path)
+    assert result.returncode == 0, result.stdout
+    assert result.stdout.startswith("0 failures in 300 files")
+
+
 def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     result = _run("roundtrip.py", "90", cwd=tmp_path)
     assert result.returncode == 0, result.stdout
