@@ -33,6 +33,11 @@ planning.planners.prada_plus.FRESH_WORDS * 64 | planners.md | valued again by {:
 cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.FURTHER * 1000 | execution.md | the rag is pressed {:.0f} mm further each time
 execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
+remote.wire.LARGEST_HEAD | protocol.md | 2 to {:,}
+remote.wire.LARGEST_BODY | protocol.md | {:,}
+remote.server.LARGEST_REQUEST | protocol.md | {:,}
+remote.messages.APART * 1000 | protocol.md | at most {:.0f} ms apart
+remote.messages.MOST_WAYPOINTS | protocol.md | n from 1 to {:,}
 recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})
 language.parsing.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
