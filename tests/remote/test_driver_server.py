@@ -12,11 +12,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cleancli.remote.client import Broken, Client, Refusal, RobotError
+from cleancli.remote.client import Broken, Client, Refusal
 from cleancli.remote.messages import FramePair
 from cleancli.remote.server import MOST_CLIENTS, Server
 from cleancli.remote.wire import Message, encoded
 from cleancli.scene.address import Address, address_of
+from cleancli.world.errors import RobotError
 from cleancli.world.robot import Status
 from support.toy_driver import TOY, Toy, path, served
 

@@ -147,6 +147,9 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             "PDDL and PPDDL, or libPRADA's files, as a domain and its problems.",
             (Argument("files", None, -1, {"metavar": "FILE... | FOLDER"}),),
         ),
+        "robot": CommandRow(
+            "A robot at the end of a socket: serve a simulated one, check and re-arm others."
+        ),
         "lsp": CommandRow("Serve editors: mistakes while typing, completion, rename."),
     }
 )
@@ -158,6 +161,11 @@ def command_of(name: str) -> Callable[[Callable[..., Any]], click.Command]:
     """Makes a function the command of a row; its options stand at the function."""
     row = COMMANDS[name]
     return click.command(name, short_help=row.summary, params=row.parameters())
+
+
+def group_of(name: str) -> Callable[[Callable[..., Any]], click.Group]:
+    """The same for a command that has commands of its own."""
+    return click.group(name, short_help=COMMANDS[name].summary, no_args_is_help=False)
 
 
 def light_command(name: str) -> click.Command | None:

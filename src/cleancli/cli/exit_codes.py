@@ -14,6 +14,7 @@ class ExitCode(enum.IntEnum):
     NOT_CLEAN = 3
     MISSING_PART = 4
     FILES = 5
+    ROBOT = 6
     INTERRUPTED = 130
 
 

@@ -23,7 +23,7 @@ from cleancli.compiler.collector import paused_collector
 from cleancli.files.interrupt import ENDING
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.world.errors import MissingPhysics
+from cleancli.world.errors import MissingPhysics, RobotError
 
 
 class _Commands(click.Group):
@@ -123,6 +123,9 @@ def _run(arguments: Sequence[str]) -> int:
     except (MissingPart, MissingPhysics) as missing:
         click.echo(f"error: {missing}", err=True)
         return ExitCode.MISSING_PART
+    except RobotError as error:
+        click.echo(f"error: {printable(str(error))}", err=True)
+        return ExitCode.ROBOT
     except click.ClickException as error:
         # It may quote what a file says.
         error.message = printable(error.message)  # type: ignore[misc]  # final is what subclasses may not change

@@ -19,6 +19,7 @@ from cleancli.remote.messages import Description, FramePair, Poll, State
 from cleancli.remote.transport import Transport
 from cleancli.remote.wire import BadMessage, Message
 from cleancli.scene.address import Address
+from cleancli.world.errors import RobotError
 
 _Read = TypeVar("_Read")
 
@@ -28,10 +29,6 @@ ANSWERING = 10.0
 """Seconds until a driver must begin to answer. Planning a stroke takes an arm a second or two."""
 PATIENCE = 5.0
 """Seconds that the rest of a message may take."""
-
-
-class RobotError(OSError):
-    """A driver cannot be worked with; the message is a sentence for the user."""
 
 
 class Broken(RobotError):
