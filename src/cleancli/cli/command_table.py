@@ -114,6 +114,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             "What a scene holds, how it looks, what its robot reaches.", (Argument("scene", problems),)
         ),
         "calibrate": CommandRow("Adjust perception to a clean surface.", (Argument("scene", problems),)),
+        "cell": CommandRow("Where a real cell's camera and robot stand: the board, touches, checks."),
         "perceive": CommandRow(
             "What is seen of a scene, or in recorded frames, step by step.",
             (Argument("scene_or_folder", problems, settings={"metavar": "SCENE|RECORDING"}),),

@@ -109,8 +109,9 @@ def recording() -> Option:
             show_default=True,
             help="Seconds by which colour and depth of one frame may differ.",
         ),
+        click.option("--cell", type=FILE, help="Where the camera stands, if the recording does not tell."),
     )
-    names = ("frame", "colour_topic", "depth_topic", "info_topic", "max_difference")
+    names = ("frame", "colour_topic", "depth_topic", "info_topic", "max_difference", "cell")
 
     def added(function: F) -> F:
         @wraps(function)

@@ -6,11 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from cleancli.cell.cell_file import BadCell, Cell, placed, read_cell
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
 from cleancli.cli.progress import working
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.bag_file import MissingBags
+from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.reading import Reading
 from cleancli.perception.rerun_file import MissingRerun, find_rerun
 from cleancli.perception.sources import recorded_frames, recorded_looks
@@ -21,18 +23,30 @@ def open_looks(
 ) -> tuple[Iterator[tuple[str, tuple[Frame, ...]]], tuple[str, ...]]:
     """The looks of a recording, each with where it comes from, and what is left out. Raises MissingPart,
     OSError."""
+    cell = _cell(reading)
     with _opening(path):
         found, notes = recorded_looks(path, reading)
     _warn(notes)
-    return found, notes
+    return ((name, placed(frames, cell)) for name, frames in found), notes
 
 
 def open_frames(path: Path, reading: Reading, count: int) -> tuple[Frame, ...]:
-    """Frames of a clean surface. Raises MissingPart, OSError."""
+    """Frames of a surface that does not change. Raises MissingPart, OSError."""
+    cell = _cell(reading)
     with _opening(path):
         found, notes = recorded_frames(path, reading, count)
     _warn(notes)
-    return found
+    return placed(found, cell)
+
+
+def _cell(reading: Reading) -> Cell:
+    """What is known of the cell that a recording is of. Raises OSError."""
+    if reading.cell is None:
+        return Cell()
+    try:
+        return read_cell(reading.cell)
+    except BadCell as error:
+        raise BadRecording(str(error)) from None
 
 
 def refuse_without_rerun() -> None:

@@ -1,0 +1,177 @@
+"""`cleancli cell`: where the camera and the robot of a real cell stand, and whether that can be right."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import radians
+from pathlib import Path
+
+import click
+import numpy as np
+
+from cleancli.cell.board import BAR, BOARDS, svg
+from cleancli.cell.camera import Laid, NoBoard, Sighted, sighted
+from cleancli.cell.cell_file import BadCell, CameraPlace, Cell, as_text, decode, matrix
+from cleancli.cli import options
+from cleancli.cli.command_table import COMMANDS
+from cleancli.cli.completion import problems
+from cleancli.cli.echo import echo
+from cleancli.cli.inputs import open_scene
+from cleancli.cli.progress import working
+from cleancli.cli.recordings import open_frames
+from cleancli.files.replace import replace_file, write_atomically
+from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import read_source
+from cleancli.perception.frame_source import BadRecording
+from cleancli.perception.reading import Reading
+from cleancli.scene.model import Scene
+
+_RECORDING = click.Path(path_type=Path, exists=True)
+
+
+@click.group("cell", short_help=COMMANDS["cell"].summary)
+def command() -> None:
+    """Find out where the camera and the robot of a real cell stand.
+
+    docs/cell.md walks through it, from the board to the first stroke.
+    """
+
+
+@command.command("board")
+@click.option("--out", type=options.FILE, required=True, help="Write the sheet to this SVG file.")
+@click.option("--paper", type=click.Choice(list(BOARDS)), default="a3", show_default=True, help="Its size.")
+def board(out: Path, paper: str) -> None:
+    """Write the board that `cell camera` looks for, to be printed in true size."""
+    chosen = BOARDS[paper]
+    replace_file(out, svg(chosen))
+    squares = f"{chosen.columns} x {chosen.rows} squares of {1000 * chosen.square:g} mm"
+    echo(f"{out}: {squares} on {paper.upper()}; print it at 100 %, and measure the bar: {1000 * BAR:g} mm")
+
+
+@command.command("camera")
+@click.argument("scene", shell_complete=problems)
+@click.argument("recorded", metavar="RECORDING", type=_RECORDING)
+@click.option("--out", type=options.FILE, required=True, help="Write what is known of the cell to this file.")
+@click.option(
+    "--at",
+    nargs=2,
+    type=click.FloatRange(-500, 500),
+    default=(0.0, 0.0),
+    show_default=True,
+    help="Centimetres from the surface's middle to the board's, east and north.",
+)
+@click.option(
+    "--turn",
+    type=click.FloatRange(-360, 360),
+    default=0.0,
+    show_default=True,
+    help="Degrees from the scene's x to the board's, counter-clockwise.",
+)
+@click.option(
+    "--bar",
+    type=click.FloatRange(150, 250),
+    default=1000 * BAR,
+    show_default=True,
+    help="Millimetres that the board's bar measures in print.",
+)
+@click.option(
+    "--count",
+    type=click.IntRange(1, 100),
+    default=10,
+    show_default=True,
+    help="Frames of a bag or a TUM folder, spread evenly.",
+)
+@options.recording()
+@options.seed("the points of depth that are tried")
+@options.as_json("Print what was found as JSON, in metres.")
+def camera(
+    scene: str,
+    recorded: Path,
+    out: Path,
+    at: tuple[float, float],
+    turn: float,
+    bar: float,
+    count: int,
+    reading: Reading,
+    seed: int | None,
+    as_data: bool,
+) -> None:
+    """Find out where the camera stands over the surface of SCENE, by the board in a RECORDING.
+
+    The board lies on the surface, whole in view, and neither it nor the camera moves.
+    """
+    _, setting = open_scene(scene)
+    laid = Laid((at[0] / 100, at[1] / 100), radians(turn), bar / 1000)
+    before, cell = _cell_to_change(out)
+    frames = open_frames(recorded, reading, count)
+    rng = np.random.default_rng(setting.seed if seed is None else seed)
+    try:
+        with working("looking for the board"):
+            found = sighted(frames, laid, rng)
+    except NoBoard as error:
+        raise BadRecording(f"{recorded}: {error}") from error
+    _refuse_beyond(setting, laid, found)
+    place = CameraPlace(matrix(found.pose), round(found.misfit, 3))
+    write_atomically(out, as_text(replace(cell, camera=place)), before)
+    for doubt in found.doubts:
+        echo(f"warning: {doubt}", err=True)
+    echo(json.dumps(_camera_data(found), indent=2) if as_data else _camera_told(found, len(frames), out))
+
+
+def _cell_to_change(out: Path) -> tuple[str | None, Cell]:
+    """The text of the file as it is and what it says, None and nothing where there is no file yet. What is no
+    cell is hardly meant to be replaced by one."""
+    if not out.resolve().parent.is_dir():
+        raise click.BadParameter(f"there is no folder `{out.parent}`", param_hint="--out")
+    if not out.exists():
+        return None, Cell()
+    text = read_source(out).text
+    try:
+        return text, decode(text.encode("utf-8"))
+    except BadCell as error:
+        raise click.BadParameter(f"`{out}` exists, and {error}", param_hint="--out") from error
+
+
+def _refuse_beyond(setting: Scene, laid: Laid, found: Sighted) -> None:
+    """A board that does not lie on the surface lies elsewhere than was said."""
+    half = np.array([setting.surface.width, setting.surface.depth]) / 2
+    places = laid.places(found.board, np.arange(len(found.board.places)))
+    beyond = float((np.abs(places) - half).max())
+    if beyond > 0:
+        raise click.BadParameter(
+            f"the board would lie {100 * beyond:.0f} cm beyond the surface of `{setting.name}`, which is "
+            f"{200 * half[0]:.0f} x {200 * half[1]:.0f} cm",
+            param_hint="--at",
+        )
+
+
+def _camera_told(found: Sighted, frames: int, out: Path) -> str:
+    x, y, z = 100 * found.pose[:3, 3]
+    slant = np.degrees(np.arccos(np.clip(-found.pose[2, 2], -1, 1)))
+    lines = [
+        f"{out}: the camera stands at ({x:.1f}, {y:.1f}, {z:.1f}) cm, {slant:.1f} degrees off looking "
+        "straight down",
+        f"board {found.board.name}: {plural(found.corners, 'corner')} in {found.pictures} of "
+        f"{plural(frames, 'picture')}, {found.misfit:.2f} pixels off on average",
+    ]
+    if found.depth_scale is not None:
+        lines.append(
+            f"the plane by {found.points} points of depth, which shows the board "
+            f"{abs(1 / found.depth_scale - 1):.1%} {'smaller' if found.depth_scale > 1 else 'larger'} than "
+            "it is"
+        )
+    return "\n".join(lines)
+
+
+def _camera_data(found: Sighted) -> dict[str, object]:
+    return {
+        "pose": found.pose.tolist(),
+        "board": found.board.name,
+        "corners": found.corners,
+        "pictures": found.pictures,
+        "misfit": found.misfit,
+        "depth_scale": found.depth_scale,
+        "points": found.points,
+        "doubts": list(found.doubts),
+    }

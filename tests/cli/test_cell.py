@@ -1,0 +1,196 @@
+"""`cleancli cell`: from a printed board to the file that says where camera and robot stand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cleancli.cell.board import BOARDS
+from cleancli.cell.camera import Laid, Sighted, sighted
+from cleancli.cell.cell_file import BadCell, read_cell
+from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.main import run
+from cleancli.geometry.rgbd import Frame
+from cleancli.perception.recorded import save_frames
+from support import board_pictures, real_camera
+from support.board_pictures import errors, looking
+
+POSE = looking(0.9, slant=10, towards=200, yaw=170)
+LAID = Laid((0.05, -0.1), np.radians(20))
+
+
+@pytest.fixture
+def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two pictures of the board, in a folder of which nobody knows where the camera stood."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(5)
+    save_frames([board_pictures.picture(BOARDS["a3"], LAID, POSE, rng) for _ in range(2)], Path("pictures"))
+    return tmp_path
+
+
+def camera(*words: str) -> int:
+    laid = ["--at", "5", "-10", "--turn", "20"]
+    return run(["cell", "camera", "two_groups", "pictures", "--out", "cell.json", *laid, *words])
+
+
+def test_the_camera_stands_where_the_pictures_were_drawn_from(
+    recorded: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert camera() == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    assert "cell.json: the camera stands at (" in told.out
+    assert "10.0 degrees off looking straight down" in told.out
+    assert "board a3: 56 corners in 2 of 2 pictures" in told.out
+    place = read_cell(recorded / "cell.json").camera
+    assert place is not None
+    millimetres, degrees = errors(np.array(place.pose), POSE)
+    assert millimetres < 2
+    assert degrees < 0.1
+    assert camera("--json") == 0
+    assert json.loads(capsys.readouterr().out)["pose"] == pytest.approx(np.array(place.pose))
+
+
+def test_what_the_file_says_already_stays(recorded: Path) -> None:
+    """The table's place comes from touching it, and is not lost when the camera is moved."""
+    assert camera() == 0
+    cell = json.loads((recorded / "cell.json").read_text())
+    cell["table"] = {"pose": np.eye(4).tolist(), "spread": 0.001}
+    (recorded / "cell.json").write_text(json.dumps(cell))
+    assert camera("--seed", "3") == 0
+    kept = read_cell(recorded / "cell.json")
+    assert kept.table is not None
+    assert kept.table.spread == 0.001
+    assert kept.camera is not None
+
+
+def test_recordings_that_do_not_tell_where_the_camera_stands_are_read_with_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Dirt is found where it lies; without the file, places are those of the table's outline."""
+    monkeypatch.chdir(tmp_path)
+    frame = real_camera.taken(1)
+    save_frames([frame], Path("look"))
+    described = json.loads(Path("look/camera.json").read_text())
+    pose = described.pop("pose")
+    Path("look/camera.json").write_text(json.dumps(described))
+    place = {"pose": pose, "misfit": 0.1}
+    Path("cell.json").write_text(json.dumps({"format": "cleancli cell 1", "camera": place}))
+
+    def areas(*words: str) -> object:
+        assert run(["perceive", "look", "--json", *words]) == 0
+        return json.loads(capsys.readouterr().out)["looks"][0]["areas"]
+
+    with_file = areas("--cell", "cell.json")
+    described["pose"] = pose
+    Path("look/camera.json").write_text(json.dumps(described))
+    assert areas() == with_file
+    # Who tells it himself knows better: a camera on an arm moves.
+    Path("cell.json").write_text(
+        json.dumps({"format": "cleancli cell 1", "camera": place | {"pose": shifted(pose)}})
+    )
+    assert areas("--cell", "cell.json") == with_file
+    assert (
+        run(["calibrate", "two_groups", "--frames", "look", "--cell", "no.json", "--out", "t.json"])
+        == ExitCode.FILES
+    )
+    assert "no.json" in capsys.readouterr().err
+
+
+def shifted(pose: object) -> object:
+    moved = np.array(pose)
+    moved[0, 3] += 0.1
+    rows: object = moved.tolist()
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        (["--at", "40", "0"], ExitCode.USAGE, "the board would lie"),
+        (["--bar", "20"], ExitCode.USAGE, "20"),
+        (["--out", "no/cell.json"], ExitCode.USAGE, "there is no folder"),
+        (["--out", "pictures/camera.json"], ExitCode.USAGE, "exists, and it describes no cell"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_written(
+    words: list[str], code: int, told: str, recorded: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (recorded / "pictures" / "camera.json").read_text()
+    assert camera(*words) == code
+    assert told in " ".join(capsys.readouterr().err.split())
+    assert not (recorded / "cell.json").exists()
+    assert (recorded / "pictures" / "camera.json").read_text() == before
+
+
+def test_pictures_without_a_board_end_with_a_message(
+    recorded: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_frames([real_camera.taken(1)], recorded / "table")
+    assert run(["cell", "camera", "two_groups", "table", "--out", "cell.json"]) == ExitCode.FILES
+    assert "table: no picture shows 6 corners of a board" in capsys.readouterr().err
+    assert not (recorded / "cell.json").exists()
+
+
+def test_a_newer_edit_of_the_file_is_not_overwritten(
+    recorded: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Somebody saves the file while the board is looked for."""
+    assert camera() == 0
+    newer = (recorded / "cell.json").read_text() + "\n"
+
+    def meanwhile(frames: Sequence[Frame], laid: Laid, rng: np.random.Generator) -> Sighted:
+        (recorded / "cell.json").write_text(newer)
+        return sighted(frames, laid, rng)
+
+    monkeypatch.setattr("cleancli.cli.commands.cell.sighted", meanwhile)
+    assert camera() == ExitCode.REFUSED
+    assert "E006" in capsys.readouterr().err
+    assert (recorded / "cell.json").read_text() == newer
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[]", "it describes no cell"),
+        ("{", "it is no JSON"),
+        ('{"camera": {"x": ' + "[" * 5000, "it is nested too deeply"),
+        ('{"format": "cleancli cell 9"}', "its `format` is not"),
+        ('{"format": "cleancli cell 1", "camra": {}}', "camra"),
+        ('{"format": "cleancli cell 1", "camera": {"pose": 1, "misfit": 0}}', "it describes no cell"),
+        (
+            json.dumps(
+                {"format": "cleancli cell 1", "table": {"pose": (2 * np.eye(4)).tolist(), "spread": None}}
+            ),
+            "the `pose` of its `table` must be a rotation",
+        ),
+        (
+            json.dumps(
+                {"format": "cleancli cell 1", "camera": {"pose": shifted(1e4 * np.eye(4)), "misfit": 0}}
+            ),
+            "the `pose` of its `camera` must be a rotation",
+        ),
+    ],
+)
+def test_a_file_that_describes_no_cell_is_refused(text: str, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "cell.json"
+    file.write_text(text)
+    with pytest.raises(BadCell, match=told) as refused:
+        read_cell(file)
+    assert str(file) in str(refused.value)
+
+
+def test_the_board_is_written_for_both_papers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for paper, size in (("a3", 'width="420mm" height="297mm"'), ("a4", 'width="297mm" height="210mm"')):
+        assert run(["cell", "board", "--out", f"{paper}.svg", "--paper", paper]) == 0
+        assert "measure the bar: 200 mm" in capsys.readouterr().out
+        assert size in Path(f"{paper}.svg").read_text()
+    assert run(["cell", "board", "--out", "no/such/folder.svg"]) == ExitCode.FILES
+    assert run(["cell", "bord", "--out", "x.svg"]) == ExitCode.USAGE
