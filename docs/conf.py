@@ -31,7 +31,7 @@ NAVIGATION = {
     "index": {
         "First steps": "tutorial gallery comparison",
         "Guides": "planning simulation execution learning comparing-rules experiments report editors",
-        "Robots and agents of your own": "your_own_robot protocolcell recording real_tables gym",
+        "Robots and agents of your own": "your_own_robot protocol cell recording real_tables gym",
         "Reference": "language from-pddl diagnostics commands exit-codes python runs",
         "How it works": "planners perception world physics statistics",
         "Behind it": "measurements/index decisions/index tests language-tests",
