@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from cleancli.compiler.fluents import Fluent, values_of
+from cleancli.compiler.fluents import Fluent, Values, values_of
 from cleancli.execution.episode_state import Move, Situation
 from cleancli.execution.events import Acted
 from cleancli.execution.loop import clean
@@ -16,7 +16,7 @@ from cleancli.execution.table_cell import TableCell
 from cleancli.language.model import Fact, Value
 from cleancli.learning.experience import Transition
 from cleancli.recording import journal
-from cleancli.recording.journal_writer import Entries, expected, likely_course
+from cleancli.recording.journal_writer import Entries, course_of, expected
 from cleancli.world.robot import Status
 from support.scripted_robot import Scripted
 from support.shipped import shipped_domain, shipped_problem, shipped_scene
@@ -93,13 +93,25 @@ def test_what_changed_makes_the_state_after_of_the_one_before(
 
 def test_a_plan_expects_of_each_step_what_the_likeliest_ones_before_leave() -> None:
     calls = (("moveToContainerFast", ("a1",)), ("moveToContainerFast", ("a3",)))
-    first, second = likely_course(DOMAIN, PROBLEM.objects, PROBLEM.state, calls)
+    first, second = course_of(DOMAIN, PROBLEM.objects, PROBLEM.state, calls)
     assert first.expected.rule == "fast_small"
     gone = {entry.objects for entry in first.expected.outcomes[0].effects if entry.value is False}
     assert gone == {("a1",), ("a3",)}, "a3 lies on the way of a1"
     assert second.expected.rule is None, "so there is nothing left for the second step"
     alone = expected(DOMAIN, PROBLEM.objects, PROBLEM.state, *calls[1])
     assert alone.rule == "fast_small"
+
+
+def test_a_policys_plan_goes_on_from_the_results_that_its_course_follows() -> None:
+    """docs/runs.md: `follows`. The next step expects that the one before has come to what the plan says."""
+    calls = (("groupScattered", ("a2",)), ("moveToContainerFast", ("a2",)))
+    results: list[Values] = [{("scattered", ("a2",)): False}, {("dirt", ("a2",)): False}]
+    first, second = course_of(DOMAIN, PROBLEM.objects, PROBLEM.state, calls, results)
+    assert first.follows == 0
+    assert second.expected.rule == "fast_medium"
+    assert second.follows == 0
+    odd = course_of(DOMAIN, PROBLEM.objects, PROBLEM.state, calls, [{("dirt", ("a3",)): False}, results[1]])
+    assert odd[0].follows is None, "no outcome does that"
 
 
 def test_a_failure_is_told_with_its_reason_and_rivals_expect_nothing() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from itertools import pairwise
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import pytest
 from hypothesis import given
@@ -91,6 +91,9 @@ def written(*lines: str) -> Source:
 
 def outcomes_were_expected(some_records: list[Record]) -> bool:
     """Whether each outcome counts among those that its action was expected to have."""
+    steps = [step for record in some_records if isinstance(record, Planned) for step in record.steps]
+    if any(step.follows is not None and step.follows >= len(step.expected.outcomes) for step in steps):
+        return False
     pairs = [r for r in some_records if isinstance(r, Started | Acted | Failed)]
     return all(
         not isinstance(start, Started)
@@ -179,6 +182,14 @@ def test_an_outcome_that_the_action_was_not_expected_to_have_is_refused() -> Non
     acted = Acted(1, "push", (), 0.0, {}, "r", 1, ())
     with pytest.raises(Refused, match="outcome 1 of an action that was expected to have 1"):
         decode(written(encode(begun), encode(acted)))
+    planned = Planned("exact", 0.0, 1.0, "policy", None, (StepEntry("push", (), begun.expected, 1),))
+    with pytest.raises(Refused, match="outcome 1 of an action that was expected to have 1"):
+        decode(written(encode(planned)))
+    without: dict[str, Any] = json.loads(encode(planned))
+    del without["steps"][0]["follows"]  # as runs of earlier versions have it
+    (read,) = decode(written(json.dumps(without))).records
+    assert isinstance(read, Planned)
+    assert read.steps[0].follows is None
 
 
 def test_a_folder_without_a_journal_is_an_error(tmp_path: Path) -> None:

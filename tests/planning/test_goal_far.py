@@ -146,7 +146,7 @@ def test_hoping_sees_a_dead_end_that_is_near() -> None:
     prepared = prepare(task)
     way = policy_search.way_to_goal(prepared)
     hope = policy_search.hopeful(prepared, way, policy_search.Effort(300, None, 0, 0))
-    assert str(task.actions[hope.course[0]]) == "go(r0, x)"
+    assert str(task.actions[hope.course.actions[0]]) == "go(r0, x)"
 
 
 def test_what_also_pays_on_the_way_is_not_hoped_for() -> None:

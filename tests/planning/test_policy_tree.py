@@ -121,7 +121,7 @@ def test_a_tree_that_is_searched_to_its_end_is_worth_the_optimum(seed: int, guid
     assert found.solved
     assert found.played < 100_000
     assert found.mean(1, 0) == pytest.approx((value, early), abs=1e-8)
-    assert found.course()[:1] == (() if action is None else (action,))
+    assert found.course().actions[:1] == (() if action is None else (action,))
 
 
 @pytest.mark.parametrize("seed", range(6))

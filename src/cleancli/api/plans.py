@@ -123,8 +123,12 @@ class PlanResult:
     def ending(self) -> Iterator[str]:
         """What stands below the steps: branches, where steps are explained, what was not planned for, and the
         value."""
+        if self.explained is not None and self.plan and self.measure in ("policy", "hoped"):
+            yield _OF_A_POLICY
         if self.explained is not None and self.branches:
-            yield from (branch.told(self.plan[branch.step - 1]) for branch in self.branches)
+            yield from (
+                branch.told(self.plan[branch.step - 1]) for branch in self.branches if self._is_news(branch)
+            )
         yield from not_planned_for(self.left_out, self.ignored, self.counted)
         if self.reached is not None:
             yield from reached_lines(self.reached, self.planner)
@@ -135,6 +139,10 @@ class PlanResult:
             f"value {self.value:.4f} ({self.measure}) by {self.planner}{sampled},"
             f" horizon {self.horizon}, {plural(self.objects, 'object')}{coverage}"
         )
+
+    def _is_news(self, branch: PlanBranch) -> bool:
+        """Not that what has changed nothing is tried again, which holds of every plan of a policy."""
+        return bool(branch.effects) or branch.plan != self.plan[branch.step - 1 :]
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,6 +308,8 @@ def evaluation_result(
         explained=None if expected is None else expected_of(job, expected),
     )
 
+
+_OF_A_POLICY = "steps: of the sequence, each done once; the policy goes by what it sees, and tries again"
 
 _TAKES = {
     Objective.PROBABILITY: "actions",

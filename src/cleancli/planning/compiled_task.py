@@ -58,6 +58,10 @@ class Prepared:
         initial = forget(self.task.initial)
         return Prepared(replace(task, initial=initial, horizon=self.task.horizon), arrays)
 
+    def forget(self, state: GroundState) -> GroundState:
+        """The state of the forgetful task that stands for a state."""
+        return self._arrays.forgetful[2](state)
+
     @property
     def solutions(self) -> dict[Hashable, Any]:
         """What a planner has worked out for all states that it met, to be kept by whatever tells it apart."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from cleancli.compiler.fluents import Values
 from cleancli.compiler.task import GroundAction, Objective
 
 V = TypeVar("V", int, float, str)
@@ -79,7 +80,8 @@ class Plan:
     (the sequence's own), "policy" (of acting on what is seen, of which the sequence is the likeliest course),
     or "hoped" (of the same, and a guess by how far a goal is). `coverage` is eq. 3's share of the sequences
     that were sampled, None where none were; `seconds` per phase of the planner. `branches` of a policy, as
-    many as the options ask for, in the order of steps.
+    many as the options ask for, in the order of steps. `results`: what each action of its course sets
+    where it goes as the course says; none of a sequence, which is carried out whatever happens.
     """
 
     planner: str
@@ -92,6 +94,7 @@ class Plan:
     seconds: Mapping[str, float]
     reached: Reached | None = None
     branches: tuple[Branch, ...] = ()
+    results: tuple[Values, ...] = ()
 
 
 class BadOption(ValueError):

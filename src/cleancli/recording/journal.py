@@ -74,11 +74,13 @@ class Expected:
 
 @dataclass(frozen=True, slots=True)
 class StepEntry:
-    """One action of a plan, and what is expected of it if every step before it ends as is likeliest."""
+    """One action of a plan, and what is expected of it if every step before it ends as the plan goes on from.
+    `follows`: which of the outcomes that is; None where none of them is known to be."""
 
     action: str
     arguments: tuple[str, ...]
     expected: Expected
+    follows: Count | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,16 +302,23 @@ def _record(line: str) -> Record:
 
 
 def _follows(record: Record, begun: Started | None) -> Started | None:
-    """The action under way after a record. Raises ValueError for an outcome that it was not expected to
-    have."""
+    """The action under way after a record. Raises ValueError for an outcome that an action was not expected
+    to have."""
     match record:
+        case Planned():
+            for step in record.steps:
+                _check_outcome(step.follows, step.expected)
         case Started():
             return record
-        case Acted(outcome=int(outcome)) if begun is not None:
-            number = len(begun.expected.outcomes)
-            if outcome >= number:
-                raise ValueError(f"outcome {outcome} of an action that was expected to have {number}")
+        case Acted() if begun is not None:
+            _check_outcome(record.outcome, begun.expected)
             return None
         case Acted() | Failed():
             return None
     return begun
+
+
+def _check_outcome(outcome: int | None, expected: Expected) -> None:
+    number = len(expected.outcomes)
+    if outcome is not None and outcome >= number:
+        raise ValueError(f"outcome {outcome} of an action that was expected to have {number}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from cleancli.compiler.conflict import results
-from cleancli.compiler.fluents import Fluent, values_of
+from cleancli.compiler.fluents import Fluent, Values, values_of
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.execution import events
 from cleancli.execution.episode_state import Account, Situation
@@ -95,7 +95,8 @@ class Entries:
             steps = tuple(StepEntry(*call, Expected(None, ())) for call in calls)
             return journal.Planned("", event.seconds, 0.0, "", None, steps)
         calls = tuple((action.name, action.objects) for action in plan.actions)
-        course = likely_course(self._domain, event.situation.objects, event.situation.state, calls)
+        before = event.situation
+        course = course_of(self._domain, before.objects, before.state, calls, plan.results)
         return journal.Planned(plan.planner, event.seconds, plan.value, plan.measure, plan.coverage, course)
 
     def _expected(self, action: str, arguments: tuple[str, ...]) -> Expected:
@@ -145,24 +146,31 @@ def expected(
     return Expected(None if rule is None else domain.rules[rule].name, chances)
 
 
-def likely_course(
-    domain: Domain, objects: Sequence[Object], state: State, calls: Sequence[tuple[str, tuple[str, ...]]]
+def course_of(
+    domain: Domain,
+    objects: Sequence[Object],
+    state: State,
+    calls: Sequence[tuple[str, tuple[str, ...]]],
+    results: Sequence[Values] = (),
 ) -> tuple[StepEntry, ...]:
-    """What is expected of each action if all before it end as is likeliest."""
-    steps = []
-    for action, arguments in calls:
-        step = StepEntry(action, arguments, expected(domain, objects, state, action, arguments))
-        steps.append(step)
-        likeliest = max(step.expected.outcomes, key=lambda chance: chance.probability, default=None)
-        state = state if likeliest is None else _after(state, likeliest.effects)
+    """What is expected of each action of a plan, if all before it have come to the plan's `results`; of a
+    sequence, which has none, if all before it have ended as is likeliest."""
+    steps, before = [], values_of(state)
+    for number, (action, arguments) in enumerate(calls):
+        found = expected(domain, objects, _state(before), action, arguments)
+        changes = [{(e.symbol, e.objects): e.value for e in each.effects} for each in found.outcomes]
+        fitting = list(range(len(changes)))
+        if results:
+            after = _state({**before, **results[number]})
+            fitting = [index for index in fitting if _state({**before, **changes[index]}) == after]
+        follows = max(fitting, key=lambda index: found.outcomes[index].probability, default=None)
+        steps.append(StepEntry(action, arguments, found, follows))
+        goes_on: Mapping[Fluent, Value | None] = {} if follows is None else changes[follows]
+        before = values_of(_state({**before, **(results[number] if results else goes_on)}))
     return tuple(steps)
 
 
-def _after(state: State, effects: Sequence[FactEntry]) -> State:
-    values: dict[Fluent, Value | None] = {
-        **values_of(state),
-        **{(e.symbol, e.objects): e.value for e in effects},
-    }
+def _state(values: Mapping[Fluent, Value | None]) -> State:
     return frozenset(
         Fact(symbol, objects, value)
         for (symbol, objects), value in values.items()

@@ -152,7 +152,7 @@ def templates() -> jinja2.Environment:
     environment.filters["seconds"] = seconds_text
     environment.filters["interval"] = interval_text
     environment.filters["call"] = lambda step: call(step.action, step.arguments)
-    environment.filters["likely"] = step_text
+    environment.filters["step_text"] = step_text
     environment.filters["measure"] = _measure
     return environment
 

@@ -94,9 +94,14 @@ def likeliest(expected: Expected) -> int | None:
 
 
 def step_text(step: StepEntry) -> str:
-    """A plan's step with what it is likeliest to do."""
-    number = likeliest(step.expected)
-    return "no rule says what it does" if number is None else chance_text(step.expected.outcomes[number])
+    """What the plan goes on from after one of its steps."""
+    best = likeliest(step.expected)
+    number = best if step.follows is None else step.follows
+    if number is None:
+        return "no rule says what it does"
+    outcome = step.expected.outcomes[number]
+    word = "likeliest" if number == best else "once it comes to"
+    return f"{word}: {chance_text(outcome)} ({outcome.probability:.2f})"
 
 
 def chance_text(outcome: Chance) -> str:

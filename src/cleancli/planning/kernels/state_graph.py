@@ -287,6 +287,10 @@ class Enumeration:
         room, row = self._room, np.asarray(state, dtype=np.int32)
         return int(_index(room.table, room.hashes, room.states, row))
 
+    def state(self, number: int) -> GroundState:
+        """A state by its number."""
+        return tuple(self._room.states[number].tolist())
+
     def goals(self) -> Bools:
         """Whether the goal holds in each of the states."""
         found = np.zeros(self.number, dtype=np.bool_)

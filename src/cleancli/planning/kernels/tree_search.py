@@ -27,7 +27,7 @@ from cleancli.planning.kernels.policy_tree import (
 from cleancli.planning.kernels.relaxed import relaxed
 from cleancli.planning.kernels.state_graph import enter
 from cleancli.planning.kernels.transitions import rewarded
-from cleancli.planning.trajectory import followed
+from cleancli.planning.trajectory import Course, followed
 
 
 class Node(NamedTuple):
@@ -137,19 +137,19 @@ class Search:
             passed.append((tuple(state), step, int(t.action[choice])))
         return passed
 
-    def course_from(self, step: int, state: GroundState) -> tuple[int, ...] | None:
+    def course_from(self, step: int, state: GroundState) -> Course | None:
         """The course from a state at a step on; None where it is not in the tree."""
         node = self._number(state, step)
         return None if node is None else self.course(node)
 
-    def course(self, node: int = 0) -> tuple[int, ...]:
-        """What is done from a node on if each action has the result that `trajectory.followed` says, up to
-        where the policy stops."""
-        course, at = list[int](), self._at_node(node)
+    def course(self, node: int = 0) -> Course:
+        """The course from a node on, up to where the policy stops."""
+        actions, states, at = list[int](), list[GroundState](), self._at_node(node)
         while at.action >= 0:
-            course.append(at.action)
-            at = self._after(at, followed(self._task, at.state, at.action, partial(self._repeats, at)))
-        return tuple(course)
+            actions.append(at.action)
+            states.append(followed(self._task, at.state, at.action, partial(self._repeats, at)))
+            at = self._after(at, states[-1])
+        return Course(tuple(actions), tuple(states))
 
     def _repeats(self, at: _Place) -> bool:
         """Whether the policy does the same again where it has changed nothing."""

@@ -13,7 +13,7 @@ from cleancli.planning.evaluation.value import earliness, sampled
 from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.planners import beam
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
-from cleancli.planning.trajectory import beats_nothing, course_plan
+from cleancli.planning.trajectory import Course, beats_nothing, course_plan
 
 RUNS = 10_000
 """Runs of the plan in the true process, for its value. Chosen."""
@@ -55,9 +55,9 @@ def _determinized(
     sampled(prepared, (), options.seed, 1)
     times.append(time.perf_counter())
     sequence = beam.best_sequence(process, task.initial, task.discount, steps=horizon, width=own.width)
-    course = tuple(origins[action] for action in sequence)
-    value = sampled(prepared, course, options.seed, RUNS).value
-    if not beats_nothing(task, value, earliness(prepared, course, options.seed)):
-        course = ()
+    course = Course(tuple(origins[action] for action in sequence))
+    value = sampled(prepared, course.actions, options.seed, RUNS).value
+    if not beats_nothing(task, value, earliness(prepared, course.actions, options.seed)):
+        course = Course()
     times.append(time.perf_counter())
     return course_plan(name, task, course, value, times=times, measure="sampled", samples=RUNS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,7 @@ from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch, Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import plain_graph, rational, reaching
-from cleancli.planning.trajectory import branches, course_plan, likeliest_course
+from cleancli.planning.trajectory import Course, branches, course_plan, likeliest_course, remembering
 
 _KEPT = "optimum"
 """What the last solution is called among those of a task."""
@@ -45,9 +44,9 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     if own.arithmetic == "rational":
         times += [time.perf_counter()] * 2
         fraction, choose = rational.optimum(known.task, own.states)
-        course = likeliest_course(known.task, choose)
+        course = remembering(prepared, likeliest_course(known.task, choose))
         times.append(time.perf_counter())
-        return course_plan("exact", known.task, course, float(fraction), times=times)
+        return course_plan("exact", prepared.task, course, float(fraction), times=times)
     if at_hand(prepared, own.states) is not None:
         times *= 3
     else:
@@ -59,7 +58,7 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     value, course = worth(prepared, solution)
     told = told_branches(prepared, solution, course, options.branches)
     times.append(time.perf_counter())
-    return course_plan("exact", known.task, course, value, times=times, branches=told)
+    return course_plan("exact", prepared.task, course, value, times=times, branches=told)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +140,7 @@ def _keep(prepared: Prepared, solution: Solution) -> Solution:
     return solution
 
 
-def worth(prepared: Prepared, solution: Solution) -> tuple[float, tuple[int, ...]]:
+def worth(prepared: Prepared, solution: Solution) -> tuple[float, Course]:
     """The optimal value of the present state, and the likeliest course of the policy."""
     task = prepared.forgetful.task
     first, number = _met(solution, task.initial, max(task.horizon, 0))
@@ -150,16 +149,14 @@ def worth(prepared: Prepared, solution: Solution) -> tuple[float, tuple[int, ...
         action = solution.best[_met(solution, state, solution.steps - first - step)]
         return int(action) if action >= 0 else None
 
-    return float(solution.values[first, number]), likeliest_course(task, choose)
+    return float(solution.values[first, number]), remembering(prepared, likeliest_course(task, choose))
 
 
-def told_branches(
-    prepared: Prepared, solution: Solution, course: Sequence[int], most: int
-) -> tuple[Branch, ...]:
+def told_branches(prepared: Prepared, solution: Solution, course: Course, most: int) -> tuple[Branch, ...]:
     """The branches of the policy, as many as are asked for."""
     task = prepared.task
 
-    def course_from(step: int, state: GroundState) -> Sequence[int]:
+    def course_from(step: int, state: GroundState) -> Course:
         return worth(prepared.at(state, task.horizon - step), solution)[1]
 
     return branches(task, course, course_from, most)

@@ -14,6 +14,7 @@ from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch
 from cleancli.planning.planners import beam, goal_beam
 from cleancli.planning.reductions.determinization import by_chance
+from cleancli.planning.trajectory import Course
 
 EXPLORATION = 10.0
 """The weight of the upper bounds (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
@@ -49,7 +50,7 @@ class Policy:
     """The likeliest course of a policy, what it is worth over fresh runs with its earliness, how many
     descents found it, and its branches."""
 
-    course: Actions
+    course: Course
     value: float
     earliness: float
     descents: int
@@ -87,12 +88,12 @@ def hopeful(prepared: Prepared, way: Actions, effort: Effort) -> Policy:
     return Policy(course, tree.value, 0.0, tree.played, told)
 
 
-def _grown(prepared: Prepared, tree: Any, effort: Effort) -> tuple[Actions, tuple[Branch, ...]]:
+def _grown(prepared: Prepared, tree: Any, effort: Effort) -> tuple[Course, tuple[Branch, ...]]:
     """The likeliest course of a tree after so much effort, and its branches."""
     descents, deadline = effort.descents, effort.deadline
     while tree.played < descents and not tree.solved and (deadline is None or time.perf_counter() < deadline):
         tree.run(min(ROUND, descents - tree.played))
-    course = tree.course()
+    course: Course = tree.course()
     return course, trajectory.branches(prepared.task, course, tree.course_from, effort.branches)
 
 

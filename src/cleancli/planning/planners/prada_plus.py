@@ -19,7 +19,7 @@ from cleancli.planning.plan import Branch, Options, Plan, option
 from cleancli.planning.planners import exact, policy_search, reaching, solving
 from cleancli.planning.planners.prada import PradaOptions, prada
 from cleancli.planning.preference import preferred
-from cleancli.planning.trajectory import beats_nothing, course_plan
+from cleancli.planning.trajectory import Course, beats_nothing, course_plan
 
 CHAINS = 4
 """Annealings, each over runs of its own: what one overrates, the others do not. Chosen."""
@@ -57,7 +57,7 @@ class Found:
     """A course, what it is worth with its earliness, whose value that is (`Plan`), and how many sequences and
     descents were tried in all."""
 
-    course: Actions
+    course: Course
     value: float
     earliness: float
     measure: str
@@ -127,7 +127,7 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
     ends = [None if limit is None else begun + share * limit for share in shares]
     best, tried = _best_sequence(prepared, options, own, ends[0])
     value, earliness = kernels.annealing.worth(prepared, best, FRESH_WORDS, options.seed + 1)
-    found = Found(best, value, earliness, "sampled", tried)
+    found = Found(Course(best), value, earliness, "sampled", tried)
     way = policy_search.way_to_goal(prepared) if goal else ()
     if own.runs:
         starts = [best, way] if way else [best, *_other_starts(prepared, options, own, best)]
@@ -139,12 +139,12 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
             found = Found(
                 policy.course, policy.value, policy.earliness, "policy", found.tried, policy.branches
             )
-    steps = len(way or found.course)
+    steps = len(way or found.course.actions)
     if goal and found.value < LIKELY * task.discount**steps * policy_search.prize(task):
         hope = policy_search.hopeful(prepared, way, _effort(options, ends[2]))
-        if hope.course:
+        if hope.course.actions:
             return Found(hope.course, hope.value, 0.0, "hoped", found.tried + hope.descents, hope.branches)
-    return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=())
+    return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=Course())
 
 
 def _effort(options: Options, deadline: float | None) -> policy_search.Effort:

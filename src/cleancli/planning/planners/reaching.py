@@ -11,18 +11,18 @@ import heapq
 import itertools
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cleancli.array_types import Bools, Floats
-from cleancli.compiler.task import Reaching, Task
+from cleancli.compiler.task import GroundState, Reaching, Task
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Plan, PlanningRefused, Reached, TooManyStatesError
 from cleancli.planning.planners import rational_reaching
+from cleancli.planning.trajectory import Course, remembering, results
 
 SHARES = (1e-2, 1e-4)
 """Of the error that is asked for, what each component of states may leave open, in a first try and in a
@@ -63,13 +63,13 @@ def plan(planner: str, prepared: Prepared, limit: int, error: float | None) -> P
     if solution is None:
         solution, start = solved(known, limit, error), 0
         known.solutions[reaching_of(task), error] = solution
-    way = likeliest_way(solution, start)
+    way = remembering(prepared, likeliest_way(solution, start))
     times.append(time.perf_counter())
     reached = _reached(task, solution, start)
     seconds = (end - begin for begin, end in itertools.pairwise(times))
     return Plan(
         planner=planner,
-        actions=tuple(task.actions[action] for action in way),
+        actions=tuple(task.actions[action] for action in way.actions),
         value=reached.probability,
         measure="policy",
         samples=0,
@@ -77,6 +77,7 @@ def plan(planner: str, prepared: Prepared, limit: int, error: float | None) -> P
         coverage=None,
         seconds=dict(zip(("lower", "compile", "search"), seconds, strict=True)),
         reached=reached,
+        results=results(prepared.task, way),
     )
 
 
@@ -167,8 +168,8 @@ def _middle(bounds: Floats) -> tuple[float, float]:
     return (lower + upper) / 2, (upper - lower) / 2 + ROUNDING * upper
 
 
-def likeliest_way(solution: Solution, start: int) -> Sequence[int]:
-    """The actions along the likeliest way to the goal that the policy may take from a state; none where the
+def likeliest_way(solution: Solution, start: int) -> Course:
+    """The course along the likeliest way to the goal that the policy may take from a state; none where the
     goal holds or is out of reach (Dijkstra 1959)."""
     graph, choice = solution.graph, solution.policy.choice
     came: dict[int, tuple[int, int]] = {start: (-1, -1)}
@@ -181,7 +182,7 @@ def likeliest_way(solution: Solution, start: int) -> Sequence[int]:
         done.add(state)
         came[state] = before, action
         if solution.goal[state]:
-            return _way(came, state)
+            return _way(solution, came, state)
         if choice[state] < 0:
             continue
         action = int(graph.choice_action[choice[state]])
@@ -191,12 +192,14 @@ def likeliest_way(solution: Solution, start: int) -> Sequence[int]:
             if after not in done:
                 chance = math.log(graph.edge_probability[e])
                 heapq.heappush(ahead, (distance - chance, steps + 1, after, state, action))
-    return ()
+    return Course()
 
 
-def _way(came: dict[int, tuple[int, int]], state: int) -> Sequence[int]:
-    actions: list[int] = []
+def _way(solution: Solution, came: dict[int, tuple[int, int]], state: int) -> Course:
+    """The way by which a state, given by number, was come to."""
+    actions, states = list[int](), list[GroundState]()
     while came[state][0] >= 0:
+        states.append(solution.enumeration.state(state))
         state, action = came[state]
         actions.append(action)
-    return actions[::-1]
+    return Course(tuple(reversed(actions)), tuple(reversed(states)))
