@@ -12,7 +12,7 @@ from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_p
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.semantics import reaches_goal
+from cleancli.compiler.semantics import reaches_goal, successors
 from cleancli.compiler.task import Objective, literal_text
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
@@ -37,10 +37,19 @@ _NOTHING = {
     " (for prada and aprada, {margin:g} more)",
 }
 
-_LONGER = "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
-"""Beside an empty plan of the usual horizon."""
+TOO_FEW = "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
+"""Beside what the usual horizon may have cut short."""
 
-_BESIDE = ("objects", "margin", "counted", "horizon_stated")
+_SHORT = (
+    "the problem states no horizon, and these {within} reach the goal with probability {chance:.2g}:"
+    " write for example `horizon = {longer}`"
+)
+"""Beside a plan that the usual horizon is too short for."""
+
+LIKELY = 0.5
+"""A plan without a step to spare that reaches the goal less often than this is told as short. Chosen."""
+
+_BESIDE = ("objects", "margin", "counted", "horizon_stated", "course_chance")
 """What only the text of a plan tells."""
 
 
@@ -68,7 +77,8 @@ class PlanBranch:
 @dataclass(frozen=True, slots=True)
 class PlanResult:
     """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
-    is unlimited; `explained` is None unless that was asked for."""
+    is unlimited; `explained` is None unless that was asked for. `course_chance`: how likely the plan reaches
+    the goal in that each action comes off; None where the problem has no goal."""
 
     problem: str
     planner: str
@@ -90,6 +100,7 @@ class PlanResult:
     margin: float
     counted: int
     horizon_stated: bool
+    course_chance: float | None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -116,7 +127,7 @@ class PlanResult:
             within = plural(steps, "action")
             yield _NOTHING[self.empty_because].format(margin=self.margin, within=within)
             if self.empty_because == "margin" and not self.horizon_stated:
-                yield _LONGER.format(within=within, longer=max(2 * steps, 10))
+                yield TOO_FEW.format(within=within, longer=longer_horizon(steps))
         elif self.goal_reached:
             yield "the goal holds already; this is worth doing all the same:"
 
@@ -130,6 +141,9 @@ class PlanResult:
                 branch.told(self.plan[branch.step - 1]) for branch in self.branches if self._is_news(branch)
             )
         yield from not_planned_for(self.left_out, self.ignored, self.counted)
+        if self.course_chance is not None and not self.horizon_stated and self._is_short(self.course_chance):
+            within, longer = plural(len(self.plan), "action"), longer_horizon(len(self.plan))
+            yield _SHORT.format(within=within, chance=self.course_chance, longer=longer)
         if self.reached is not None:
             yield from reached_lines(self.reached, self.planner)
             return
@@ -139,6 +153,10 @@ class PlanResult:
             f"value {self.value:.4f} ({self.measure}) by {self.planner}{sampled},"
             f" horizon {self.horizon}, {plural(self.objects, 'object')}{coverage}"
         )
+
+    def _is_short(self, chance: float) -> bool:
+        """Whether the plan cannot reach the goal, or seldom does and has no step to spare."""
+        return bool(self.plan) and (not chance or (chance < LIKELY and len(self.plan) == self.horizon))
 
     def _is_news(self, branch: PlanBranch) -> bool:
         """Not that what has changed nothing is tried again, which holds of every plan of a policy."""
@@ -279,7 +297,26 @@ def plan_result(
         margin=_margin(job),
         counted=job.options.counted,
         horizon_stated=job.problem.horizon is not None,
+        course_chance=_course_chance(job, found),
     )
+
+
+def longer_horizon(steps: int) -> int:
+    """A horizon to try where the usual one of so many steps may be too short."""
+    return max(2 * steps, 10)
+
+
+def _course_chance(job: PlanningRequest, found: Plan) -> float | None:
+    """How likely each action has the likeliest of the results that change something, and the goal holds after
+    them; None where the problem has no goal."""
+    task, state, chance = job.task, job.task.initial, 1.0
+    if not task.goal:
+        return None
+    for action in numbered(task, [action.key for action in found.actions]):
+        results = [result for result in successors(task, state, action) if result[1] != state]
+        likely, state = max(results, key=lambda result: result[0], default=(1.0, state))
+        chance *= likely
+    return chance if reaches_goal(task, state) else 0.0
 
 
 def _branch(job: PlanningRequest, branch: Branch) -> PlanBranch:

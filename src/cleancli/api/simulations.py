@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from cleancli.api.asked import Asked, named
@@ -17,9 +18,11 @@ from cleancli.api.inputs import (
     load_problem,
 )
 from cleancli.api.plain import fields_of, plain
+from cleancli.api.plans import TOO_FEW, longer_horizon
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
+from cleancli.compiler.ground import ground
 from cleancli.compiler.rewards import usual_objective
 from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
@@ -31,7 +34,7 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, Round, spread
 from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, EpisodeLimits, replayed
+from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, replayed
 from cleancli.simulation.summary import Estimate, Summary, summarized
 from cleancli.simulation.symbolic_world import world_of
 
@@ -39,7 +42,8 @@ from cleancli.simulation.symbolic_world import world_of
 @dataclass(frozen=True, slots=True)
 class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
-    those of all planners, and those of their own that these have."""
+    those of all planners, and those of their own that these have. `short_horizon`: that of the first plan,
+    where the problem states none and episodes were given up."""
 
     problem: str
     domain: str
@@ -51,6 +55,7 @@ class SimulationResult:
     think: bool
     planners: tuple[Summary, ...]
     episodes: tuple[tuple[Episode, ...], ...]
+    short_horizon: int | None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli simulate --json` prints."""
@@ -98,6 +103,10 @@ class SimulationResult:
         for summary in self.planners:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
+        if self.short_horizon is not None:
+            yield TOO_FEW.format(
+                within=plural(self.short_horizon, "action"), longer=longer_horizon(self.short_horizon)
+            )
 
 
 def simulate(
@@ -194,7 +203,15 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         think=setup.limits.think,
         planners=tuple(summaries),
         episodes=found,
+        short_horizon=_short_horizon(setup, chain(*found)),
     )
+
+
+def _short_horizon(setup: Batch, played: Iterable[Episode]) -> int | None:
+    """The horizon of the first plan, where the problem states none and planners gave episodes up."""
+    given_up = any(each.reason is Reason.IDLE and each.success is False for each in played)
+    unstated = setup.problem.horizon is None
+    return ground(setup.domain, setup.problem).horizon if given_up and unstated else None
 
 
 def experience_of(setup: Batch, planner: str, played: Iterable[Episode]) -> Iterator[str]:

@@ -25,6 +25,9 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.world.errors import MissingPhysics, RobotError
 
+_OF_PROBLEMS = {"--horizon": "horizon = 10", "--discount": "discount = 0.95"}
+"""What a problem says, as somebody may look for it among the options."""
+
 
 class _Commands(click.Group):
     """A group that imports a subcommand only to run it, and lists them all without importing any."""
@@ -126,6 +129,9 @@ def _run(arguments: Sequence[str]) -> int:
     except RobotError as error:
         click.echo(f"error: {printable(str(error))}", err=True)
         return ExitCode.ROBOT
+    except click.NoSuchOption as error:
+        _located(error).show()
+        return ExitCode.USAGE
     except click.ClickException as error:
         # It may quote what a file says.
         error.message = printable(error.message)  # type: ignore[misc]  # final is what subclasses may not change
@@ -139,6 +145,16 @@ def _run(arguments: Sequence[str]) -> int:
         return ExitCode.INTERRUPTED
     except (OSError, NoReader) as error:
         return _of_disk(error)
+
+
+def _located(error: click.NoSuchOption) -> click.UsageError:
+    """The mistake, with where it is said what was looked for among the options."""
+    if error.option_name not in _OF_PROBLEMS:
+        return error
+    setting = _OF_PROBLEMS[error.option_name]
+    return click.UsageError(
+        f"No such option '{error.option_name}'. The problem's file says it: `{setting}`.", error.ctx
+    )
 
 
 def _of_disk(error: Exception) -> ExitCode:

@@ -1,0 +1,74 @@
+"""docs/language.md: where a problem states no horizon, it is one more than the count, and what plans and
+simulates says so where that is too few."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cleancli.cli.main import run
+
+DOMAIN = """
+domain ferry {
+  types      { car boat }
+  predicates { over(?c - car) on(?c - car) ready(?b - boat) }
+  derived    { left := count ?c - car: not over(?c) }
+  actions    { load(?c - car)  land(?c - car)  moor(?b - boat) }
+  rule load_it: load(?c) { when not on(?c), not over(?c)  then 1: on(?c) }
+  rule land_it: land(?c) { when on(?c)  then LANDS: not on(?c), over(?c) rest: nothing }
+  rule moor_it: moor(?b) { when not ready(?b)  then 1: ready(?b) }
+  reward { decrease(left) }
+}
+"""
+HINT = "the problem states no horizon, and"
+
+
+def told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, more: str, lands: str = "1"
+) -> str:
+    (tmp_path / "ferry.nid").write_text(DOMAIN.replace("LANDS", lands), encoding="utf-8")
+    problem = f"problem cars {{ domain = ferry objects {{ a b - car s t - boat }} init {{ on(b) }} {more} }}"
+    (tmp_path / "cars.nid").write_text(problem, encoding="utf-8")
+    assert run([command, str(tmp_path / "ferry.nid"), str(tmp_path / "cars.nid"), "--planner", "exact"]) == 0
+    return capsys.readouterr().out
+
+
+GOAL = "goal { over(a), over(b) }"
+
+
+@pytest.mark.parametrize(
+    ("more", "lands", "short"),
+    [
+        (GOAL, "1", ""),  # load(a), land(a), land(b): three actions are enough
+        (GOAL, "0.8", ""),  # with the probability 0.64
+        (GOAL, "0.4", "3 actions reach the goal with probability 0.16"),
+        ("goal { on(a), over(b), ready(s), ready(t) }", "1", "3 actions reach the goal with probability 0"),
+        (f"{GOAL} horizon = 3", "0.4", ""),  # as the problem wants it
+        ("", "0.4", ""),  # the count is what the horizon is for
+    ],
+)
+def test_a_plan_says_where_the_usual_horizon_is_too_short_for_the_goal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: str, lands: str, short: str
+) -> None:
+    out = told(tmp_path, capsys, "plan", more, lands)
+    assert (HINT in out) == bool(short)
+    assert not short or f"{HINT} these {short}: write for example `horizon = 10`" in out
+
+
+def test_a_simulation_says_so_where_planners_give_up(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Once both cars are over, one action is looked ahead, and the boats take two."""
+    goal = "goal { over(a), over(b), ready(s), ready(t) }"
+    out = told(tmp_path, capsys, "simulate", goal)
+    assert f"{HINT} 3 actions may be too few: write for example `horizon = 10`" in out
+    assert HINT not in told(tmp_path, capsys, "simulate", f"{goal} horizon = 9")
+    assert HINT not in told(tmp_path, capsys, "simulate", GOAL)
+
+
+def test_what_a_problem_says_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", "cleaning", "three_areas", "--horizon", "5"]) == 2
+    assert "'--horizon'. The problem's file says it: `horizon = 10`." in capsys.readouterr().err
+    assert run(["plan", "cleaning", "three_areas", "--sampels", "5"]) == 2
+    assert "Did you mean '--samples'?" in capsys.readouterr().err
