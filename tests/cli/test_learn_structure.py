@@ -12,8 +12,9 @@ import pytest
 
 import cleancli
 from cleancli.cli.main import run
+from cleancli.language.model import Object
 from cleancli.language.printing.formatter import layout
-from cleancli.learning.experience import encode
+from cleancli.learning.experience import Transition, encode
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.walks import walks
 
@@ -193,3 +194,34 @@ def test_a_condition_that_is_never_violated_is_dropped_and_found_from_vain_actio
 
     assert not any("dirt(?a)" in each for each in conditions(own))
     assert all("dirt(?a)" in each for each in conditions(own, vain))
+
+
+def test_conditions_that_nothing_violated_are_named_where_rules_that_had_them_go(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/learning.md, "Experience to learn rules from": the door is free of jams in all that was seen."""
+    domain = """
+      domain doors {
+        types      { door }
+        predicates { shut(?d - door)  jammed(?d - door)  red(?d - door) }
+        derived    { closed := count ?d - door: shut(?d) }
+        actions    { pull(?d - door)  push(?d - door) }
+        rule pull_it: pull(?x) { when shut(?x), not jammed(?x)  then 1: jammed(?x) }
+        rule push_it: push(?d) { when not jammed(?d)  then 1: shut(?d) }
+        reward     { decrease(closed) }
+      }"""
+    Path("doors.nid").write_text(layout(domain), encoding="utf-8")
+    objects, lines = (Object("d", "door"),), []
+    for shut in (True, False):
+        before = {("shut", ("d",)): True} if shut else {}
+        seen = Transition("pull", ("d",), objects, before, {})
+        lines += [f"{encode(seen, {'number': number})}\n" for number in range(20)]
+    Path("doors.jsonl").write_text("".join(lines), encoding="utf-8")
+    text = said(capsys, "learn --structure doors.nid doors.jsonl")
+    assert "not jammed(?x)" not in text.split("+  rule")[1].split("action ")[0]
+    assert (
+        "pull: its old rules ask for `not jammed(?x)`, and the new ones do not, because it held before every"
+        " transition: add experience in which it does not, or write it into them"
+    ) in text
+    assert "push: its old rules" not in text, "which stay"
+    assert "its old rules" not in said(capsys, "learn --structure locks.nid seen.jsonl --action unlock")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -15,11 +15,14 @@ from cleancli.api.learned import Change, Rewritten, check_writable
 from cleancli.api.lessons import edited, experience_files, is_own_file
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
+from cleancli.compiler.lifted import Test, further
+from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_condition, symbols_of
 from cleancli.language.printing.rule_edits import rule_edits
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.structure.arrays import compiled
@@ -176,7 +179,7 @@ def structures(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
-        (*notes, *_notes(names, found)),
+        (*notes, *_notes(names, found), *_unasked(model, dropped, transitions)),
         is_writable,
     )
 
@@ -237,6 +240,28 @@ def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores
 def _score(score: Score, rules: int, held_out: Score) -> StructureScore:
     off = round(held_out.variation, 4) if held_out.transitions else None
     return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), off)
+
+
+def _unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Transition]) -> Iterator[str]:
+    """The conditions of dropped rules that held before all transitions of their action, so that the search
+    could not see that they matter."""
+    rules, symbols = LiftedRules(model), symbols_of(model)
+    asked: dict[str, dict[str, Test]] = {each.action: {} for each in transitions}
+    for rule in model.rules:
+        if rule.name in dropped and rule.action in asked:
+            for part in rule.condition:
+                test = rules.meaning.test((part,), further({}, rule.variables))
+                asked[rule.action][print_condition((part,), symbols)] = test
+    for each in transitions:
+        state = rules.state(each.objects, each.before)
+        held = asked[each.action].items()
+        asked[each.action] = {text: test for text, test in held if test(state, each.arguments)}
+    for name in (action.name for action in model.actions if asked.get(action.name)):
+        parts = ", ".join(f"`{text}`" for text in asked[name])
+        yield (
+            f"{name}: its old rules ask for {parts}, and the new ones do not, because it held before every"
+            " transition: add experience in which it does not, or write it into them"
+        )
 
 
 def _notes(names: Sequence[str], found: Revised) -> Iterator[str]:
