@@ -135,6 +135,19 @@ def test_the_search_of_2007_finds_the_same_rules(folder: Path, capsys: pytest.Ca
         cleancli.learn_structure("bare.nid", "seen.jsonl", search="greedy")
 
 
+def test_rules_of_a_vocabulary_are_left_aside(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With rules or without, in front of the experience or behind it, the same rules are found."""
+    for number, command in enumerate(
+        ["--vocabulary locks.nid seen.jsonl", "seen.jsonl --vocabulary bare.nid", "bare.nid seen.jsonl"]
+    ):
+        said(capsys, f"learn --structure {command} --output new{number}.nid")
+    rules = [
+        text[text.index("  rule") : text.index("  reward")].split()
+        for text in (Path(f"new{number}.nid").read_text(encoding="utf-8") for number in range(3))
+    ]
+    assert rules[0] == rules[1] == rules[2]
+
+
 def test_any_number_of_processes_learns_the_same(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     one, other = (
         said(capsys, f"learn --structure bare.nid seen.jsonl --diff --json --jobs {jobs}") for jobs in (1, 2)
@@ -153,9 +166,13 @@ def test_a_shipped_domain_is_not_written(folder: Path, capsys: pytest.CaptureFix
         ("--structure locks.nid seen.jsonl --add", "leave out --estimator"),
         ("--structure locks.nid seen.jsonl --m 3", "leave out --estimator"),
         ("--structure locks.nid seen.jsonl --explain", "leave out --estimator"),
-        ("locks.nid seen.jsonl --vocabulary", "are for --structure: add it"),
+        ("seen.jsonl --vocabulary locks.nid", "are for --structure: add it"),
         ("locks.nid seen.jsonl --search tree", "are for --structure: add it"),
         ("locks.nid seen.jsonl --seed 3", "are for --structure: add it"),
+        ("--structure --vocabulary locks.nid", "Missing argument 'EXPERIENCE...'"),
+        ("--structure locks.nid", "Missing argument 'EXPERIENCE...'"),
+        ("--structure", "Missing argument 'DOMAIN'"),
+        ("--structure bare.nid seen.jsonl --vocabulary locks.nid", "stands in place of DOMAIN"),
         ("--structure locks.nid seen.jsonl --action wipe", "no action `wipe`; it has unlock, grab, slam"),
     ],
 )

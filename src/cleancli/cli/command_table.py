@@ -125,7 +125,15 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
         ),
         "learn": CommandRow(
             "Improve a domain's probabilities from recorded experience.",
-            (_DOMAIN, Argument("experience", None, -1, {"type": click.Path(path_type=Path)})),
+            (
+                Argument("domain", domains, settings=_MAYBE),
+                Argument(
+                    "experience",
+                    None,
+                    -1,
+                    {"metavar": "EXPERIENCE...", "required": False, "type": click.Path(path_type=Path)},
+                ),
+            ),
         ),
         "compare-rules": CommandRow(
             "Two domains side by side: which rules say the same, and where they differ.",

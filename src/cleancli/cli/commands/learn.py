@@ -16,6 +16,7 @@ from cleancli.api.lessons import Counting, lessons
 from cleancli.api.structures import StructureResult, Wanted, structures
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
+from cleancli.cli.completion import domains
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.files import echo_difference
@@ -51,8 +52,9 @@ from cleancli.learning.structure.induce import SEARCHES, TREE
 )
 @click.option(
     "--vocabulary",
-    is_flag=True,
-    help="With --structure: keep no rule of DOMAIN, only what it declares.",
+    metavar="FILE",
+    shell_complete=domains,
+    help="With --structure, in place of DOMAIN: a domain without rules, or whose rules are left aside.",
 )
 @click.option(
     "--action",
@@ -82,7 +84,7 @@ from cleancli.learning.structure.induce import SEARCHES, TREE
 )
 @options.as_json("Print what was learned as JSON.")
 def command(
-    domain: str,
+    domain: str | None,
     experience: tuple[Path, ...],
     estimator: str | None,
     m: float | None,
@@ -93,7 +95,7 @@ def command(
     check: bool,
     explain: bool,
     structure: bool,
-    vocabulary: bool,
+    vocabulary: str | None,
     actions: tuple[str, ...],
     search: str | None,
     seed: int | None,
@@ -109,16 +111,18 @@ def command(
     Prints the change as a diff; only --write changes files, and says which. The prior stays in the file
     beside the learned number, and the file says which experience was counted, so that learning again from the
     same experience changes nothing: give every file that shall count, or --add to what was counted. With
-    --check the exit code is 1 if a rule disagrees. With --structure whole rules are learned.
+    --check the exit code is 1 if a rule disagrees. With --structure whole rules are learned, those of DOMAIN
+    where they do not explain EXPERIENCE, or all of them from a --vocabulary alone.
     """
     counting = Counting(estimator, m, match, forgetting, add, replace)
-    wanted = Wanted(vocabulary, actions, search or TREE.search, seed or 0, jobs)
+    wanted = Wanted(vocabulary is not None, actions, search or TREE.search, seed or 0, jobs)
     _refuse_mixed(counting, structure, check, explain, write, output, diff)
     if not structure and (search is not None or seed is not None or wanted != Wanted()):
         raise click.UsageError(f"{_OF_STRUCTURE} are for --structure: add it")
-    loaded, is_own = open_loaded(domain), Path(domain).is_file()
+    named, experience = _named(domain, experience, vocabulary)
+    loaded, is_own = open_loaded(named), Path(named).is_file()
     if write and not is_own:
-        raise ships_with(domain, loaded)
+        raise ships_with(named, loaded)
     if structure:
         with working("learning rules"), usage_errors():
             rules = structures(loaded, experience, wanted, is_own, may_include_outside())
@@ -134,6 +138,21 @@ def command(
     with working("learning"):
         learned = lessons(loaded, experience, counting, is_own, may_include_outside())
     return _finish(learned, write, output, diff, as_data)
+
+
+def _named(
+    domain: str | None, experience: tuple[Path, ...], vocabulary: str | None
+) -> tuple[str, tuple[Path, ...]]:
+    """The domain to learn, and the experience to learn from: with --vocabulary all arguments are that."""
+    if vocabulary is not None:
+        experience = (*([] if domain is None else [Path(domain)]), *experience)
+        domain = vocabulary
+        if any(path.suffix == ".nid" for path in experience):
+            raise click.UsageError("--vocabulary stands in place of DOMAIN: name experience alone beside it")
+    if domain is None or not experience:
+        what = "DOMAIN" if domain is None else "EXPERIENCE"
+        raise click.UsageError(f"Missing argument '{what}{'' if domain is None else '...'}'.")
+    return domain, experience
 
 
 _OF_STRUCTURE = "--vocabulary, --action, --search, --seed and --jobs"
