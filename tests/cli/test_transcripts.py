@@ -108,6 +108,8 @@ TRANSCRIPTS = {
         "convert tidy/tidy_two.pddl --out out4",
         "convert tidy/tidy.pddl --out out4 --predicates",
         "convert tidy.rddl --out out4",
+        "convert tower.nid two.nid --to ppddl --out written",
+        "convert tower.nid --out written",
     ),
     "rename": (
         "rename dirty grubby two.nid --domain tower.nid",

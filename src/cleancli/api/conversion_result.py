@@ -14,9 +14,12 @@ from cleancli.language.load import read_source
 
 @dataclass(frozen=True, slots=True)
 class ConversionResult:
-    """The texts of a domain and its problems, by their names, and what has to be told about them. `functions`
-    has the predicates of libPRADA that a function stands for; `sources` has the texts that `diagnostics`
-    point into. Prints as the domain's text."""
+    """The texts of a domain and its problems, by their names, and what has to be told about them.
+
+    `functions` has the predicates of libPRADA that a function stands for; `sources` has the texts that
+    `diagnostics` point into; `texts` has all texts by the names of their files, the domain's first; `names`
+    tells what became of names that could not stay. Prints as the domain's text.
+    """
 
     name: str
     domain: str
@@ -25,14 +28,15 @@ class ConversionResult:
     notes: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
+    texts: Mapping[str, str]
+    names: Mapping[str, str]
 
     def __str__(self) -> str:
         return self.domain
 
     def files(self, folder: str | Path) -> dict[Path, str]:
         """The texts by the paths that they have in a folder, the domain's first."""
-        texts = {self.name: self.domain, **self.problems}
-        return {Path(folder) / f"{name}.nid": text for name, text in texts.items()}
+        return {Path(folder) / name: text for name, text in self.texts.items()}
 
     def write(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
         """Writes all files or none into a folder, and says which; `force` replaces those that exist. Raises
@@ -46,5 +50,5 @@ class ConversionResult:
         return tuple(files)
 
     def to_dict(self) -> dict[str, object]:
-        """Everything but what the diagnostics point into."""
-        return fields_of(self, ("diagnostics", "sources"))
+        """Everything but the diagnostics and what they point into; no text twice."""
+        return fields_of(self, ("diagnostics", "sources", "texts"))

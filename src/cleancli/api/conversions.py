@@ -1,14 +1,17 @@
-"""Files of other languages as the texts of a domain and its problems."""
+"""Files of other languages as the texts of a domain and its problems, and the other way."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from cleancli.api.checks import check_between, check_one_of, check_share
 from cleancli.api.conversion_result import ConversionResult
+from cleancli.api.exports import exported
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
+from cleancli.conversion.export.ppddl import NOISE
 from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
 from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
@@ -16,54 +19,91 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
 
-FORMATS = ("pddl", "libprada")
+FORMATS = ("nid", "pddl", "libprada")
+TARGETS = ("nid", "ppddl")
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
 
 
 def convert(
     *files: str | Path,
     format: str | None = None,
+    to: str = "nid",
     domain_name: str | None = None,
     horizon: int | None = None,
     reward: str | None = None,
     discount: float | None = None,
     predicates: bool = False,
+    noise: str = "unchanged",
 ) -> ConversionResult:
     """Convert PDDL and PPDDL, paths or texts of a domain and any number of its problems, or libPRADA's rules,
     state and symbols, by path or by that of their folder. `format` is told by names where it is not given.
 
-    `reward`, `discount` and `predicates` are for libPRADA. Raises Refused with every mistake in the files,
-    and BadOption.
+    With `to="ppddl"` a domain and its problems, .nid or PPDDL, are written as PPDDL: names of shipped files,
+    paths or texts; `noise` says what becomes of noise there. `reward`, `discount` and `predicates` are for
+    libPRADA. Raises Refused with every mistake in the files, or with all that can't be said, and BadOption.
     """
-    options = (reward, discount, predicates)
-    return converted([str(file) for file in files], format, domain_name, horizon, *options)
+    wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
+    return converted([str(file) for file in files], wanted)
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What a conversion is asked for; the fields are as in `convert`."""
+
+    format: str | None
+    to: str
+    domain_name: str | None
+    horizon: int | None
+    reward: str | None
+    discount: float | None
+    predicates: bool
+    noise: str
 
 
 def converted(
-    files: Sequence[str],
-    format: str | None,
-    domain_name: str | None,
-    horizon: int | None,
-    reward: str | None,
-    discount: float | None,
-    predicates: bool,
-    folder: Path = Path(),
+    files: Sequence[str], wanted: Wanted, folder: Path = Path(), include_outside: bool = False
 ) -> ConversionResult:
-    """As `convert`; mistakes that are found in new texts go by their paths in `folder`."""
-    if format is not None:
-        check_one_of("format", format, FORMATS)
-    check_between(1, 1000, horizon=horizon)
-    check_share("discount", discount)
+    """As `convert`; mistakes that are found in new texts go by their paths in `folder`. A domain may include
+    files from outside its folder where `include_outside` says so."""
+    if wanted.format is not None:
+        check_one_of("format", wanted.format, FORMATS)
+    check_one_of("to", wanted.to, TARGETS)
+    check_between(1, 1000, horizon=wanted.horizon)
+    check_share("discount", wanted.discount)
     if any(name.lower().endswith(".rddl") for name in files):
         raise BadOption("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
-    names_pddl = any(name.lower().endswith(SUFFIXES) or is_pddl(Source("", name)) for name in files)
-    if format == "pddl" or (format is None and names_pddl):
-        if reward is not None or discount is not None or predicates:
+    of_libprada = wanted.reward is not None or wanted.discount is not None or wanted.predicates
+    if wanted.to != "nid":
+        _refuse_for_export(wanted, of_libprada)
+        return exported(files, wanted.to, wanted.noise, include_outside)
+    if wanted.noise != NOISE[0]:
+        raise BadOption("noise has a word of its own in .nid files: `noise` is for what is written of them")
+    format = wanted.format or _format_of(files)
+    if format == "nid":
+        raise BadOption(f"these are .nid files: say what to write, to={' or '.join(TARGETS[1:])}")
+    if format == "pddl":
+        if of_libprada:
             raise BadOption("reward, discount and predicates are for libPRADA's files")
-        return _from_pddl(files, Wishes(domain_name, horizon))
-    usual = 0.95 if discount is None else discount
-    wishes = LibpradaWishes(domain_name or "domain", reward, horizon, usual, predicates)
+        return _from_pddl(files, Wishes(wanted.domain_name, wanted.horizon))
+    usual = 0.95 if wanted.discount is None else wanted.discount
+    name = wanted.domain_name or "domain"
+    wishes = LibpradaWishes(name, wanted.reward, wanted.horizon, usual, wanted.predicates)
     return _from_libprada(files, wishes, folder)
+
+
+def _format_of(files: Sequence[str]) -> str:
+    """What files are, by their names, or by how they begin where they are texts."""
+    if any(name.lower().endswith(SUFFIXES) or is_pddl(Source("", name)) for name in files):
+        return "pddl"
+    return "nid" if any(name.lower().endswith(".nid") or "{" in name for name in files) else "libprada"
+
+
+def _refuse_for_export(wanted: Wanted, of_libprada: bool) -> None:
+    """Raises BadOption for what says how .nid files are to be made."""
+    if wanted.format == "libprada":
+        raise BadOption("convert libPRADA's files to .nid files first, and those then")
+    if of_libprada or wanted.domain_name is not None or wanted.horizon is not None:
+        raise BadOption("domain_name, horizon, reward, discount and predicates are for making .nid files")
 
 
 def _from_pddl(files: Sequence[str], wishes: Wishes) -> ConversionResult:
@@ -73,7 +113,8 @@ def _from_pddl(files: Sequence[str], wishes: Wishes) -> ConversionResult:
     ]
     made = convert_pddl(sources, wishes)
     told = (made.notes, made.diagnostics, made.sources)
-    return ConversionResult(made.name, made.domain, made.problems, {}, *told)
+    texts = _files({made.name: made.domain, **made.problems})
+    return ConversionResult(made.name, made.domain, made.problems, {}, *told, texts, {})
 
 
 def _from_libprada(files: Sequence[str], wishes: LibpradaWishes, folder: Path) -> ConversionResult:
@@ -84,4 +125,11 @@ def _from_libprada(files: Sequence[str], wishes: LibpradaWishes, folder: Path) -
     targets = (str(folder / f"{wishes.name}.nid"), str(folder / "problem.nid"))
     made = convert_libprada(rules, state, symbols, wishes, targets)
     told = (made.notes, made.diagnostics, made.sources)
-    return ConversionResult(wishes.name, made.domain, {"problem": made.problem}, made.functions, *told)
+    problems = {"problem": made.problem}
+    texts = _files({wishes.name: made.domain, **problems})
+    return ConversionResult(wishes.name, made.domain, problems, made.functions, *told, texts, {})
+
+
+def _files(texts: Mapping[str, str]) -> dict[str, str]:
+    """Texts by the names of their files."""
+    return {f"{name}.nid": text for name, text in texts.items()}

@@ -153,7 +153,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             ),
         ),
         "convert": CommandRow(
-            "PDDL and PPDDL, or libPRADA's files, as a domain and its problems.",
+            "Files of PDDL, PPDDL and libPRADA as .nid files, and .nid files as PPDDL.",
             (Argument("files", None, -1, {"metavar": "FILE... | FOLDER"}),),
         ),
         "robot": CommandRow(

@@ -1,4 +1,4 @@
-"""`cleancli convert`: the files of PDDL and of libPRADA as a domain and its problems."""
+"""`cleancli convert`: the files of PDDL and of libPRADA as a domain and its problems, and the other way."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from pathlib import Path
 import click
 
 from cleancli.api.conversion_result import ConversionResult
-from cleancli.api.conversions import FORMATS, converted
+from cleancli.api.conversions import FORMATS, TARGETS, Wanted, converted
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.inputs import may_include_outside
 from cleancli.cli.usage import usage_errors
+from cleancli.conversion.export.ppddl import NOISE
 from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
@@ -36,7 +38,10 @@ def _named(context: click.Context, option: click.Parameter, name: str | None) ->
     "--from",
     "format",
     type=click.Choice(FORMATS),
-    help="What the files are. [default: pddl if one is called .pddl, else libprada]",
+    help="What the files are. [default: as they are called: .nid, .pddl; otherwise libprada]",
+)
+@click.option(
+    "--to", type=click.Choice(TARGETS), default=TARGETS[0], show_default=True, help="What to write."
 )
 @click.option(
     "--domain-name",
@@ -62,28 +67,38 @@ def _named(context: click.Context, option: click.Parameter, name: str | None) ->
     is_flag=True,
     help="libPRADA: make no functions of predicates; for `plan --compat libprada`.",
 )
+@click.option(
+    "--noise",
+    type=click.Choice(NOISE),
+    default=NOISE[0],
+    show_default=True,
+    help="PPDDL: what noise becomes: it changes nothing, or makes `(noise)` true.",
+)
 @options.as_json("Say what was converted as JSON.")
 def command(
     files: tuple[str, ...],
     out: Path,
     force: bool,
     format: str | None,
+    to: str,
     domain_name: str | None,
     horizon: int | None,
     reward: str | None,
     discount: float | None,
     predicates: bool,
+    noise: str,
     as_data: bool,
 ) -> int:
     """Convert PDDL and PPDDL files, a domain and any number of its problems; or rules.dat, state.dat and
-    symbols.dat of libPRADA, of a folder or under other names.
+    symbols.dat of libPRADA, of a folder or under other names. With --to, a domain and its problems (.nid or
+    PPDDL) are written as files of another language.
 
     Writes a domain and its problems into the folder --out, with comments that say what is from where. What
     the checker finds in them is printed; the exit code is 1 then.
     """
-    options_of_libprada = (reward, discount, predicates)
+    wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
     with usage_errors():
-        made = converted(files, format, domain_name, horizon, *options_of_libprada, folder=out)
+        made = converted(files, wanted, out, may_include_outside())
     made.write(out, force=force)
     _report(tuple(made.files(out)), made, as_data)
     found = [diagnostic.level for diagnostic in made.diagnostics]
@@ -100,6 +115,7 @@ def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> N
             "problems": problems,
             "functions": made.functions,
             "notes": made.notes,
+            "names": made.names,
             "mistakes": sum(d.level is Level.ERROR for d in made.diagnostics),
             "warnings": sum(d.level is Level.WARNING for d in made.diagnostics),
         }
@@ -108,5 +124,7 @@ def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> N
     echo(f"wrote {' and '.join([domain, *problems])}")
     for name, members in made.functions.items():
         echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
+    for old, new in made.names.items():
+        echo(f"  `{old}` is called `{new}` there")
     for note in made.notes:
         echo(f"  {note}")

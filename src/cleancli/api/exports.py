@@ -1,0 +1,81 @@
+"""A domain and its problems as files of other languages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from cleancli.api.checks import check_one_of
+from cleancli.api.conversion_result import ConversionResult
+from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
+from cleancli.conversion.export.ppddl import NOISE, Written, ppddl
+from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.recognized import is_pddl
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.find import find
+from cleancli.language.load import kind_of, read_source
+from cleancli.language.model import Problem
+from cleancli.planning.plan import BadOption
+
+
+def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -> ConversionResult:
+    """The files of another language, `to`, that a domain and its problems become: names of shipped files,
+    paths or texts, .nid or PPDDL. Raises Refused with everything that can't be said, and BadOption."""
+    check_one_of("noise", noise, NOISE)
+    domain, problems = _opened(files, include_outside)
+    unsaid = Unsaid("PPDDL", domain.sources)
+    made = ppddl(
+        domain.model, [each.model for each in problems if isinstance(each.model, Problem)], noise, unsaid
+    )
+    return _result(domain, problems, made)
+
+
+def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Written) -> ConversionResult:
+    first, *others = made.texts.values()
+    texts = dict(zip((each.name for each in problems), others, strict=True))
+    return ConversionResult(domain.name, first, texts, {}, made.notes, (), (), made.texts, made.names)
+
+
+def _opened(files: Sequence[str], include_outside: bool) -> tuple[LoadedDomain, list[LoadedProblem]]:
+    """The one domain among the files, and all problems; raises Refused and BadOption."""
+    sources = [_source(given, number) for number, given in enumerate(files, 1)]
+    domains = [source for source in sources if _defines(source, "domain")]
+    if len(domains) != 1:
+        found = "none of these is one" if not domains else f"{len(domains)} of these are one"
+        raise BadOption(f"give one domain, and any number of its problems: {found}")
+    (domain,) = domains
+    loaded = opened_domain(domain, include_outside)
+    rest = [source for source in sources if _defines(source, "problem")]
+    problems = [load_problem(_given(source), _given(domain) if loaded.is_pddl else loaded) for source in rest]
+    _refuse_scenes(problems)
+    return (problems[0].domain if loaded.is_pddl and problems else loaded), problems
+
+
+def _source(given: str, number: int) -> Source:
+    """A text, or that of a shipped file or a path."""
+    if "{" in given or is_pddl(Source("", given)):
+        return Source(f"<text {number}>", given)
+    return read_source(find(given, "domains", "problems"))
+
+
+def _given(source: Source) -> str | Path:
+    """What loads a source again."""
+    return source.text if source.path.startswith("<text ") else Path(source.path)
+
+
+def _defines(source: Source, kind: str) -> bool:
+    """Whether a text defines a domain, or else a problem (a scene is one)."""
+    if is_pddl(source):
+        from cleancli.conversion.pddl.models import defines_domain, defines_problem
+
+        return defines_domain(source) if kind == "domain" else defines_problem(source)
+    return (kind_of(source) == "domain") == (kind == "domain")
+
+
+def _refuse_scenes(problems: Sequence[LoadedProblem]) -> None:
+    """Raises Refused for tables to look at: what holds there is not known before a camera has looked."""
+    message, help = "a scene is no list of facts", "give a problem, `problem NAME { ... }`"
+    scenes = [problem.source for problem in problems if problem.is_scene]
+    if scenes:
+        raise Refused([Diagnostic("E106", message, Span(s.path, 0, 0), help=help) for s in scenes], scenes)

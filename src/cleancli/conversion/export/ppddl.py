@@ -1,0 +1,477 @@
+"""A .nid domain and its problems as PPDDL (Younes and Littman 2004).
+
+Each rule is a schema of its own: `ACTION`, or `ACTION--RULE` where an action has several. At most one of them
+applies in a state, so a planner chooses an action by choosing the rule of it that applies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cleancli.conversion.export.changes import Change, changes_of
+from cleancli.conversion.export.formulas import Formulas
+from cleancli.conversion.export.names import Naming, Predicates
+from cleancli.conversion.export.payments import Payment, payments_of
+from cleancli.conversion.export.s_expressions import Node, laid_out
+from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.formula import (
+    ALWAYS,
+    Both,
+    Either,
+    Formula,
+    Quantified,
+    negated,
+)
+from cleancli.language.model import (
+    Action,
+    Domain,
+    Equality,
+    Fact,
+    Horizon,
+    Literal,
+    Object,
+    OutcomeKind,
+    Problem,
+    RewardKind,
+    Rule,
+    Symbol,
+    Term,
+    Unlimited,
+    Variable,
+    weight_of,
+)
+from cleancli.language.printing.printer import print_fraction
+
+NOISE = ("unchanged", "predicate")
+"""What may become of noise: it changes nothing, or makes a predicate true."""
+
+_WORDS = frozenset(
+    {
+        "and",
+        "assign",
+        "decrease",
+        "define",
+        "domain",
+        "either",
+        "exists",
+        "forall",
+        "imply",
+        "increase",
+        "noise",
+        "not",
+        "number",
+        "object",
+        "or",
+        "problem",
+        "probabilistic",
+        "reward",
+        "scale-down",
+        "scale-up",
+        "total-cost",
+        "total-time",
+        "when",
+    }
+)
+"""Words of the language, and `noise`, which is none of .nid names."""
+
+_OBJECT = "object"
+_FROM = "Written by `cleancli convert` from a .nid file."
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The texts of a domain and its problems by the names of their files, what has to be told of them, and
+    the names that could not stay."""
+
+    texts: Mapping[str, str]
+    notes: tuple[str, ...]
+    names: Mapping[str, str]
+
+
+def ppddl(domain: Domain, problems: Sequence[Problem], noise: str, unsaid: Unsaid) -> Written:
+    """The files; `noise` is one of `NOISE`. What can't be said is told to `unsaid`, and then Refused raised
+    with all of it (E919)."""
+    writer = _Writer(domain, problems, noise, unsaid)
+    domain_text = writer.domain_text()
+    texts = [writer.problem_text(problem) for problem in problems]
+    unsaid.refuse()
+    file = Naming([], folded=True)
+    titles = [domain.name] + [problem.name for problem in problems]
+    names = [file.fresh(title) for title in titles]
+    found = {f"{name}.pddl": text for name, text in zip(names, (domain_text, *texts), strict=True)}
+    return Written(found, writer.notes(), writer.changed_names())
+
+
+class _Writer:
+    """Writes one domain and its problems, with the same names in all files."""
+
+    def __init__(self, domain: Domain, problems: Sequence[Problem], noise: str, unsaid: Unsaid) -> None:
+        self._domain = domain
+        self._problems = problems
+        self._noise = "noise" if noise == "predicate" else None
+        self._unsaid = unsaid
+        self._types, self._objects, self._variables, self._schemas, self._symbols = (
+            Naming(_WORDS, folded=True) for _ in range(5)
+        )
+        self._predicates = Predicates(self._symbols, lambda symbol, value: f"{symbol}-{value}")
+        for name in [symbol.name for symbol in domain.symbols] + [each.name for each in domain.derived]:
+            self._symbols.of(name)
+        self._formulas = Formulas(domain, self._predicates, _longest_paths(domain, problems))
+        limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
+        self._earned = bool(limited) or not problems
+        costly = any(action.cost for action in domain.actions)
+        self._priced = costly and len(limited) < len(problems)
+        # Only what actions and goals ask for is declared.
+        self._actions = list(self._action_sections())
+        self._goals = [list(self._goal(problem)) for problem in problems]
+
+    # ---- the domain
+
+    def domain_text(self) -> str:
+        """The text of the domain."""
+        domain = self._domain
+        parts: list[Node] = [(":requirements", *self._requirements())]
+        parts += self._type_section()
+        parts += self._section(":constants", self._typed_objects(domain.constants))
+        parts.append((":predicates", *self._declarations()))
+        counted = (("reward", self._earned), ("total-cost", self._priced))
+        functions: list[Node] = [(name,) for name, is_counted in counted if is_counted]
+        parts += self._section(":functions", functions)
+        parts += self._closures()
+        title = ("domain", _title(domain.name))
+        return _text(("define", title, *parts, *self._actions), [_FROM, *self.notes()])
+
+    def _requirements(self) -> Iterator[str]:
+        yield ":adl"
+        if any(0 < o.probability < 1 for rule in self._domain.rules for o in rule.outcomes):
+            yield ":probabilistic-effects"
+        if self._earned:
+            yield ":rewards"
+        if self._priced:
+            yield ":action-costs"
+        if any(self._is_moving(each.closure) for each in self._formulas.closures.values()):
+            yield ":derived-predicates"
+
+    def _is_moving(self, closure: str | None) -> bool:
+        return closure is not None and closure in self._formulas.changed
+
+    def _section(self, name: str, parts: Sequence[Node]) -> list[Node]:
+        return [(name, *parts)] if parts else []
+
+    def _type_section(self) -> list[Node]:
+        shown = [each for each in self._domain.types if self._type(each.name) != _OBJECT]
+        return self._section(":types", [f"{self._type(e.name)} - {self._above(e.parent)}" for e in shown])
+
+    def _above(self, parent: str | None) -> str:
+        return _OBJECT if parent is None else self._type(parent)
+
+    def _type(self, name: str) -> str:
+        """The type; one that is called `object`, and is above all others, is PDDL's."""
+        roots = [each.name for each in self._domain.types if each.parent is None]
+        return _OBJECT if name == _OBJECT and roots == [_OBJECT] else self._types.of(name)
+
+    def _typed_objects(self, objects: Iterable[Object]) -> list[str]:
+        found: dict[str, list[str]] = {}
+        for thing in objects:
+            found.setdefault(self._type(thing.type), []).append(self._objects.of(thing.name))
+        return [f"{' '.join(names)} - {kind}" for kind, names in found.items()]
+
+    def _declarations(self) -> Iterator[Node]:
+        for symbol in self._domain.symbols:
+            yield from self._declared(symbol)
+        for derived in self._formulas.closures.values():
+            if derived.closure is not None:
+                yield f"; the transitive closure of {self._predicates.of(derived.closure)}"
+                yield (self._predicates.of(derived.name), *self._typed(derived.parameters))
+        if self._noise is not None:
+            yield "; an outcome that is not modelled has happened"
+            yield (self._noise,)
+
+    def _declared(self, symbol: Symbol) -> Iterator[Node]:
+        parameters = self._typed(symbol.parameters)
+        if symbol.is_predicate:
+            if symbol.symmetric:
+                yield "; symmetric: it holds both ways round, or neither"
+            yield (self._predicates.of(symbol.name), *parameters)
+            return
+        low, high = symbol.values[0], symbol.values[-1]
+        range_ = f"{low}..{high}" if isinstance(low, int) else " < ".join(map(str, symbol.values))
+        yield f"; the function {symbol.name}: {range_}; one of these holds at a time"
+        for value in symbol.values:
+            yield (self._predicates.of(symbol.name, value), *parameters)
+
+    def _closures(self) -> Iterator[Node]:
+        """The closures that can change, as axioms of PDDL 2.2."""
+        for derived in self._formulas.closures.values():
+            if derived.closure is not None and self._is_moving(derived.closure):
+                base, name = self._predicates.of(derived.closure), self._predicates.of(derived.name)
+                first, last = derived.parameters
+                middle = Variable(f"{first.name}_{last.name}", first.type)
+                x, y, z = (self._term(term) for term in (first, last, middle))
+                later = ("exists", self._typed([middle]), ("and", (base, x, z), (name, z, y)))
+                yield (":derived", (name, *self._typed(derived.parameters)), ("or", (base, x, y), later))
+
+    # ---- actions
+
+    def _action_sections(self) -> Iterator[Node]:
+        for action in self._domain.actions:
+            rules = [rule for rule in self._domain.rules if rule.action == action.name]
+            for rule in rules:
+                alone = len(rules) == 1
+                title = self._schemas.of(action.name if alone else f"{action.name}--{rule.name}")
+                yield f"; rule {rule.name} of {action.name}"
+                with self._unsaid.of(rule.span):
+                    yield (":action", title, *self._schema(rule, action))
+
+    def _schema(self, rule: Rule, action: Action) -> Iterator[Node]:
+        known = self._formulas.applies(rule)
+        effects = self._effect(rule, action, known)
+        yield ":parameters"
+        yield self._typed(rule.variables)
+        if known != ALWAYS:
+            yield ":precondition"
+            yield self._formula(self._apart(known, rule.variables))
+        yield ":effect"
+        yield _conjunction(effects)
+
+    def _effect(self, rule: Rule, action: Action, known: Formula) -> list[Node]:
+        """What the rule does: what its outcomes share is paid outside of them."""
+        branches: list[tuple[Fraction, Node]] = []
+        for outcome in rule.outcomes:
+            if outcome.probability:
+                changes = changes_of(outcome, rule, known, self._formulas, self._noise)
+                paid = (
+                    payments_of(self._domain.reward, changes, known, self._formulas) if self._earned else ()
+                )
+                does = [*self._changes(changes, rule.variables), *self._payments(paid, rule.variables)]
+                branches.append((outcome.probability, _conjunction(does)))
+        found = self._constant(action)
+        acting = [(p, done) for p, done in branches if done != ("and",)]
+        if len(branches) == 1:
+            return [*(done for _, done in acting), *found]
+        chances = [part for p, done in acting for part in (_number(p), done)]
+        return [*([("probabilistic", *chances)] if chances else []), *found]
+
+    def _constant(self, action: Action) -> list[Node]:
+        """What the action costs, whatever comes of it."""
+        found: list[Node] = []
+        price = action.cost * weight_of(self._domain, RewardKind.COST)
+        price += Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
+        if self._earned and price:
+            found.append(_pay(price))
+        if self._priced and action.cost:
+            found.append(("increase", ("total-cost",), _number(action.cost)))
+        return found
+
+    def _payments(self, payments: Iterable[Payment], scope: tuple[Variable, ...]) -> Iterator[Node]:
+        for payment in payments:
+            yield self._for_each(payment.variables, payment.guard, [_pay(payment.amount)], scope)
+
+    def _changes(self, changes: Sequence[Change], scope: tuple[Variable, ...]) -> Iterator[Node]:
+        """The changes; those for the bindings of one guard stand together."""
+        found: dict[tuple[tuple[Variable, ...], Formula], list[Node]] = {}
+        for change in changes:
+            atom = (change.symbol, *map(self._term, change.terms))
+            set_ = atom if change.value else ("not", atom)
+            done = found.setdefault((change.variables, change.guard), [])
+            if set_ not in done:
+                done.append(set_)
+        for (variables, guard), done in found.items():
+            if variables or guard != ALWAYS:
+                yield self._for_each(variables, guard, done, scope)
+            else:
+                yield from done
+
+    def _for_each(
+        self,
+        variables: tuple[Variable, ...],
+        guard: Formula,
+        done: Sequence[Node],
+        scope: tuple[Variable, ...],
+    ) -> Node:
+        node = _conjunction(done)
+        if guard != ALWAYS:
+            node = ("when", self._formula(self._apart(guard, (*scope, *variables))), node)
+        return ("forall", self._typed(variables), node) if variables else node
+
+    # ---- conditions
+
+    def _apart(self, formula: Formula, scope: Iterable[Variable]) -> Formula:
+        """The formula, no quantifier of which binds a variable of the scope anew."""
+        return self._formulas.renamed(formula, {variable: variable for variable in scope})
+
+    def _formula(self, formula: Formula) -> Node:
+        match formula:
+            case Literal(symbol, terms, values):
+                atom = (symbol, *map(self._term, terms))
+                return atom if True in values else ("not", atom)
+            case Equality(left, right, equal):
+                same = ("=", self._term(left), self._term(right))
+                return same if equal else ("not", same)
+            case Both(parts):
+                return ("and", *map(self._formula, parts))
+            case Either(parts):
+                return ("or", *map(self._formula, parts))
+            case Quantified(False, _, Either()):
+                return ("not", self._formula(negated(formula)))
+            case Quantified(exists, variables, part):
+                return ("exists" if exists else "forall", self._typed(variables), self._formula(part))
+
+    def _typed(self, variables: Sequence[Variable]) -> Node:
+        words: list[str] = []
+        for place, variable in enumerate(variables):
+            words.append(self._term(variable))
+            if variable is variables[-1] or variables[place + 1].type != variable.type:
+                words += ["-", self._type(variable.type)]
+        return tuple(words)
+
+    def _term(self, term: Term) -> str:
+        if isinstance(term, Variable):
+            return f"?{self._variables.of(term.name)}"
+        return self._objects.of(term.name)
+
+    # ---- problems
+
+    def problem_text(self, problem: Problem) -> str:
+        """The text of a problem."""
+        parts: list[Node] = [(":domain", _title(self._domain.name))]
+        parts += self._section(":objects", self._typed_objects(problem.objects))
+        parts.append((":init", *self._facts(problem)))
+        parts += self._goals[self._problems.index(problem)]
+        parts += self._metric(problem)
+        title = ("problem", _title(problem.name))
+        return _text(("define", title, *parts), [_FROM, _course(problem)])
+
+    def _goal(self, problem: Problem) -> Iterator[Node]:
+        if problem.goal:
+            with self._unsaid.of(None, f"the goal of `{problem.name}`"):
+                yield (":goal", self._formula(self._formulas.condition(problem.goal)))
+
+    def _facts(self, problem: Problem) -> Iterator[Node]:
+        """The facts, those of symmetric predicates both ways round, and closures of what never changes."""
+        symbols = self._formulas.symbols
+        for fact in sorted(problem.state, key=lambda f: (f.symbol, f.objects)):
+            symbol = symbols[fact.symbol]
+            name = self._predicates.of(fact.symbol, None if symbol.is_predicate else fact.value)
+            yield (name, *map(self._objects.of, fact.objects))
+            if symbol.symmetric and len(set(fact.objects)) > 1:
+                yield (name, *map(self._objects.of, fact.objects[::-1]))
+        for derived in self._formulas.closures.values():
+            if derived.closure is not None and not self._is_moving(derived.closure):
+                symmetric = symbols[derived.closure].symmetric
+                for pair in sorted(closure_of(problem.state, derived.closure, symmetric)):
+                    yield (self._predicates.of(derived.name), *map(self._objects.of, pair))
+        if self._priced and isinstance(problem.horizon, Unlimited):
+            yield ("=", ("total-cost",), "0")
+
+    def _metric(self, problem: Problem) -> Iterator[Node]:
+        if isinstance(problem.horizon, Unlimited):
+            if self._priced:
+                yield (":metric", "minimize", ("total-cost",))
+            return
+        paid = weight_of(self._domain, RewardKind.GOAL)
+        if problem.goal and paid:
+            yield (":goal-reward", _number(paid))
+        yield (":metric", "maximize", ("reward",))
+
+    # ---- what has to be told
+
+    def notes(self) -> tuple[str, ...]:
+        """What the files do not say as the .nid files do."""
+        domain, found = self._domain, []
+        idle = {action.name for action in domain.actions} - {rule.action for rule in domain.rules}
+        if idle:
+            found.append(f"left out: actions that no rule is for: {', '.join(sorted(idle))}")
+        if domain.rules:
+            found.append("an action that no rule covers does nothing in .nid, and cannot be taken in PPDDL")
+        if any(o.kind is OutcomeKind.NOISE and o.probability for rule in domain.rules for o in rule.outcomes):
+            does = "changes nothing" if self._noise is None else f"makes `({self._noise})` true"
+            found.append(f"noise {does}")
+        if self._earned and weight_of(domain, RewardKind.GOAL):
+            found.append(
+                "the goal is paid for once, when it is reached: PPDDL has no price of losing it again"
+            )
+        if any(isinstance(problem.horizon, Horizon) for problem in self._problems):
+            found.append("horizons and discounts are comments: PPDDL has neither")
+        if any(outcome.seen is not None for rule in domain.rules for outcome in rule.outcomes):
+            found.append("what was learned, and how surely, is left out")
+        if any(self._is_moving(each.closure) for each in self._formulas.closures.values()):
+            found.append("closures that change are axioms (`:derived`): PDDL 2.2 has them, PPDDL 1.0 has not")
+        if self._formulas.written_out:
+            found.append("closures that change are written out for as many objects as the problems have")
+        return tuple(found)
+
+    def changed_names(self) -> Mapping[str, str]:
+        """The names that could not stay, with what they have become."""
+        kinds = (self._types, self._objects, self._schemas, self._symbols)
+        return {old: new for naming in kinds for old, new in naming.changed.items()}
+
+
+def closure_of(state: Iterable[Fact], symbol: str, symmetric: bool) -> frozenset[tuple[str, str]]:
+    """The pairs that one or more steps of a predicate lead from the first of to the second."""
+    steps: dict[str, set[str]] = {}
+    for fact in state:
+        if fact.symbol == symbol:
+            one, other = fact.objects
+            steps.setdefault(one, set()).add(other)
+            if symmetric:
+                steps.setdefault(other, set()).add(one)
+    found = set()
+    for start in steps:
+        waiting, met = list(steps[start]), set[str]()
+        while waiting:
+            if (here := waiting.pop()) not in met:
+                met.add(here)
+                waiting += steps.get(here, ())
+        found |= {(start, each) for each in met}
+    return frozenset(found)
+
+
+def _longest_paths(domain: Domain, problems: Sequence[Problem]) -> Mapping[str, int]:
+    """How many steps may lead to new objects, in the problem that has most, for each closure."""
+    found: dict[str, int] = {}
+    for derived in domain.derived:
+        if derived.closure is not None:
+            kind = derived.parameters[0].type
+            every = [(*domain.constants, *problem.objects) for problem in problems]
+            found[derived.name] = max(
+                (sum(domain.is_a(o.type, kind) for o in each) for each in every), default=0
+            )
+    return found
+
+
+def _title(name: str) -> str:
+    """What a domain or a problem is called."""
+    return Naming(_WORDS, folded=True).of(name)
+
+
+def _course(problem: Problem) -> str:
+    """What PPDDL has no word for."""
+    if isinstance(problem.horizon, Unlimited):
+        return "As many actions as it takes."
+    horizon = problem.horizon
+    steps = "as the .nid file says" if horizon is None else str(horizon.constant)
+    more = f" + {horizon.count}" if horizon is not None and horizon.count is not None else ""
+    return f"Horizon: {steps}{more}. Discount: {problem.discount:g}. PPDDL has neither."
+
+
+def _conjunction(parts: Sequence[Node]) -> Node:
+    """All parts together, none of which is a conjunction then."""
+    flat: list[Node] = []
+    for part in parts:
+        flat += part[1:] if part[0] == "and" else [part]
+    return flat[0] if len(flat) == 1 else ("and", *flat)
+
+
+def _pay(amount: Fraction) -> Node:
+    return ("increase" if amount > 0 else "decrease", ("reward",), _number(abs(amount)))
+
+
+def _number(value: Fraction) -> str:
+    return print_fraction(value)
+
+
+def _text(node: Node, head: Sequence[str]) -> str:
+    return "".join(f"; {line}\n" for line in head) + laid_out(node) + "\n"
