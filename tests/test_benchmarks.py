@@ -291,6 +291,13 @@ def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     assert "30 domain, 30 problem, 30 scene" in result.stdout
 
 
+def test_domains_in_other_languages_do_what_they_do_here(tmp_path: Path) -> None:
+    result = _run("languages.py", "4", "--states", "3", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "20 domains" in result.stdout
+    assert "written as PPDDL, the same in all states" in result.stdout
+
+
 def test_two_readings_of_the_documents_agree_and_a_run_goes_on(tmp_path: Path) -> None:
     words = ("--jobs", "1", "--seed", "3", "--keep", str(tmp_path / "kept"))
     first = _run("differential.py", "--domains", "2", *words, cwd=tmp_path)

@@ -313,7 +313,7 @@ def test_closures_that_change_are_axioms_or_written_out_for_a_few_objects() -> N
     assert ":derived-predicates" in made.domain
     assert (
         "  (:derived (above ?x ?y - block)"
-        " (or (on ?x ?y) (exists (?x_y - block) (and (on ?x ?x_y) (above ?x_y ?y)))))\n"
+        " (or (on ?x ?y) (exists (?via - block) (and (on ?x ?via) (above ?via ?y)))))\n"
     ) in made.domain
     assert any("PDDL 2.2" in note for note in made.notes)
     few = cleancli.convert(

@@ -229,7 +229,10 @@ def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.
         covered = [each for each in every if rules.covering(state, *each)]
         among = covered if covered and rng.random() < 0.8 else every
         called = among[int(rng.integers(len(among)))]
-        wanted = expected(rules, problem, values, *called)
+        try:
+            wanted = expected(rules, problem, values, *called)
+        except Refused:  # an outcome gives something two values (E602)
+            continue
         found, paid = actual(meaning, domain, world, *called)
         if wanted is None:
             if found:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from cleancli.conversion.export.formulas import Formulas, NotSaid, some
+from cleancli.conversion.export.formulas import Formulas, NotSaid
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,
@@ -131,23 +131,23 @@ def _referred(
     return bound, guard
 
 
-def _change(made: _Made, guard: Formula, symbol: str, value: bool) -> Change:
+def _change(made: _Made, guard: Formula, symbol: str, value: bool, formulas: Formulas) -> Change:
     """The change of a predicate by an effect; variables that its terms do not have are asked for."""
     terms = made.effect.terms
     bound = tuple(variable for variable in made.variables if variable in terms)
     others = [variable for variable in made.variables if variable not in terms]
-    return Change(bound, some(others, guard), symbol, terms, value)
+    return Change(bound, formulas.some(others, guard), symbol, terms, value)
 
 
 def _assigned(made: _Made, effect: Assign, known: Formula, formulas: Formulas) -> Iterator[Change]:
     symbol, name = formulas.symbols[effect.symbol], formulas.predicates.of
     if not symbol.is_predicate:
-        yield _change(made, made.guard, name(symbol.name, effect.value), True)
+        yield _change(made, made.guard, name(symbol.name, effect.value), True, formulas)
         for value in _before(symbol, effect, known, formulas):
             if value != effect.value:
-                yield _change(made, made.guard, name(symbol.name, value), False)
+                yield _change(made, made.guard, name(symbol.name, value), False, formulas)
         return
-    change = _change(made, made.guard, name(symbol.name), effect.value is True)
+    change = _change(made, made.guard, name(symbol.name), effect.value is True, formulas)
     yield change
     if symbol.symmetric and len(set(change.terms)) > 1:
         yield Change(change.variables, change.guard, change.symbol, change.terms[::-1], change.value)
@@ -206,7 +206,7 @@ def _may_meet(several: Sequence[_Made], formulas: Formulas) -> bool:
 def _asked(made: _Made, terms: Sequence[Variable], formulas: Formulas) -> Formula:
     """Under what a shift is of these terms."""
     same = [formulas.equal(own, term) for own, term in zip(made.effect.terms, terms, strict=True)]
-    return some(made.variables, both([made.guard, *same]))
+    return formulas.some(made.variables, both([made.guard, *same]))
 
 
 def _stepped(made: _Made, symbol: Symbol, formulas: Formulas) -> Iterator[Change]:
@@ -216,5 +216,5 @@ def _stepped(made: _Made, symbol: Symbol, formulas: Formulas) -> Iterator[Change
         goal = values[min(max(place + _amount(made), 0), len(values) - 1)]
         if goal != value:
             guard = both([made.guard, literal(name(symbol.name, value), made.effect.terms)])
-            yield _change(made, guard, name(symbol.name, value), False)
-            yield _change(made, guard, name(symbol.name, goal), True)
+            yield _change(made, guard, name(symbol.name, value), False, formulas)
+            yield _change(made, guard, name(symbol.name, goal), True, formulas)

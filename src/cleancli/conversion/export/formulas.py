@@ -8,7 +8,7 @@ few objects there is one.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from cleancli.conversion.export.names import Predicates
 from cleancli.conversion.pddl.formula import (
@@ -24,6 +24,7 @@ from cleancli.conversion.pddl.formula import (
     free_variables,
     literal,
     negated,
+    quantified,
     substituted,
 )
 from cleancli.language.model import (
@@ -55,12 +56,14 @@ class NotSaid(Exception):
 class Formulas:
     """Makes formulas of the conditions of one domain. Raises `NotSaid`.
 
-    `closures` has those that formulas have spoken of until now. The closure of what changes is written out
-    where there are objects of its type, `steps` of them, and not too many;
-    `written_out` tells whether one was.
+    `closures` has those that formulas have spoken of until now. `counts` tells for each problem how many
+    objects it has of each type: the closure of what changes is written out where these are not too many
+    (`written_out` tells whether one was).
     """
 
-    def __init__(self, domain: Domain, predicates: Predicates, steps: Mapping[str, int]) -> None:
+    def __init__(
+        self, domain: Domain, predicates: Predicates, counts: Sequence[Mapping[str, int]] = ()
+    ) -> None:
         self.domain = domain
         self.predicates = predicates
         self.symbols = {symbol.name: symbol for symbol in domain.symbols}
@@ -68,13 +71,46 @@ class Formulas:
         self.written_out = False
         self.closures: dict[str, DerivedPredicate] = {}
         self._derived = {each.name: each for each in domain.derived}
-        self._steps = steps
-        self._said: dict[str, Formula] = {}
-        self._closures = {
-            predicates.of(each.name): predicates.of(each.closure)
-            for each in domain.derived
-            if each.closure in self.changed
+        self._most = {
+            kind.name: max((each[kind.name] for each in counts), default=0) for kind in domain.types
         }
+        held = {
+            kind.name
+            for kind in domain.types
+            if any(domain.is_a(o.type, kind.name) for o in domain.constants)
+        }
+        everywhere = {
+            kind.name for kind in domain.types if counts and all(each[kind.name] for each in counts)
+        }
+        self._inhabited = held | everywhere
+        self._said: dict[str, Formula] = {}
+
+    def moves(self, derived: DerivedPredicate) -> bool:
+        """Whether a derived predicate follows from what outcomes change."""
+        return not self.changed.isdisjoint(self._rests_on(derived.name))
+
+    def moving_closure(self, predicate: str, changed: Collection[str]) -> bool:
+        """Whether a predicate is a closure that follows from one of those that are `changed`."""
+        for derived in self.closures.values():
+            if self.predicates.of(derived.name) == predicate:
+                return not self._predicates(self._rests_on(derived.name)).isdisjoint(changed)
+        return False
+
+    def _predicates(self, symbols: Iterable[str]) -> frozenset[str]:
+        """The predicates of symbols and of all their values."""
+        found: set[str] = set()
+        for symbol in (self.symbols[name] for name in symbols):
+            values = (None,) if symbol.is_predicate else symbol.values
+            found.update(self.predicates.of(symbol.name, value) for value in values)
+        return frozenset(found)
+
+    def _rests_on(self, name: str) -> frozenset[str]:
+        """The declared symbols that a predicate is, or follows from."""
+        if name in self.symbols:
+            return frozenset({name})
+        derived = self._derived[name]
+        asked = [derived.closure] if derived.closure is not None else list(_symbols_of(derived.condition))
+        return frozenset().union(*map(self._rests_on, asked))
 
     def may_be_one(self, one: Term, other: Term) -> bool:
         """Whether the types of two terms allow that they are one object."""
@@ -83,10 +119,19 @@ class Formulas:
             isinstance(one, Variable) and is_a(other.type, one.type)
         )
 
-    def closure_of(self, predicate: str) -> str | None:
-        """The predicate whose closure this one is; None for what is no closure, or is one of what never
-        changes."""
-        return self._closures.get(predicate)
+    def some(self, variables: Sequence[Variable], part: Formula) -> Formula:
+        """That some binding of the variables satisfies a formula.
+
+        Where it says nothing of one of them all that matters is whether there are objects of its type. Raises
+        `NotSaid` where that is not known.
+        """
+        if part == NEVER:
+            return NEVER
+        said = free_variables(part)
+        for silent in (variable for variable in variables if variable not in said):
+            if silent.type not in self._inhabited:
+                raise NotSaid(f"`?{silent.name}` stands for any `{silent.type}`, and nothing is said of it")
+        return quantified(True, variables, part)
 
     def condition(self, condition: Condition) -> Formula:
         """The formula of a conjunction."""
@@ -126,13 +171,13 @@ class Formulas:
                 same = self.equal(left, right)
                 return same if equal else negated(same)
             case QuantifiedPart(exists, variables, condition):
-                found = some(variables, self.condition(condition))
+                found = self.some(variables, self.condition(condition))
                 return found if exists else negated(found)
 
     def _derivation(self, derived: DerivedPredicate, terms: tuple[Term, ...]) -> Formula:
         if derived.closure is not None:
-            steps = self._steps.get(derived.name, 0) if derived.closure in self.changed else 0
-            if 0 < steps <= MOST_STEPS:
+            steps = self._most[derived.parameters[0].type]
+            if 0 < steps <= MOST_STEPS and not self.has_facts(derived):
                 self.written_out = True
                 return self._path(derived, terms, steps)
             self.closures[derived.name] = derived
@@ -147,16 +192,24 @@ class Formulas:
         stands: dict[Term, Term] = dict(zip(derived.parameters, terms, strict=True))
         return self.renamed(self._said[derived.name], stands)
 
+    def has_facts(self, closure: DerivedPredicate) -> bool:
+        """Whether a problem has the facts of a closure: it is of a declared predicate that never changes."""
+        return closure.closure in self.symbols and closure.closure not in self.changed
+
+    def step(self, closure: DerivedPredicate, first: Term, last: Term) -> Formula:
+        """That one step leads from a term to another."""
+        assert closure.closure is not None
+        return self._part(Literal(closure.closure, (first, last), frozenset({True})))
+
     def _path(self, derived: DerivedPredicate, ends: tuple[Term, ...], steps: int) -> Formula:
         """That up to so many steps of a predicate, or a few more, lead from the first term to the second."""
-        assert derived.closure is not None
         if steps == 1:
-            return self.has_value(derived.closure, ends, {True})
+            return self.step(derived, *ends)
         half = (steps + 1) // 2
         middle = apart(Variable("via", derived.parameters[0].type), ends)
         first, last = ends
         parts = [self._path(derived, pair, half) for pair in ((first, middle), (middle, last))]
-        return either([self._path(derived, ends, half), some([middle], both(parts))])
+        return either([self._path(derived, ends, half), self.some([middle], both(parts))])
 
     def _referred(self, references: Sequence[Reference]) -> Formula:
         """That the first reference has one binding, and with it the next has one, and so on."""
@@ -172,21 +225,7 @@ class Formulas:
         bound = tuple(each for each in others.values() if isinstance(each, Variable))
         same = both(self.equal(one, other) for one, other in others.items())
         alone = Quantified(False, bound, either([negated(self.renamed(fits, others)), same]))
-        return some(first.variables, both([fits, alone, self._referred(later)]))
-
-
-def some(variables: Sequence[Variable], part: Formula) -> Formula:
-    """That some binding of the variables satisfies a formula.
-
-    Raises `NotSaid` where it says nothing of one of them: then all that matters is whether there are objects
-    of its type, which would be lost when formulas are simplified.
-    """
-    if part == NEVER or not variables:
-        return part
-    silent = next((variable for variable in variables if variable not in free_variables(part)), None)
-    if silent is not None:
-        raise NotSaid(f"`?{silent.name}` stands for any `{silent.type}`, and nothing is said of it")
-    return Quantified(True, tuple(variables), part)
+        return self.some(first.variables, both([fits, alone, self._referred(later)]))
 
 
 def changed_by(rules: Iterable[Rule]) -> frozenset[str]:
@@ -198,6 +237,14 @@ def changed_by(rules: Iterable[Rule]) -> frozenset[str]:
                 inner = effect.effects if isinstance(effect, ForAll) else (effect,)
                 found.update(each.symbol for each in inner)
     return frozenset(found)
+
+
+def _symbols_of(condition: Condition) -> Iterator[str]:
+    """The symbols that a condition speaks of."""
+    for part in condition:
+        for inner in part.condition if isinstance(part, QuantifiedPart) else (part,):
+            if isinstance(inner, Literal):
+                yield inner.symbol
 
 
 def _size(formula: Formula) -> int:

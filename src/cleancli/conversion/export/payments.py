@@ -129,8 +129,7 @@ def regressed(formula: Formula, changes: Sequence[Change], formulas: Formulas) -
 def _literal(formula: Literal, changes: Sequence[Change], formulas: Formulas) -> Formula:
     if True not in formula.values:
         return negated(_literal(negated_literal(formula), changes, formulas))
-    base = formulas.closure_of(formula.symbol)
-    if base is not None and any(change.symbol == base for change in changes):
+    if formulas.moving_closure(formula.symbol, {change.symbol for change in changes}):
         raise NotSaid(f"what is paid follows the closure `{formula.symbol}`, which the outcome changes")
     added = [_hits(c, formula.terms, formulas) for c in changes if c.symbol == formula.symbol and c.value]
     deleted = [

@@ -22,10 +22,12 @@ from cleancli.conversion.pddl.formula import (
     Either,
     Formula,
     Quantified,
+    apart,
     negated,
 )
 from cleancli.language.model import (
     Action,
+    DerivedPredicate,
     Domain,
     Equality,
     Fact,
@@ -118,7 +120,9 @@ class _Writer:
         self._predicates = Predicates(self._symbols, lambda symbol, value: f"{symbol}-{value}")
         for name in [symbol.name for symbol in domain.symbols] + [each.name for each in domain.derived]:
             self._symbols.of(name)
-        self._formulas = Formulas(domain, self._predicates, _longest_paths(domain, problems))
+        self._formulas = Formulas(
+            domain, self._predicates, [_counted(domain, problem) for problem in problems]
+        )
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
         costly = any(action.cost for action in domain.actions)
@@ -151,11 +155,12 @@ class _Writer:
             yield ":rewards"
         if self._priced:
             yield ":action-costs"
-        if any(self._is_moving(each.closure) for each in self._formulas.closures.values()):
+        if self._axioms():
             yield ":derived-predicates"
 
-    def _is_moving(self, closure: str | None) -> bool:
-        return closure is not None and closure in self._formulas.changed
+    def _axioms(self) -> list[DerivedPredicate]:
+        """The closures that are neither written out nor facts of problems."""
+        return [each for each in self._formulas.closures.values() if not self._formulas.has_facts(each)]
 
     def _section(self, name: str, parts: Sequence[Node]) -> list[Node]:
         return [(name, *parts)] if parts else []
@@ -182,9 +187,8 @@ class _Writer:
         for symbol in self._domain.symbols:
             yield from self._declared(symbol)
         for derived in self._formulas.closures.values():
-            if derived.closure is not None:
-                yield f"; the transitive closure of {self._predicates.of(derived.closure)}"
-                yield (self._predicates.of(derived.name), *self._typed(derived.parameters))
+            yield f"; the transitive closure of {derived.closure}"
+            yield (self._predicates.of(derived.name), *self._typed(derived.parameters))
         if self._noise is not None:
             yield "; an outcome that is not modelled has happened"
             yield (self._noise,)
@@ -203,15 +207,19 @@ class _Writer:
             yield (self._predicates.of(symbol.name, value), *parameters)
 
     def _closures(self) -> Iterator[Node]:
-        """The closures that can change, as axioms of PDDL 2.2."""
-        for derived in self._formulas.closures.values():
-            if derived.closure is not None and self._is_moving(derived.closure):
-                base, name = self._predicates.of(derived.closure), self._predicates.of(derived.name)
-                first, last = derived.parameters
-                middle = Variable(f"{first.name}_{last.name}", first.type)
-                x, y, z = (self._term(term) for term in (first, last, middle))
-                later = ("exists", self._typed([middle]), ("and", (base, x, z), (name, z, y)))
-                yield (":derived", (name, *self._typed(derived.parameters)), ("or", (base, x, y), later))
+        """Axioms of PDDL 2.2."""
+        for derived in self._axioms():
+            first, last = derived.parameters
+            middle = apart(Variable("via", first.type), (first, last))
+            name, step = self._predicates.of(derived.name), self._formulas.step
+            y, z = self._term(last), self._term(middle)
+            later = ("and", self._formula(step(derived, first, middle)), (name, z, y))
+            paths = (
+                "or",
+                self._formula(step(derived, first, last)),
+                ("exists", self._typed([middle]), later),
+            )
+            yield (":derived", (name, *self._typed(derived.parameters)), paths)
 
     # ---- actions
 
@@ -359,7 +367,7 @@ class _Writer:
             if symbol.symmetric and len(set(fact.objects)) > 1:
                 yield (name, *map(self._objects.of, fact.objects[::-1]))
         for derived in self._formulas.closures.values():
-            if derived.closure is not None and not self._is_moving(derived.closure):
+            if self._formulas.has_facts(derived) and derived.closure is not None:
                 symmetric = symbols[derived.closure].symmetric
                 for pair in sorted(closure_of(problem.state, derived.closure, symmetric)):
                     yield (self._predicates.of(derived.name), *map(self._objects.of, pair))
@@ -397,7 +405,7 @@ class _Writer:
             found.append("horizons and discounts are comments: PPDDL has neither")
         if any(outcome.seen is not None for rule in domain.rules for outcome in rule.outcomes):
             found.append("what was learned, and how surely, is left out")
-        if any(self._is_moving(each.closure) for each in self._formulas.closures.values()):
+        if self._axioms():
             found.append("closures that change are axioms (`:derived`): PDDL 2.2 has them, PPDDL 1.0 has not")
         if self._formulas.written_out:
             found.append("closures that change are written out for as many objects as the problems have")
@@ -429,17 +437,10 @@ def closure_of(state: Iterable[Fact], symbol: str, symmetric: bool) -> frozenset
     return frozenset(found)
 
 
-def _longest_paths(domain: Domain, problems: Sequence[Problem]) -> Mapping[str, int]:
-    """How many steps may lead to new objects, in the problem that has most, for each closure."""
-    found: dict[str, int] = {}
-    for derived in domain.derived:
-        if derived.closure is not None:
-            kind = derived.parameters[0].type
-            every = [(*domain.constants, *problem.objects) for problem in problems]
-            found[derived.name] = max(
-                (sum(domain.is_a(o.type, kind) for o in each) for each in every), default=0
-            )
-    return found
+def _counted(domain: Domain, problem: Problem) -> Mapping[str, int]:
+    """How many objects a problem has of each type."""
+    things = (*domain.constants, *problem.objects)
+    return {kind.name: sum(domain.is_a(o.type, kind.name) for o in things) for kind in domain.types}
 
 
 def _title(name: str) -> str:

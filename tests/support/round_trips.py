@@ -1,0 +1,164 @@
+"""A .nid domain that was written in another language and converted back, compared with itself.
+
+What follows an action in a state must be equally likely in both, over what both speak of: the converter
+leaves out what nothing asks for and nothing changes, and a function comes back as a predicate for each value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+
+from cleancli.compiler.fluents import Fluent, Values
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.compiler.objects_by_type import ObjectsByType
+from cleancli.conversion.pddl.convert import Wishes, convert
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import (
+    Domain,
+    Fact,
+    Horizon,
+    Object,
+    Problem,
+    RewardKind,
+    RewardTerm,
+    Symbol,
+    Value,
+)
+from cleancli.learning.experience import Transition
+from support.exported_ppddl import calls, drawn_values, written
+from support.walks import foretold
+
+ACCURACY = 1e-9
+"""How far a probability may be from what it was."""
+
+Moved = frozenset[tuple[Fluent, Value]]
+
+
+@dataclass(frozen=True)
+class Returned:
+    """A domain and its problem as they have come back; `lost` says what was left out on the way."""
+
+    domain: Domain
+    problem: Problem
+    lost: tuple[str, ...]
+
+
+def through_ppddl(domain: Domain, problem: Problem) -> Returned:
+    """The domain, written as PPDDL and converted back; without its reward, if a .nid file has no form for
+    what has become of it. Raises Refused for what is lost altogether."""
+    try:
+        return _through_ppddl(domain, problem, ())
+    except Refused as refused:
+        lost = sorted({each.code for each in refused.diagnostics})
+    costs = (RewardTerm(Fraction(-1), RewardKind.COST),)
+    return _through_ppddl(replace(domain, reward=costs), problem, (f"the reward ({', '.join(lost)})",))
+
+
+def _through_ppddl(domain: Domain, problem: Problem, lost: tuple[str, ...]) -> Returned:
+    texts = written(domain, problem).texts
+    made = convert([Source(name, text) for name, text in texts.items()], Wishes())
+    returned = load_domain(Source("domain.nid", made.domain))
+    (text,) = made.problems.values()
+    return Returned(returned, load_problem(Source("problem.nid", text), returned), lost)
+
+
+def disagreements(
+    domain: Domain, problem: Problem, back: Returned, states: int, rng: np.random.Generator
+) -> Iterator[str]:
+    """Where the domain that has come back does something else, in so many random states, by one action."""
+    before, after = LiftedRules(domain), LiftedRules(back.domain)
+    symbols = {symbol.name: symbol for symbol in domain.symbols}
+    known = {symbol.name for symbol in back.domain.symbols}
+    closures = {derived.name for derived in domain.derived}
+    always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol in closures}
+    every = list(calls(domain, problem))
+    for _ in range(states):
+        values = drawn_values(domain, problem, rng)
+        state = before.state(problem.objects, values)
+        covered = [each for each in every if before.covering(state, *each)]
+        among = covered if covered and rng.random() < 0.8 else every
+        action, names = among[int(rng.integers(len(among)))]
+        here = Transition(action, names, problem.objects, values, values)
+        try:
+            following = foretold(before, here)
+        except Refused:  # an outcome gives something two values (E602)
+            continue
+        wanted: dict[Moved, float] = {}
+        for moved, chance in following.items():
+            atoms = frozenset(_moved(symbols, values, moved, known))
+            wanted[atoms] = wanted.get(atoms, 0.0) + chance
+        facts = {**always, **{atom: True for atom in _atoms(symbols, values) if atom[0] in known}}
+        found = _found(after, back, action, names, facts)
+        keys = wanted.keys() | found.keys()
+        if any(abs(wanted.get(key, 0.0) - found.get(key, 0.0)) > ACCURACY for key in keys):
+            yield f"{action}{names} in {sorted(values.items())}: {found} and not {wanted}"
+
+
+def _found(
+    rules: LiftedRules, back: Returned, action: str, names: tuple[str, ...], facts: Values
+) -> dict[Moved, float]:
+    """What follows by the one action of those that have come of an action that a rule covers."""
+    state = rules.state(back.problem.objects, facts)
+    for each in back.domain.actions:
+        if each.name.split("__")[0] == action and rules.covering(state, each.name, names):
+            return foretold(rules, Transition(each.name, names, back.problem.objects, facts, facts))
+    return {frozenset(): 1.0}
+
+
+def _name(symbol: Symbol, value: Value) -> str:
+    if symbol.is_predicate:
+        return symbol.name
+    return (
+        f"{symbol.name}_minus_{-value}" if isinstance(value, int) and value < 0 else f"{symbol.name}_{value}"
+    )
+
+
+def _ways(symbol: Symbol, value: Value, names: tuple[str, ...]) -> Iterator[Fluent]:
+    """The atoms that say a fact."""
+    yield _name(symbol, value), names
+    if symbol.symmetric and len(set(names)) > 1:
+        yield _name(symbol, value), names[::-1]
+
+
+def _atoms(symbols: Mapping[str, Symbol], values: Values) -> Iterator[Fluent]:
+    for (name, names), value in values.items():
+        if value is not False:
+            yield from _ways(symbols[name], value, names)
+
+
+def _moved(
+    symbols: Mapping[str, Symbol], values: Values, moved: Moved, known: set[str]
+) -> Iterator[tuple[Fluent, Value]]:
+    """What becomes of atoms where facts change."""
+    for (name, names), value in moved:
+        symbol = symbols[name]
+        if symbol.is_predicate:
+            changes = [(atom, value) for atom in _ways(symbol, value, names)]
+        else:
+            old = values[name, names]
+            changes = [((_name(symbol, value), names), True), ((_name(symbol, old), names), False)]
+        yield from (change for change in changes if change[0][0] in known)
+
+
+# ---- problems for domains that come without
+
+
+def drawn_problem(domain: Domain, rng: np.random.Generator, each: int = 2) -> Problem:
+    """A problem of a domain with so many objects of each type, and facts at random."""
+    objects = tuple(Object(f"{t.name}_{n}", t.name) for t in domain.types for n in range(1, each + 1))
+    by_type = ObjectsByType(domain, (*domain.constants, *objects))
+    facts = set()
+    for symbol in domain.symbols:
+        for names in product(*(by_type.names(v.type) for v in symbol.parameters)):
+            if not symbol.is_predicate:
+                facts.add(Fact(symbol.name, names, symbol.values[int(rng.integers(len(symbol.values)))]))
+            elif names == symbol.canonical(names) and rng.random() < 0.4:
+                facts.add(Fact(symbol.name, names))
+    return Problem("drawn", domain.name, objects, frozenset(facts), Horizon(5))
