@@ -24,6 +24,7 @@ from cleancli.conversion.pddl.formula import (
     free_variables,
     literal,
     negated,
+    quantified,
 )
 from cleancli.language.model import (
     Assign,
@@ -218,3 +219,25 @@ def _stepped(made: _Made, symbol: Symbol, formulas: Formulas) -> Iterator[Change
             guard = both([made.guard, literal(name(symbol.name, value), made.effect.terms)])
             yield _change(made, guard, name(symbol.name, value), False, formulas)
             yield _change(made, guard, name(symbol.name, goal), True, formulas)
+
+
+# ---- what is changed
+
+
+def hits(change: Change, terms: Sequence[Term], formulas: Formulas) -> Formula:
+    """Under what a change is of these terms."""
+    names: dict[Term, Term] = {}
+    met: list[Term] = [*terms, *change.terms, *free_variables(change.guard)]
+    for variable in change.variables:
+        names[variable] = apart(variable, [*met, *names.values()]) if variable in terms else variable
+    same, stands = [], dict[Term, Term]()
+    for own, term in zip(change.terms, terms, strict=True):
+        here = names.get(own, own)
+        if own in names and here not in stands and formulas.domain.is_a(term.type, own.type):
+            stands[here] = term
+        else:
+            same.append((here, term))
+    guard = formulas.renamed(formulas.renamed(change.guard, names), stands)
+    asked = [formulas.equal(stands.get(one, one), other) for one, other in same]
+    left = [v for v in names.values() if v not in stands and isinstance(v, Variable)]
+    return quantified(True, left, both([guard, *asked]))

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import Change
+from cleancli.conversion.export.changes import Change, hits
 from cleancli.conversion.export.formulas import Formulas, NotSaid
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
@@ -26,7 +26,6 @@ from cleancli.conversion.pddl.formula import (
     either,
     free_variables,
     negated,
-    quantified,
 )
 from cleancli.language.model import Count, Equality, Literal, RewardKind, RewardTerm, Term, Variable
 
@@ -131,9 +130,9 @@ def _literal(formula: Literal, changes: Sequence[Change], formulas: Formulas) ->
         return negated(_literal(negated_literal(formula), changes, formulas))
     if formulas.moving_closure(formula.symbol, {change.symbol for change in changes}):
         raise NotSaid(f"what is paid follows the closure `{formula.symbol}`, which the outcome changes")
-    added = [_hits(c, formula.terms, formulas) for c in changes if c.symbol == formula.symbol and c.value]
+    added = [hits(c, formula.terms, formulas) for c in changes if c.symbol == formula.symbol and c.value]
     deleted = [
-        _hits(c, formula.terms, formulas) for c in changes if c.symbol == formula.symbol and not c.value
+        hits(c, formula.terms, formulas) for c in changes if c.symbol == formula.symbol and not c.value
     ]
     stays = both([formula, negated(either(deleted))])
     return either([*added, stays]) if ALWAYS not in added else ALWAYS
@@ -144,22 +143,3 @@ def negated_literal(formula: Literal) -> Literal:
     opposite = negated(formula)
     assert isinstance(opposite, Literal)
     return opposite
-
-
-def _hits(change: Change, terms: Sequence[Term], formulas: Formulas) -> Formula:
-    """Under what a change is of these terms."""
-    names: dict[Term, Term] = {}
-    met: list[Term] = [*terms, *change.terms, *free_variables(change.guard)]
-    for variable in change.variables:
-        names[variable] = apart(variable, [*met, *names.values()]) if variable in terms else variable
-    same, stands = [], dict[Term, Term]()
-    for own, term in zip(change.terms, terms, strict=True):
-        here = names.get(own, own)
-        if own in names and here not in stands and formulas.domain.is_a(term.type, own.type):
-            stands[here] = term
-        else:
-            same.append((here, term))
-    guard = formulas.renamed(formulas.renamed(change.guard, names), stands)
-    asked = [formulas.equal(stands.get(one, one), other) for one, other in same]
-    left = [v for v in names.values() if v not in stands and isinstance(v, Variable)]
-    return quantified(True, left, both([guard, *asked]))
