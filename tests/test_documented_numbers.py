@@ -32,7 +32,8 @@ planning.kernels.belief_search.PORTION | planners.md | every {:,} samples of eac
 planning.planners.prada_plus.FRESH_WORDS * 64 | planners.md | valued again by {:,} fresh runs
 cli.views.plan_picture.MOST_ROWS | planning.md | those that change most if there are over {}
 execution.table_cell.FURTHER * 1000 | execution.md | the rag is pressed {:.0f} mm further each time
-execution.table_cell.MOST_POLLS | execution.md | counts as failed after {:,} control periods
+world.robot.LONGEST | execution.md | counts as failed after {:.0f} seconds
+world.robot.STILL | execution.md | the clock stands still for {:.0f} seconds
 remote.wire.LARGEST_HEAD | protocol.md | 2 to {:,}
 remote.wire.LARGEST_BODY | protocol.md | {:,}
 remote.server.LARGEST_REQUEST | protocol.md | {:,}

@@ -133,7 +133,7 @@ def test_an_episode_outlives_a_failure(run: Callable[..., list[Event]], scene: S
 def test_a_motion_without_an_end_fails(
     run: Callable[..., list[Event]], scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cleancli.execution.table_cell.MOST_POLLS", 50)
+    monkeypatch.setattr("cleancli.world.robot.STILL", 0.05)
     ends = [Status.RUNNING, Status.DONE]
     events = run(Scripted(scene, until(2), lambda done: ends[done]))
     assert [event.reason for event in events if isinstance(event, Failed)] == ["the motion does not end"]

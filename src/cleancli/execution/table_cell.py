@@ -24,10 +24,7 @@ from cleancli.perception.occlusion import MOSTLY
 from cleancli.perception.perceive import Observation, perceive
 from cleancli.perception.tracking import Stroke
 from cleancli.scene.model import Scene
-from cleancli.world.robot import Mover, Robot, Status
-
-MOST_POLLS = 20_000
-"""Control periods after which a motion has failed: minutes, where strokes take seconds."""
+from cleancli.world.robot import Mover, Robot, Status, polled
 
 FURTHER = 1e-3
 """Metres by which the rag is pressed further after each try in vain. Chosen: about half the error of its
@@ -163,8 +160,7 @@ class DrivenCell:
         started = self._robot.clock
         arrived = None
         begin()
-        for _ in range(MOST_POLLS):
-            status = self._robot.poll()
+        for status in polled(self._robot):
             if status is not Status.RUNNING:
                 break
             if first is not None and arrived is None and dist(self._robot.tool, first) <= ARRIVED:

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import enum
+import time
+from collections.abc import Iterator
 from typing import Protocol
 
 from cleancli.geometry.rgbd import Frame
 from cleancli.motion.path import ToolPath
+
+LONGEST = 300.0
+"""Seconds of the robot's clock after which a motion has failed; strokes take seconds. Chosen."""
+STILL = 10.0
+"""Real seconds for which the clock may stand still in a motion. Chosen."""
 
 
 class Status(enum.Enum):
@@ -58,9 +65,26 @@ class Robot(Mover, Protocol):
         """Take one RGB-D image from where everything stands now."""
 
 
-def finish(robot: Mover) -> Status:
-    """Let the motion that is under way go on to its end, and say how it ended."""
-    status = robot.poll()
-    while status is Status.RUNNING:
+def polled(robot: Mover) -> Iterator[Status]:
+    """What each poll of the motion that is under way says, to its end; RUNNING last of all, where it has
+    none."""
+    began = clock = robot.clock
+    since = time.monotonic()
+    while True:
         status = robot.poll()
+        yield status
+        if robot.clock > clock:
+            clock, since = robot.clock, time.monotonic()
+        is_late = clock - began > LONGEST or time.monotonic() - since > STILL
+        if status is not Status.RUNNING or is_late:
+            return
+
+
+def finish(robot: Mover) -> Status:
+    """Let the motion that is under way go on to its end, and say how it ended. One that has none is
+    stopped."""
+    *_, status = polled(robot)
+    if status is Status.RUNNING:
+        robot.stop()
+        return Status.FAILED
     return status
