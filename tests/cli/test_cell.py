@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 
 from cleancli.cell.board import BOARDS
 from cleancli.cell.camera import Laid, Sighted, sighted
 from cleancli.cell.cell_file import BadCell, read_cell
 from cleancli.cli.exit_codes import ExitCode
-from cleancli.cli.main import run
+from cleancli.cli.main import cli, run
 from cleancli.geometry.rgbd import Frame
 from cleancli.perception.recorded import save_frames
 from support import board_pictures, real_camera
@@ -194,3 +195,78 @@ def test_the_board_is_written_for_both_papers(
         assert size in Path(f"{paper}.svg").read_text()
     assert run(["cell", "board", "--out", "no/such/folder.svg"]) == ExitCode.FILES
     assert run(["cell", "bord", "--out", "x.svg"]) == ExitCode.USAGE
+
+
+TABLE = np.array([[0.0, -1.0, 0.0, 0.6], [1.0, 0.0, 0.0, -0.1], [0.0, 0.0, 1.0, 0.02], [0, 0, 0, 1.0]])
+"""The robot stands south of the table and looks north: the scene's x is its y."""
+
+
+def tool(x: float, y: float) -> str:
+    """What the robot tells, in mm, where it touches a place of the scene."""
+    return " ".join(f"{1000 * side:.2f}" for side in (TABLE @ (x, y, 0.0, 1.0))[:3])
+
+
+def asked(*answers: str, words: tuple[str, ...] = ("--unit", "mm")) -> Result:
+    words = ("cell", "touch", "two_groups", "touches.csv", "--out", "cell.json", "--ask", *words)
+    return CliRunner().invoke(cli, words, input="".join(f"{answer}\n" for answer in answers))
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+CORNERS = {"a1": (-0.144, -0.072), "g1": (0.144, -0.072), "g4": (0.144, 0.072), "a4": (-0.144, 0.072)}
+PLACES = [(-0.4, -0.3), (0.4, -0.3), (0.4, 0.3), (-0.4, 0.3)]
+
+
+def test_touches_are_asked_for_and_tell_where_the_table_is(folder: Path) -> None:
+    answers = [*(tool(*place) for place in CORNERS.values()), *(tool(*place) for place in PLACES), ""]
+    result = asked(*answers)
+    assert result.exit_code == 0, result.output
+    asks = [line for line in result.output.split("touch ") if line.startswith("corner ")]
+    assert [ask.split()[1] for ask in asks] == list(CORNERS)
+    assert "8 touches, 0.0" in result.output
+    place = read_cell(folder / "cell.json").table
+    assert place is not None
+    assert errors(np.array(place.pose), TABLE)[0] < 0.1
+    # Read again from the file, and told for programs.
+    words = ["cell", "touch", "two_groups", "touches.csv", "--out", "again.json", "--json"]
+    again = CliRunner().invoke(cli, words)
+    assert json.loads(again.output)["pose"] == pytest.approx(np.array(place.pose))
+    assert len(json.loads(again.output)["residuals"]) == 8
+
+
+def test_what_was_typed_is_kept_whatever_comes_after(folder: Path) -> None:
+    """An answer that is no touch is asked for again; what was touched before is not lost, nor asked for."""
+    first = asked(tool(*CORNERS["a1"]), "1 2", "x y z", tool(*CORNERS["g1"]))
+    assert first.exit_code != 0
+    assert "must begin with three numbers" in first.output
+    assert (folder / "touches.csv").read_text().splitlines() == [
+        "x_mm,y_mm,z_mm,corner",
+        f"{tool(*CORNERS['a1']).replace(' ', ',')},a1",
+        f"{tool(*CORNERS['g1']).replace(' ', ',')},g1",
+    ]
+    assert not (folder / "cell.json").exists()
+    rest = asked("", tool(*CORNERS["a4"]), *(tool(*place) for place in PLACES), "", words=())
+    assert rest.exit_code == 0, rest.output
+    assert "corner a1" not in rest.output
+    assert "7 touches" in rest.output
+
+
+def test_files_of_touches_that_tell_nothing_end_with_a_message(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["cell", "touch", "two_groups", "touches.csv", "--out", "cell.json"]
+    assert run(words) == ExitCode.REFUSED
+    assert "no file `touches.csv`" in capsys.readouterr().err
+    for text, told in (
+        ("1,2,3\n", "touches.csv: line 1: the header must be"),
+        ("x_m,y_m,z_m,corner\n1,2,3,z9\n", "touches.csv: line 2: the board a3 has no corner `z9`"),
+        ("x_m,y_m,z_m,corner\n1,2,3,a1\n", "touches.csv: 3 touches at least"),
+    ):
+        (folder / "touches.csv").write_text(text)
+        assert run(words) == ExitCode.FILES
+        assert told in capsys.readouterr().err
+        assert not (folder / "cell.json").exists()

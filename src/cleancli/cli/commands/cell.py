@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial, wraps
 from math import radians
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
 
-from cleancli.cell.board import BAR, BOARDS, svg
+from cleancli.cell.board import BAR, BOARDS, Board, svg
 from cleancli.cell.camera import Laid, NoBoard, Sighted, sighted
-from cleancli.cell.cell_file import BadCell, CameraPlace, Cell, as_text, decode, matrix
+from cleancli.cell.cell_file import BadCell, CameraPlace, Cell, TablePlace, as_text, decode, matrix
+from cleancli.cell.touches import (
+    UNITS,
+    BadTouches,
+    Touched,
+    header,
+    read_touch,
+    read_touches,
+    touched,
+)
 from cleancli.cli import options
 from cleancli.cli.command_table import COMMANDS
 from cleancli.cli.completion import problems
@@ -27,7 +39,45 @@ from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.reading import Reading
 from cleancli.scene.model import Scene
 
+_paper = click.option(
+    "--paper", type=click.Choice(list(BOARDS)), default="a3", show_default=True, help="The board's size."
+)
+_out = click.option(
+    "--out", type=options.FILE, required=True, help="Write what is known of the cell to this file."
+)
 _RECORDING = click.Path(path_type=Path, exists=True)
+
+
+def _laid_options(function: Callable[..., None]) -> Callable[..., None]:
+    """How the board lies on the surface: the command gets all of it as `laid`."""
+
+    @click.option(
+        "--at",
+        nargs=2,
+        type=click.FloatRange(-500, 500),
+        default=(0.0, 0.0),
+        show_default=True,
+        help="Centimetres from the surface's middle to the board's, east and north.",
+    )
+    @click.option(
+        "--turn",
+        type=click.FloatRange(-360, 360),
+        default=0.0,
+        show_default=True,
+        help="Degrees from the scene's x to the board's, counter-clockwise.",
+    )
+    @click.option(
+        "--bar",
+        type=click.FloatRange(150, 250),
+        default=1000 * BAR,
+        show_default=True,
+        help="Millimetres that the board's bar measures in print.",
+    )
+    @wraps(function)
+    def gathered(at: tuple[float, float], turn: float, bar: float, **values: Any) -> None:
+        function(laid=Laid((at[0] / 100, at[1] / 100), radians(turn), bar / 1000), **values)
+
+    return gathered
 
 
 @click.group("cell", short_help=COMMANDS["cell"].summary)
@@ -40,7 +90,7 @@ def command() -> None:
 
 @command.command("board")
 @click.option("--out", type=options.FILE, required=True, help="Write the sheet to this SVG file.")
-@click.option("--paper", type=click.Choice(list(BOARDS)), default="a3", show_default=True, help="Its size.")
+@_paper
 def board(out: Path, paper: str) -> None:
     """Write the board that `cell camera` looks for, to be printed in true size."""
     chosen = BOARDS[paper]
@@ -52,29 +102,8 @@ def board(out: Path, paper: str) -> None:
 @command.command("camera")
 @click.argument("scene", shell_complete=problems)
 @click.argument("recorded", metavar="RECORDING", type=_RECORDING)
-@click.option("--out", type=options.FILE, required=True, help="Write what is known of the cell to this file.")
-@click.option(
-    "--at",
-    nargs=2,
-    type=click.FloatRange(-500, 500),
-    default=(0.0, 0.0),
-    show_default=True,
-    help="Centimetres from the surface's middle to the board's, east and north.",
-)
-@click.option(
-    "--turn",
-    type=click.FloatRange(-360, 360),
-    default=0.0,
-    show_default=True,
-    help="Degrees from the scene's x to the board's, counter-clockwise.",
-)
-@click.option(
-    "--bar",
-    type=click.FloatRange(150, 250),
-    default=1000 * BAR,
-    show_default=True,
-    help="Millimetres that the board's bar measures in print.",
-)
+@_out
+@_laid_options
 @click.option(
     "--count",
     type=click.IntRange(1, 100),
@@ -89,9 +118,7 @@ def camera(
     scene: str,
     recorded: Path,
     out: Path,
-    at: tuple[float, float],
-    turn: float,
-    bar: float,
+    laid: Laid,
     count: int,
     reading: Reading,
     seed: int | None,
@@ -102,7 +129,6 @@ def camera(
     The board lies on the surface, whole in view, and neither it nor the camera moves.
     """
     _, setting = open_scene(scene)
-    laid = Laid((at[0] / 100, at[1] / 100), radians(turn), bar / 1000)
     before, cell = _cell_to_change(out)
     frames = open_frames(recorded, reading, count)
     rng = np.random.default_rng(setting.seed if seed is None else seed)
@@ -117,6 +143,120 @@ def camera(
     for doubt in found.doubts:
         echo(f"warning: {doubt}", err=True)
     echo(json.dumps(_camera_data(found), indent=2) if as_data else _camera_told(found, len(frames), out))
+
+
+@command.command("touch")
+@click.argument("scene", shell_complete=problems)
+@click.argument("touches", type=options.FILE)
+@_out
+@click.option("--ask", is_flag=True, help="Ask for touches, and add each to TOUCHES at once.")
+@click.option(
+    "--unit", type=click.Choice(list(UNITS)), default="m", show_default=True, help="Of a new file of TOUCHES."
+)
+@_paper
+@_laid_options
+@options.as_json("Print what was found as JSON, in metres.")
+def touch(
+    scene: str, touches: Path, out: Path, ask: bool, unit: str, paper: str, laid: Laid, as_data: bool
+) -> None:
+    """Find out where the robot finds the table of SCENE, by places of it that its tool has touched.
+
+    TOUCHES is a file with a line for each: x, y and z of the tool as the robot tells them, and the corner of
+    the board, if it was one. Touch with the tool that cleans, over the whole table.
+    """
+    _, setting = open_scene(scene)
+    board = BOARDS[paper]
+    before, cell = _cell_to_change(out)
+    known = None if cell.table is None else np.array(cell.table.pose)
+    try:
+        if ask:
+            _ask(touches, unit, board)
+        taken = read_touches(read_source(touches).text, board)
+        found = touched(taken, board, laid, setting.surface, known)
+    except BadTouches as error:
+        raise BadRecording(f"{touches}: {error}") from error
+    spread = None if found.spread is None else round(found.spread, 6)
+    write_atomically(out, as_text(replace(cell, table=TablePlace(matrix(found.pose), spread))), before)
+    for doubt in found.doubts:
+        echo(f"warning: {doubt}", err=True)
+    echo(json.dumps(_table_data(found), indent=2) if as_data else _table_told(found, out))
+
+
+def _ask(file: Path, unit: str, board: Board) -> None:
+    """Ask for touches until there is an empty answer, and keep each in the file before the next is asked
+    for. Raises BadTouches where the file holds something else."""
+    if not file.exists():
+        write_atomically(file, header(unit) + "\n", None)
+    text = read_source(file).text
+    done = {found.corner for found in read_touches(text, board)}
+    unit = next(name for name in UNITS if text.startswith(header(name)))
+    for corner in _places_to_touch(board, done):
+        where = f"corner {corner} of the board" if corner else "the table anywhere, far from the others"
+        line = click.prompt(
+            f"touch {where}: x y z in {unit}, or nothing to go on",
+            default="",
+            show_default=False,
+            value_proc=partial(_typed, corner, unit, board),
+            err=True,
+        )
+        if line:
+            added = f"{text.rstrip()}\n{line}\n"
+            write_atomically(file, added, text)
+            text = added
+        elif not corner:
+            return
+
+
+def _typed(corner: str, unit: str, board: Board, answer: str) -> str:
+    """A line for the file from what was typed, or nothing."""
+    line = ",".join([*answer.replace(",", " ").split(), corner])
+    if not answer.strip():
+        return ""
+    try:
+        read_touch(line, unit, board)
+    except BadTouches as error:
+        raise click.UsageError(str(error)) from error
+    return line
+
+
+def _places_to_touch(board: Board, done: set[str | None]) -> Iterator[str]:
+    """The outermost corners of the board that are not done yet; then anywhere, without an end."""
+    row, names = board.columns - 1, board.corner_names
+    yield from (name for name in (names[-row], names[-1], names[row - 1], names[0]) if name not in done)
+    while True:
+        yield ""
+
+
+def _table_told(found: Touched, out: Path) -> str:
+    x, y, z = 1000 * found.pose[:3, 3]
+    slant = np.degrees(np.arccos(np.clip(found.pose[2, 2], -1, 1)))
+    turn = np.degrees(np.arctan2(found.pose[1, 0], found.pose[0, 0]))
+    lines = [
+        f"{out}: the table's middle is at ({x:.1f}, {y:.1f}, {z:.1f}) mm for the robot; its x is turned by "
+        f"{turn:.1f} degrees from the robot's, and it slants by {slant:.2f} degrees"
+    ]
+    told = plural(len(found.residuals), "touch", "touches")
+    if found.spread is not None and found.height_errors is not None:
+        middle, corner = (1000 * error for error in found.height_errors)
+        lines.append(
+            f"{told}, {1000 * found.spread:.2f} mm off a plane; the height is so known to {middle:.2f} mm in "
+            f"the table's middle, and to {corner:.2f} mm at its corners (standard deviations)"
+        )
+    if found.corners is not None:
+        lines.append(f"corners of the board are {1000 * found.corners.misfit:.1f} mm off on average")
+    return "\n".join(lines)
+
+
+def _table_data(found: Touched) -> dict[str, object]:
+    corners = found.corners
+    return {
+        "pose": found.pose.tolist(),
+        "residuals": found.residuals.tolist(),
+        "spread": found.spread,
+        "height_errors": found.height_errors,
+        "corners": None if corners is None else {"misfit": corners.misfit, "scale": corners.scale},
+        "doubts": list(found.doubts),
+    }
 
 
 def _cell_to_change(out: Path) -> tuple[str | None, Cell]:
