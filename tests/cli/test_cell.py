@@ -270,3 +270,66 @@ def test_files_of_touches_that_tell_nothing_end_with_a_message(
         assert run(words) == ExitCode.FILES
         assert told in capsys.readouterr().err
         assert not (folder / "cell.json").exists()
+
+
+@pytest.fixture
+def cell(folder: Path) -> Path:
+    """A file that is right for a recorded table, and for touches."""
+    frames = [real_camera.taken(seed) for seed in range(2)]
+    save_frames(frames, folder / "table")
+    described = json.loads((folder / "table" / "camera.json").read_text())
+    del described["pose"]
+    (folder / "table" / "camera.json").write_text(json.dumps(described))
+    parts = {
+        "camera": {"pose": frames[0].camera.pose.tolist(), "misfit": 0.1},
+        "table": {"pose": TABLE.tolist(), "spread": 0.001},
+    }
+    (folder / "cell.json").write_text(json.dumps({"format": "cleancli cell 1"} | parts))
+    places = [("a1", CORNERS["a1"]), *(("", place) for place in PLACES)]
+    lines = [f"{tool(*place).replace(' ', ',')},{name}" for name, place in places]
+    (folder / "again.csv").write_text("\n".join(["x_mm,y_mm,z_mm,corner", *lines]) + "\n")
+    return folder / "cell.json"
+
+
+CHECK = ["cell", "check", "two_groups", "cell.json", "--frames", "table", "--touches", "again.csv"]
+
+
+def test_a_cell_that_is_right_is_told_with_what_was_measured(
+    cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(CHECK) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    assert "the camera sees the table" in told.out
+    assert "the tool touches the table +0.00 mm above its place, and 0.0 mm beside corners" in told.out
+    assert run([*CHECK, "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["faults"] == []
+    assert data["seen"]["shifted"] == pytest.approx([0, 0], abs=0.002)
+
+
+def test_what_of_a_cell_cannot_be_right_is_told_with_exit_code_1(
+    cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = json.loads(cell.read_text())
+    known["camera"]["pose"] = shifted(known["camera"]["pose"])
+    known["table"]["pose"][2][3] += 0.004
+    cell.write_text(json.dumps(known))
+    assert run(CHECK) == ExitCode.REFUSED
+    told = " ".join(capsys.readouterr().err.split())
+    assert "error: the table's middle is seen 100 mm east of its place" in told
+    assert "error: the tool touches the table 4.0 mm lower than the cell says" in told
+    assert run([*CHECK, "--json"]) == ExitCode.REFUSED
+    assert len(json.loads(capsys.readouterr().out)["faults"]) == 2
+
+
+def test_what_a_check_needs_is_asked_for(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(CHECK[:4]) == ExitCode.USAGE
+    assert "there is nothing to check by" in capsys.readouterr().err
+    cell.write_text('{"format": "cleancli cell 1"}')
+    assert run(CHECK[:6]) == ExitCode.FILES
+    assert "cell.json: it does not say where the camera stands" in capsys.readouterr().err
+    assert run([*CHECK[:4], *CHECK[6:]]) == ExitCode.FILES
+    assert "cell.json: it does not say where the table is" in capsys.readouterr().err
+    cell.unlink()
+    assert run(CHECK) == ExitCode.FILES

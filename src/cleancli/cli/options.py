@@ -95,9 +95,10 @@ def learning() -> Option:
     return added
 
 
-def recording() -> Option:
-    """How a recording is read: the command gets all of it as `reading`."""
-    given = (
+def recording(with_cell: bool = True) -> Option:
+    """How a recording is read: the command gets all of it as `reading`. Without `--cell` where the command
+    itself has another file that tells where the camera stands, or finds it out."""
+    given = [
         click.option("--frame", help="The frame of tf that is the scene's. [default: no place is known]"),
         click.option("--colour-topic", "--color-topic", "colour_topic", help="Of a bag. [default: found]"),
         click.option("--depth-topic", help="Of a bag. [default: found]"),
@@ -109,9 +110,12 @@ def recording() -> Option:
             show_default=True,
             help="Seconds by which colour and depth of one frame may differ.",
         ),
-        click.option("--cell", type=FILE, help="Where the camera stands, if the recording does not tell."),
-    )
-    names = ("frame", "colour_topic", "depth_topic", "info_topic", "max_difference", "cell")
+    ]
+    names = ["frame", "colour_topic", "depth_topic", "info_topic", "max_difference"]
+    if with_cell:
+        told = "Where the camera stands, if the recording does not tell."
+        given.append(click.option("--cell", type=FILE, help=told))
+        names.append("cell")
 
     def added(function: F) -> F:
         @wraps(function)

@@ -23,7 +23,7 @@ def open_looks(
 ) -> tuple[Iterator[tuple[str, tuple[Frame, ...]]], tuple[str, ...]]:
     """The looks of a recording, each with where it comes from, and what is left out. Raises MissingPart,
     OSError."""
-    cell = _cell(reading)
+    cell = cell_of(reading)
     with _opening(path):
         found, notes = recorded_looks(path, reading)
     _warn(notes)
@@ -32,14 +32,14 @@ def open_looks(
 
 def open_frames(path: Path, reading: Reading, count: int) -> tuple[Frame, ...]:
     """Frames of a surface that does not change. Raises MissingPart, OSError."""
-    cell = _cell(reading)
+    cell = cell_of(reading)
     with _opening(path):
         found, notes = recorded_frames(path, reading, count)
     _warn(notes)
     return placed(found, cell)
 
 
-def _cell(reading: Reading) -> Cell:
+def cell_of(reading: Reading) -> Cell:
     """What is known of the cell that a recording is of. Raises OSError."""
     if reading.cell is None:
         return Cell()

@@ -74,6 +74,15 @@ def find_by_outline(
     return part.plane
 
 
+def whole_outline(
+    frame: Frame, surface: Surface, thresholds: Thresholds, rng: np.random.Generator
+) -> Plane | None:
+    """As `find_by_outline`, where an outline of the surface's size is in the picture whole; else None."""
+    whole = [outline for outline in _outlines(frame, thresholds, rng) if not outline.leaves_view]
+    best = min(whole, key=lambda outline: _misfit(outline, surface), default=None)
+    return _placed(best, surface) if best is not None and _misfit(best, surface) <= FITS else None
+
+
 def _may_be_part(outline: _Outline, surface: Surface) -> bool:
     """Whether it goes on outside the image, and what is seen of it is no larger than the surface."""
     most, least = max(surface.width, surface.depth), min(surface.width, surface.depth)

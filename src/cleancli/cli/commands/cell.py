@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial, wraps
 from math import radians
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 from cleancli.cell.board import BAR, BOARDS, Board, svg
 from cleancli.cell.camera import Laid, NoBoard, Sighted, sighted
 from cleancli.cell.cell_file import BadCell, CameraPlace, Cell, TablePlace, as_text, decode, matrix
+from cleancli.cell.faults import Felt, Seen, faults_felt, faults_seen, felt, seen
 from cleancli.cell.touches import (
     UNITS,
     BadTouches,
@@ -29,14 +30,16 @@ from cleancli.cli import options
 from cleancli.cli.command_table import COMMANDS
 from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
+from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import working
-from cleancli.cli.recordings import open_frames
+from cleancli.cli.recordings import cell_of, open_frames
 from cleancli.files.replace import replace_file, write_atomically
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import read_source
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.reading import Reading
+from cleancli.perception.surface import NoSurface
 from cleancli.scene.model import Scene
 
 _paper = click.option(
@@ -45,10 +48,17 @@ _paper = click.option(
 _out = click.option(
     "--out", type=options.FILE, required=True, help="Write what is known of the cell to this file."
 )
+_count = click.option(
+    "--count",
+    type=click.IntRange(1, 100),
+    default=10,
+    show_default=True,
+    help="Frames of a bag or a TUM folder, spread evenly.",
+)
 _RECORDING = click.Path(path_type=Path, exists=True)
 
 
-def _laid_options(function: Callable[..., None]) -> Callable[..., None]:
+def _laid_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """How the board lies on the surface: the command gets all of it as `laid`."""
 
     @click.option(
@@ -74,8 +84,8 @@ def _laid_options(function: Callable[..., None]) -> Callable[..., None]:
         help="Millimetres that the board's bar measures in print.",
     )
     @wraps(function)
-    def gathered(at: tuple[float, float], turn: float, bar: float, **values: Any) -> None:
-        function(laid=Laid((at[0] / 100, at[1] / 100), radians(turn), bar / 1000), **values)
+    def gathered(at: tuple[float, float], turn: float, bar: float, **values: Any) -> Any:
+        return function(laid=Laid((at[0] / 100, at[1] / 100), radians(turn), bar / 1000), **values)
 
     return gathered
 
@@ -104,14 +114,8 @@ def board(out: Path, paper: str) -> None:
 @click.argument("recorded", metavar="RECORDING", type=_RECORDING)
 @_out
 @_laid_options
-@click.option(
-    "--count",
-    type=click.IntRange(1, 100),
-    default=10,
-    show_default=True,
-    help="Frames of a bag or a TUM folder, spread evenly.",
-)
-@options.recording()
+@_count
+@options.recording(with_cell=False)
 @options.seed("the points of depth that are tried")
 @options.as_json("Print what was found as JSON, in metres.")
 def camera(
@@ -257,6 +261,101 @@ def _table_data(found: Touched) -> dict[str, object]:
         "corners": None if corners is None else {"misfit": corners.misfit, "scale": corners.scale},
         "doubts": list(found.doubts),
     }
+
+
+@command.command("check")
+@click.argument("scene", shell_complete=problems)
+@click.argument("cell", type=options.FILE)
+@click.option("--frames", "recorded", type=_RECORDING, help="A recording of the table alone, seen whole.")
+@click.option("--touches", type=options.FILE, help="A file of new touches of the table, of one at least.")
+@_count
+@options.recording(with_cell=False)
+@_paper
+@_laid_options
+@options.seed("the points of depth that are tried")
+@options.as_json("Print what was measured as JSON, in metres and degrees.")
+def check(
+    scene: str,
+    cell: Path,
+    recorded: Path | None,
+    touches: Path | None,
+    count: int,
+    reading: Reading,
+    paper: str,
+    laid: Laid,
+    seed: int | None,
+    as_data: bool,
+) -> ExitCode:
+    """Report what of a CELL cannot be right, by the table of SCENE that the camera sees and the tool touches.
+
+    With exit code 1 if there is anything.
+    """
+    _, setting = open_scene(scene)
+    reading = replace(reading, cell=cell)
+    known = cell_of(reading)
+    if recorded is None and touches is None:
+        raise click.UsageError("there is nothing to check by: --frames RECORDING, --touches FILE, or both")
+    rng = np.random.default_rng(setting.seed if seed is None else seed)
+    sighting = None if recorded is None else _seen(recorded, reading, count, setting, rng)
+    feeling = None if touches is None else _felt(touches, BOARDS[paper], laid, known, cell)
+    faults = (*(faults_seen(sighting) if sighting else ()), *(faults_felt(feeling) if feeling else ()))
+    if as_data:
+        parts = {"seen": sighting, "felt": feeling}
+        told = {name: None if part is None else asdict(part) for name, part in parts.items()}
+        echo(json.dumps(told | {"faults": faults}, indent=2))
+    else:
+        echo("\n".join([*_seen_told(sighting), *_felt_told(feeling)]))
+        for fault in faults:
+            echo(f"error: {fault}", err=True)
+    return ExitCode.REFUSED if faults else ExitCode.DONE
+
+
+def _seen(recorded: Path, reading: Reading, count: int, setting: Scene, rng: np.random.Generator) -> Seen:
+    """Where the camera sees the table. Raises OSError."""
+    frames = open_frames(recorded, reading, count)
+    if not frames[0].camera.located:
+        raise BadRecording(f"{reading.cell}: it does not say where the camera stands: `cleancli cell camera`")
+    try:
+        return seen(frames, setting.surface, rng)
+    except NoSurface as error:
+        raise BadRecording(f"{recorded}: {error}") from error
+
+
+def _felt(touches: Path, board: Board, laid: Laid, known: Cell, path: Path) -> Felt:
+    """Where the tool touches the table. Raises OSError."""
+    if known.table is None:
+        raise BadRecording(f"{path}: it does not say where the table is: `cleancli cell touch`")
+    try:
+        taken = read_touches(read_source(touches).text, board)
+    except BadTouches as error:
+        raise BadRecording(f"{touches}: {error}") from error
+    if not taken:
+        raise BadRecording(f"{touches}: there is no touch in it")
+    return felt(taken, board, laid, np.array(known.table.pose))
+
+
+def _seen_told(found: Seen | None) -> list[str]:
+    if found is None:
+        return []
+    lines = [
+        f"the camera sees the table {1000 * found.higher:+.1f} mm above its place, slanting by "
+        f"{found.slanted:.2f} degrees"
+    ]
+    if found.shifted is None or found.turned is None:
+        return [*lines, "its rim is not in view whole, so that nothing is known of its place and turn"]
+    east, north = (1000 * by for by in found.shifted)
+    return [
+        *lines,
+        f"its middle is {east:+.1f} mm east and {north:+.1f} mm north of its place, and it is turned by "
+        f"{found.turned:+.2f} degrees",
+    ]
+
+
+def _felt_told(found: Felt | None) -> list[str]:
+    if found is None:
+        return []
+    beside = "" if found.beside is None else f", and {1000 * found.beside:.1f} mm beside corners of the board"
+    return [f"the tool touches the table {1000 * found.higher:+.2f} mm above its place{beside}"]
 
 
 def _cell_to_change(out: Path) -> tuple[str | None, Cell]:
