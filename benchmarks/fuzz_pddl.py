@@ -73,8 +73,8 @@ def group_at(tokens: list[str], start: int) -> int:
 
 def _piece(tokens: list[str], rng: Random, kind: str) -> tuple[int, int]:
     """Where a group begins and ends, or a word, or any token; an empty piece where there is none."""
-    fits = {"group": lambda t: t == "(", "word": lambda t: t not in "()" and not t.isspace()}.get(kind, bool)
-    starts = [place for place, token in enumerate(tokens) if fits(token)]
+    signs = {"group": {"("}, "word": set(tokens) - {"(", ")"}}.get(kind, set(tokens))
+    starts = [place for place, token in enumerate(tokens) if token in signs and not token.isspace()]
     if not starts:
         return 0, 0
     start = rng.choice(starts)

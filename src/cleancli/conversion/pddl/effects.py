@@ -281,8 +281,9 @@ def results_of(tree: Tree) -> Results:
         case Change():
             return _merged([(Fraction(1), (tree,))])
         case All(parts):
-            if all(isinstance(part, Change) for part in parts):  # as most are: nothing is left to chance
-                return _merged([(Fraction(1), parts)])
+            sure = tuple(part for part in parts if isinstance(part, Change))
+            if len(sure) == len(parts):  # as in most actions: nothing is left to chance
+                return _merged([(Fraction(1), sure)])
             found = _merged([(Fraction(1), ())])
             for part in parts:
                 inner = results_of(part)
