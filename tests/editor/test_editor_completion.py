@@ -9,6 +9,7 @@ from cleancli.editor.context import context
 from support.editor_texts import DOMAIN, PROBLEM, SCENE, marked
 
 SYMBOLS = ["dirt", "near", "traversal", "size", "weight"]
+FAR = "functions { far(?a - area): 0..9 [static] }"
 RULE = DOMAIN[: DOMAIN.index("  rule join_two")]
 
 
@@ -47,6 +48,10 @@ def offered(name: str, text: str) -> list[str]:
         ("actions { wipe(?a - area) [duration = 3 s [|", ["fixed", "prior", "seen"]),
         ("actions { wipe(?a - area) [duration = 3 s [seen 2, prior 4 |", ["s"]),
         ("actions { wipe(?a - area) [duration = 3 s [seen 2], |", ["cost", "duration"]),
+        (f"{FAR} actions {{ wipe(?a - area) [cost = |", ["far"]),
+        (f"{FAR} actions {{ wipe(?a - area) [cost = 1/2 + 0.5 * |", ["far"]),
+        (f"{FAR} actions {{ rub(?c - area) wipe(?a ?b - area) [duration = 2 s, cost = far(|", ["?a", "?b"]),
+        (f"{FAR} actions {{ wipe(?a - area) [cost = far(?a), |", ["cost", "duration"]),
         ("functions { wet(?a - area): 0..3 [|", ["static"]),
         ("learned { |", ["estimator", "m", "match", "forgetting", "experience"]),
         ("learned { m = 10 es|", ["estimator", "m", "match", "forgetting", "experience"]),

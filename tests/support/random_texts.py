@@ -249,7 +249,7 @@ def _actions(world: World, rng: Random) -> list[str]:
                 ([], [["prior", *length]], [["seen", "12.4"], ["prior", "9", "s"]], [["fixed"]])
             )
             length += ["[", *_joined(noted, ","), "]"] if noted else []
-            marks = [["duration", "=", *length], ["cost", "=", rng.choice(("0", "2", "0.5"))]]
+            marks = [["duration", "=", *length], ["cost", "=", rng.choice(("0", "2", "1/3"))]]
             tokens += ["[", *_joined(rng.sample(marks, rng.randint(1, 2)), ","), "]"]
     return [*tokens, "}"]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,13 +18,20 @@ from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.encoding import Numbering
-from cleancli.compiler.fluents import bind
+from cleancli.compiler.fluents import bind, values_of
 from cleancli.compiler.ground_rules import PlainWords, RuleGroundings, from_cases, from_columns
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.instances import instances, instances_of
 from cleancli.compiler.partial_evaluation import Conditions
 from cleancli.compiler.relaxed_reachability import Reach
-from cleancli.compiler.rewards import costs_of, price_of, rewards_of, usual_objective, waiting_can_pay
+from cleancli.compiler.rewards import (
+    by_functions,
+    costs_of,
+    price_of,
+    rewards_of,
+    usual_objective,
+    waiting_can_pay,
+)
 from cleancli.compiler.static_join import Universe
 from cleancli.compiler.task import (
     GroundAction,
@@ -38,7 +46,7 @@ from cleancli.compiler.task import (
 )
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Problem, RewardKind, weight_of
 
 Called = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
@@ -61,7 +69,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     numbering = Numbering(reach.changing, universe)
     groundings = _groundings(domain, cases, reach, numbering, join, compat)
     waiting = not compat and waiting_can_pay(domain)
-    actions = _ground_actions(domain, groundings, waiting, named)
+    actions = _ground_actions(domain, problem, groundings, waiting, named)
     rules = _ground_rules(domain, groundings, actions)
     if not compat:
         _refuse(_overlaps(domain, rules, actions, numbering.variables))
@@ -166,7 +174,11 @@ def _groundings(
 
 
 def _ground_actions(
-    domain: Domain, groundings: Iterable[RuleGroundings], waiting: bool, named: Collection[Called]
+    domain: Domain,
+    problem: Problem,
+    groundings: Iterable[RuleGroundings],
+    waiting: bool,
+    named: Collection[Called],
 ) -> tuple[GroundAction, ...]:
     """Those that are named or can change something by at least one of their rules; all that have a rule where
     waiting can pay."""
@@ -180,12 +192,21 @@ def _ground_actions(
         }
     durations = {action.name: action.duration for action in domain.actions}
     costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}
-    return tuple(
-        [
-            GroundAction(name, objects, durations[name], costs[name], declared[name])
-            for name, objects in sorted(found)
-        ]
-    )
+    made = [
+        GroundAction(name, objects, durations[name], costs[name], declared[name])
+        for name, objects in sorted(found)
+    ]
+    priced = {action.name: action for action in domain.actions if action.cost_parts}
+    if not priced:
+        return tuple(made)
+    values, weight = values_of(problem.state), weight_of(domain, RewardKind.COST)
+    for place, action in enumerate(made):
+        if action.name in priced:
+            more = by_functions(priced[action.name], action.objects, values)
+            made[place] = replace(
+                action, cost=action.cost - weight * more, declared_cost=action.declared_cost + more
+            )
+    return tuple(made)
 
 
 def _ground_rules(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -27,12 +28,15 @@ from cleancli.compiler.task import (
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
+    Action,
     Count,
     Domain,
     Horizon,
     Problem,
     RewardKind,
     Unlimited,
+    Value,
+    Variable,
     wanted_decreased,
     weight_of,
 )
@@ -90,6 +94,20 @@ def rewards_of(
     )
 
 
+def by_functions(
+    action: Action, objects: Sequence[str], values: Mapping[tuple[str, tuple[str, ...]], Value]
+) -> Fraction:
+    """What an action costs on some objects by the values that functions have for them in a problem."""
+    bound = {parameter.name: one for parameter, one in zip(action.parameters, objects, strict=True)}
+    total = Fraction(0)
+    for part in action.cost_parts:
+        terms = tuple(bound[term.name] if isinstance(term, Variable) else term.name for term in part.terms)
+        value = values[part.symbol, terms]
+        assert isinstance(value, int), "the checker lets only integers count"
+        total += part.weight * value
+    return total
+
+
 def waiting_can_pay(domain: Domain) -> bool:
     """Whether a step that changes nothing can be worth taking before others: a state is paid for what it is,
     a decrease or the goal has a negative weight, or an action earns by its cost.
@@ -100,15 +118,30 @@ def waiting_can_pay(domain: Domain) -> bool:
     return any(
         (term.kind is RewardKind.COUNT and term.weight != 0) or (term.kind in kinds and term.weight < 0)
         for term in domain.reward
-    ) or any(cost < 0 for cost in costs_of(domain).values())
+    ) or any(cost < 0 for cost in least_costs(domain).values())
 
 
 def costs_of(domain: Domain) -> dict[str, Fraction]:
-    """What each action costs with its declared duration, in units of the reward that a step loses by it."""
+    """What each action costs whatever its objects, with its declared duration, in units of the reward that a
+    step loses by it."""
     weight, price = weight_of(domain, RewardKind.COST), price_of(domain)
     return {
         action.name: -weight * action.cost + price * in_seconds(action.duration) for action in domain.actions
     }
+
+
+def least_costs(domain: Domain) -> dict[str, Fraction]:
+    """As `costs_of`, the least that each action may cost, whatever values the functions have."""
+    weight = weight_of(domain, RewardKind.COST)
+    ends = {symbol.name: (symbol.values[0], symbol.values[-1]) for symbol in domain.symbols}
+    least = costs_of(domain)
+    for action in domain.actions:
+        for part in action.cost_parts:
+            low, high = ends[part.symbol]
+            end = low if weight <= 0 else high
+            assert isinstance(end, int), "the checker lets only integers count"
+            least[action.name] -= weight * part.weight * end
+    return least
 
 
 def price_of(domain: Domain) -> Fraction:
@@ -121,7 +154,7 @@ def usual_objective(domain: Domain, problem: Problem) -> Objective:
     where the domain has some, or else how many actions it takes."""
     if not isinstance(problem.horizon, Unlimited):
         return Objective.REWARD
-    return Objective.COST if any(action.cost for action in domain.actions) else Objective.PROBABILITY
+    return Objective.COST if any(action.has_cost for action in domain.actions) else Objective.PROBABILITY
 
 
 def _name(count: str | None) -> str:

@@ -93,7 +93,7 @@ def _names(place: Context, asked: Document, library: Library) -> Iterable[Comple
     if place.section in _SETTINGS:
         return _settings(place, _SETTINGS[place.section])
     if _is_in_brackets(place.words):
-        return _marks(place)
+        return _marks(place, asked, library)
     return () if place.section in _DECLARING else _in_body(place, asked, library)
 
 
@@ -124,9 +124,17 @@ def _settings(place: Context, keys: Mapping[str, str]) -> Iterator[Completion]:
             yield Completion(key, Kind.KEY, place.start, meaning)
 
 
-def _marks(place: Context) -> Iterator[Completion]:
-    """What a declaration may be marked with, where a mark may begin."""
-    if place.last in ("[", ",") and place.takes("NAME"):
+def _marks(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    """What a declaration may be marked with, where a mark may begin; in a cost functions and what they are
+    of."""
+    if place.section == "actions" and _open_call(place.words) is not None:
+        for text in dict.fromkeys(_parameters_before(place.words)):
+            yield Completion(text, Kind.VARIABLE, place.start, "variable")
+    elif place.section == "actions" and place.last in ("=", "+", "*") and place.takes("NAME"):
+        for each in library.visible(asked):
+            if isinstance(each.node, syntax.FunctionNode) and isinstance(each.node.values, syntax.Bounds):
+                yield _completion(place, each, asked, library)
+    elif place.last in ("[", ",") and place.takes("NAME"):
         for mark in MARKS.get(place.section, ()):
             yield Completion(mark, Kind.MARK, place.start, "mark")
 
@@ -267,6 +275,13 @@ def _is_in_brackets(words: tuple[Lexeme, ...]) -> bool:
             depth = 0
         depth += {"[": 1, "]": -1}.get(word.text, 0)
     return depth > 0
+
+
+def _parameters_before(words: tuple[Lexeme, ...]) -> Iterator[str]:
+    """The variables of the last parentheses before the bracket that is open."""
+    head = words[: max(index for index, word in enumerate(words) if word.text == "[")]
+    opened = max((index for index, word in enumerate(head) if word.text == "("), default=0)
+    return (word.text for word in head[opened:] if word.kind is LexemeKind.VARIABLE)
 
 
 def _open_call(words: tuple[Lexeme, ...]) -> tuple[str, int] | None:

@@ -199,9 +199,17 @@ class Parameter(Record):
     weight_span: Span | None = field(default=None, compare=False)
 
 
+class CostPart(Record):
+    """A part of what an action costs: `weight` times the value of an integer function that is static."""
+
+    weight: Fraction
+    symbol: str
+    terms: tuple[Term, ...]
+
+
 class Action(Record):
-    """A declared action; `duration` in seconds of robot time, None where the file does not say; `cost` is in
-    units of reward.
+    """A declared action; `duration` in seconds of robot time, None where the file does not say. It costs
+    `cost`, in units of reward, and what the `cost_parts` come to for its objects; no cost is below 0.
 
     What the learner noted of the duration is as in `Outcome`, its prior in seconds. `duration_span` covers
     the duration with its unit, `noted_span` that with its `[prior 9 s, seen n]`, if it has one.
@@ -216,6 +224,12 @@ class Action(Record):
     duration_fixed: bool = False
     duration_span: Span | None = field(default=None, compare=False)
     noted_span: Span | None = field(default=None, compare=False)
+    cost_parts: tuple[CostPart, ...] = ()
+
+    @property
+    def has_cost(self) -> bool:
+        """Whether it costs something on some objects."""
+        return bool(self.cost or self.cost_parts)
 
 
 class Count(Record):

@@ -13,7 +13,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from cleancli.compiler.lifted_state import StateView
-from cleancli.compiler.rewards import costs_of
+from cleancli.compiler.rewards import least_costs
 from cleancli.language.model import (
     Assign,
     Count,
@@ -85,7 +85,7 @@ def most(domain: Domain, problem: Problem) -> Fraction:
     assert not isinstance(problem.horizon, Unlimited)
     horizon = problem.horizon or Horizon(1, wanted_decreased(domain))
     steps = horizon.constant + (0 if horizon.count is None else now(horizon.count))
-    best = steps * max(Fraction(0), *(-cost for cost in costs_of(domain).values()))
+    best = steps * max(Fraction(0), *(-cost for cost in least_costs(domain).values()))
     for term in domain.reward:
         match term.kind, term.count:
             case RewardKind.DECREASE, str(name):

@@ -7,24 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
 from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.compiler.ground import ground
-from cleancli.compiler.rewards import costs_of
+from cleancli.compiler.rewards import by_functions, costs_of
 from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
 from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held
-from cleancli.language.model import Domain, Fact, Problem, State
+from cleancli.language.model import Action, Domain, Fact, Problem, RewardKind, State, weight_of
 
 
 @dataclass(frozen=True, slots=True)
 class World:
     """A problem under the rules that hold. After the grounded actions, `task` lists each declared action once
-    more, without rules: it stands for the groundings that can change nothing, and says what they cost.
-    `numbers` are the indices of the grounded actions, `idle` those of the others, by name. `rest` are the
-    facts that never change. What comes a second later is worth `second_discount` times as much (1 where steps
-    discount)."""
+    more, without rules: it stands for the groundings that can change nothing, and says what they cost, but
+    for what functions say (`priced` holds the actions of which they do; in the reward a cost counts
+    `cost_weight` times). `numbers` are the indices of the grounded actions, `idle` those of the others, by
+    name. `rest` are the facts that never change. What comes a second later is worth `second_discount` times
+    as much (1 where steps discount)."""
 
     task: Task
     rest: State
@@ -32,6 +34,8 @@ class World:
     idle: Mapping[str, int]
     has_goal: bool
     second_discount: float
+    priced: Mapping[str, Action]
+    cost_weight: Fraction
 
     def facts(self, assignment: GroundState) -> State:
         """All facts of a state."""
@@ -67,6 +71,8 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
         {action.name: index for index, action in enumerate(idle, start=len(grounded.actions))},
         bool(problem.goal),
         task.discount ** (1 / task.step) if timed and task.step is not None else 1.0,
+        {action.name: action for action in domain.actions if action.cost_parts},
+        weight_of(domain, RewardKind.COST),
     )
 
 
@@ -102,15 +108,17 @@ def do(
 ) -> tuple[DrawnStep, GroundState]:
     """Draws what comes of an action; each call takes one number from `rng`, so that the n-th action of an
     episode meets the same luck whoever planned it."""
-    number = world.numbers.get((action.name, action.objects))
+    number, more = world.numbers.get((action.name, action.objects)), Fraction(0)
     if number is None:
         number = world.idle[action.name]
+        if action.name in world.priced:
+            more = by_functions(world.priced[action.name], action.objects, values_of(world.rest))
     task = world.task
     drawn, after = sample(task, state, number, rng)
     if drawn is None:
         rng.random()
-    paid = reward(task, state, number, after)
-    cost, seconds = float(task.actions[number].declared_cost), task.actions[number].duration
+    paid = reward(task, state, number, after) + float(world.cost_weight * more)
+    cost, seconds = float(task.actions[number].declared_cost + more), task.actions[number].duration
     return DrawnStep(action, paid, payment(task, number), task.discounts[number], cost, seconds), after
 
 

@@ -181,9 +181,11 @@ def _timed(action: Action, attribute: syntax.Attribute, findings: Findings) -> A
     )
 
 
-def _seconds(value: syntax.Quantity | None, whole: Span, example: str, findings: Findings) -> float | None:
+def _seconds(
+    value: syntax.Quantity | syntax.Price | None, whole: Span, example: str, findings: Findings
+) -> float | None:
     """A duration in seconds; None, with E213 reported, for what is none. `whole`: what it stands in."""
-    if value is None or value.unit not in _SECONDS:
+    if not isinstance(value, syntax.Quantity) or value.unit not in _SECONDS:
         message = "a duration is a number of seconds or minutes"
         findings.error("E213", message, whole, help=f"write for example `{example}`")
         return None
@@ -203,6 +205,11 @@ def _cost(attribute: syntax.Attribute, findings: Findings) -> Fraction:
         first, last = attribute.marks[0].span, attribute.marks[-1].span
         help = "remove them: of what stands here only a duration is learned"
         findings.error("E311", "a cost has no marks", replace(first, end=last.end), help=help)
+    if isinstance(value, syntax.Price):  # its other parts are checked where symbols are known (`costs`)
+        amount = value.amount
+        if amount is not None and amount.denominator_is_zero:
+            findings.error("E302", "division by zero", amount.span)
+        return Fraction(0) if amount is None else amount.value
     if value is None or value.unit is not None or value.value < 0:
         findings.error(
             "E213",

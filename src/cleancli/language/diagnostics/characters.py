@@ -15,7 +15,7 @@ _CHARACTERS = {
     "[": "marks in brackets follow a declaration or a probability",
     "?": "a variable is `?` with a name directly after it",
     "%": "a share is a number between 0 and 1: `0.8`, not `80%`",
-    "/": "a comment begins with `#`, and only probabilities are fractions",
+    "/": "a comment begins with `#`, and only probabilities and costs are fractions",
     "*": "the language has no products",
     "°": "angles are in deg or rad",
     "×": "write the letter `x`",

@@ -141,6 +141,15 @@ class Builder:
         noted = tuple(mark for mark in marks if mark is not None)
         return syntax.Attribute(self._name(name), value, noted, span=span)
 
+    def build_ratio(self, c: list[_Child], span: Span) -> syntax.Price:
+        return syntax.Price(self._number(c[0]), (), span=span)
+
+    def build_price(self, c: list[_Child], span: Span) -> syntax.Price:
+        return syntax.Price(c[0], tuple(c[1:]), span=span)
+
+    def build_priced(self, c: list[_Child], span: Span) -> syntax.Priced:
+        return syntax.Priced(c[0], c[1], span=span)
+
     def build_rule(self, c: list[_Child], span: Span) -> syntax.RuleNode:
         name, action, *others = c
         return syntax.RuleNode(self._name(name), self._name(action), *others, span=span)

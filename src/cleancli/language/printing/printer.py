@@ -16,6 +16,7 @@ from cleancli.language.model import (
     Action,
     Assign,
     Condition,
+    CostPart,
     Count,
     DerivedPredicate,
     Domain,
@@ -327,8 +328,19 @@ def _count(count: Count, symbols: Symbols) -> str:
 
 def _action(action: Action) -> str:
     marks = [] if action.duration is None else [_duration(action, action.duration)]
-    marks += [] if action.cost == 0 else [f"cost = {print_fraction(action.cost)}"]
+    marks += [f"cost = {print_cost(action)}"] if action.has_cost else []
     return f"{action.name}({_variables(action.parameters)}){_marks(marks)}"
+
+
+def print_cost(action: Action) -> str:
+    """`2`, or `2 + 0.5 * distance(?a, ?b)`."""
+    constant = [print_fraction(action.cost)] if action.cost or not action.cost_parts else []
+    return " + ".join([*constant, *map(_cost_part, action.cost_parts)])
+
+
+def _cost_part(part: CostPart) -> str:
+    weight = "" if part.weight == 1 else f"{print_fraction(part.weight)} * "
+    return weight + _applied(part.symbol, part.terms)
 
 
 def _duration(action: Action, seconds: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cleancli.language.syntax.node import Node
-from cleancli.language.syntax.words import Name, Number, Quantity
+from cleancli.language.syntax.words import Application, Name, Number, Quantity
 
 
 class Prior(Node):
@@ -28,9 +28,23 @@ class Fixed(Node):
     """The mark `fixed`."""
 
 
+class Priced(Node):
+    """`weight * f(...)`; without a weight the value of the function as it is."""
+
+    weight: Number | None
+    application: Application
+
+
+class Price(Node):
+    """`amount + weight * f(...) + ...`; a fraction is an amount alone."""
+
+    amount: Number | None
+    parts: tuple[Priced, ...]
+
+
 class Attribute(Node):
     """`name`, `name = value` or `name = value [marks]` between brackets."""
 
     name: Name
-    value: Quantity | None
+    value: Quantity | Price | None
     marks: tuple[QuantityPrior | Seen | Fixed, ...] = ()
