@@ -12,10 +12,13 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.echo import wants_colour
-from cleancli.cli.files import below
+from cleancli.cli.files import RECORDS, below
 from cleancli.cli.main import run
+from cleancli.experiment.store import LINES
 from cleancli.language.find import find
 from cleancli.language.printing.formatter import layout
+from cleancli.recording.folder import RUN
+from cleancli.recording.series import SERIES
 
 DOMAIN = find("cleaning", "domains").read_text(encoding="utf-8")
 PROBLEM = find("three_areas", "problems").read_text(encoding="utf-8")
@@ -52,6 +55,25 @@ def test_check_takes_folders_and_standard_input(
     assert "<stdin>:4:10: error[E104]" in capsys.readouterr().out
     monkeypatch.setattr(sys, "stdin", _Stdin(PROBLEM))
     assert run(["check", "-"]) == 0
+
+
+def test_copies_in_the_folders_of_runs_and_studies_are_passed_over(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/commands.md; they name files that do not lie beside them. Who names such a folder means it."""
+    assert set(RECORDS) == {RUN, SERIES, LINES}
+    for record in RECORDS:
+        copies = folder / "deep" / record.split(".")[0] / "files"
+        copies.mkdir(parents=True)
+        (copies / "copy.nid").write_text(BAD, encoding="utf-8")
+        (copies.parent / record).write_text("", encoding="utf-8")
+    for command in ("check", "fmt --check"):
+        run([*command.split(), "."])
+        told = capsys.readouterr()
+        assert "note: passed over 3 copies of files in folders of runs and studies\n" in told.err
+        assert "copy.nid" not in told.out + told.err
+    assert run(["check", "deep/run"]) == 1
+    assert "copy.nid" in capsys.readouterr().out
 
 
 def test_the_files_of_a_folder_come_in_the_order_of_their_names(folder: Path) -> None:

@@ -12,7 +12,8 @@ import pytest
 
 import cleancli
 from cleancli.cli.main import run
-from cleancli.language.model import Object
+from cleancli.compiler.fluents import Fluent
+from cleancli.language.model import Object, Value
 from cleancli.language.printing.formatter import layout
 from cleancli.learning.experience import Transition, encode
 from support.hidden_rules import TEXTS, domain_of, starts
@@ -230,7 +231,7 @@ def test_conditions_that_nothing_violated_are_named_where_rules_that_had_them_go
     Path("doors.nid").write_text(layout(domain), encoding="utf-8")
     objects, lines = (Object("d", "door"),), []
     for shut in (True, False):
-        before = {("shut", ("d",)): True} if shut else {}
+        before: dict[Fluent, Value] = {("shut", ("d",)): True} if shut else {}
         seen = Transition("pull", ("d",), objects, before, {})
         lines += [f"{encode(seen, {'number': number})}\n" for number in range(20)]
     Path("doors.jsonl").write_text("".join(lines), encoding="utf-8")

@@ -95,3 +95,28 @@ def test_where_nothing_is_learned_there_is_no_change_to_print(
 def test_writing_what_nobody_learns_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["execute", "cleaning", "three_areas", "--write"]) == 2
     assert "--write writes what --learn has learned: ask for both" in capsys.readouterr().err
+
+
+def test_runs_of_another_domain_in_a_folder_are_passed_over_and_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/learning.md; where no run is of the domain, or one is named, it is told what is wrong with it."""
+    monkeypatch.chdir(tmp_path)
+    Path("lamps.nid").write_text(DOMAIN % "", encoding="utf-8")
+    for number, action in enumerate(("press", "press", "wipe"), start=1):
+        folder = Path("runs") / f"r{number}"
+        folder.mkdir(parents=True)
+        for name, content in (("run.json", "{}"), ("journal.jsonl", ""), ("experience.jsonl", "")):
+            (folder / name).write_text(content, encoding="utf-8")
+        line = {"action": action, "arguments": ["l1"], "objects": {"l1": "lamp"}, "after": []}
+        lines = [json.dumps({**line, "before": [["lit", ["l1"], True]], "seed": number})]
+        (folder / "experience.jsonl").write_text("".join(f"{each}\n" for each in lines), encoding="utf-8")
+    notes = []
+    for more in ([], ["--structure"], ["--check"]):
+        assert run(["learn", "lamps.nid", "runs", *more]) == 0
+        notes.append(capsys.readouterr().out)
+    assert all("runs: 1 run passed over, of actions that `lamps` has not\n" in told for told in notes)
+    assert "\n2 transitions, " in notes[0]
+    for other in (["runs/r3"], ["runs", "runs/r3"]):
+        assert run(["learn", "lamps.nid", *other]) == 1
+        assert "error[E701]" in capsys.readouterr().err

@@ -30,13 +30,14 @@ class Account:
 class Accounts:
     """The transitions of some files one after the other, as they are read, and what noise could have been.
 
-    Iterating raises Refused and OSError; `suggestions` are of what was passed so far.
+    Iterating raises Refused and OSError; `suggestions` are of what was passed so far. `notes`: on files that
+    were passed over.
     """
 
     def __init__(self, domain: LoadedDomain, experience: Sequence[Path], counting: Counting) -> None:
         self.model = domain.model
         self._sources, self._counting = domain.sources, counting
-        self._files = experience_files(experience)
+        self._files, self.notes = experience_files(experience, domain.model)
         self._suggestions = Suggestions(domain.model)
 
     def __iter__(self) -> Iterator[Account]:

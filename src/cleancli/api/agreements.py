@@ -71,7 +71,7 @@ def agreement(domain: LoadedDomain, experience: Sequence[Path], counting: Counti
     from cleancli.learning.agreement import agreements, disagreeing  # scipy, which nobody else here needs
 
     model = domain.model
-    files = experience_files(experience)
+    files, passed_over = experience_files(experience, model)
     with located_in(*domain.sources):
         gathered = gather(model, files, counting.method(model).is_strict, adding=False, replacing=True)
     found = agreements(model, gathered.evidence)
@@ -87,4 +87,4 @@ def agreement(domain: LoadedDomain, experience: Sequence[Path], counting: Counti
         )
         for each in found
     )
-    return AgreementResult(rules, gathered.notes)
+    return AgreementResult(rules, (*passed_over, *gathered.notes))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
+from typing import NamedTuple
 
 from cleancli.api.checks import check_one_of, check_seconds
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain, refuse_learning_pddl
@@ -21,6 +23,7 @@ from cleancli.api.learned import (
     check_writable,
 )
 from cleancli.files.numbered import by_numbers
+from cleancli.files.plain import open_plain
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
@@ -32,6 +35,7 @@ from cleancli.learning.changes import changes
 from cleancli.learning.edits import edits, is_written
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import Evidence
+from cleancli.learning.experience import LONGEST
 from cleancli.learning.gathered import GivenFile, Origin, gather
 from cleancli.learning.learn import Learned, Lesson, counted, learned_from
 from cleancli.learning.match import outcomes_of, rule_name
@@ -125,11 +129,11 @@ def lessons(
     """What was learned, after the new text was checked. Raises Refused, OSError."""
     refuse_learning_pddl(domain)
     model, method = domain.model, counting.method(domain.model)
-    files = experience_files(experience)
+    files, passed_over = experience_files(experience, model)
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
         lesson = learned_from(model, gathered.evidence, method, counting.adding)
-    notes = list(gathered.notes)
+    notes = [*passed_over, *gathered.notes]
     if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
         notes.append("the text does not say which experience its counts came from: they are replaced")
     rests_on = knowledge(method, gathered.experience)
@@ -199,12 +203,40 @@ def taught(
     )
 
 
-def experience_files(experience: Iterable[Path]) -> list[GivenFile]:
-    """Those that paths lead to: a file, that of a run's folder, or those of all runs and series in a folder.
+class GivenFiles(NamedTuple):
+    """Experience files, and notes on what was passed over."""
+
+    files: list[GivenFile]
+    notes: list[str]
+
+
+def experience_files(experience: Iterable[Path], domain: Domain) -> GivenFiles:
+    """Those that paths lead to: a file, that of a run's folder, or those of all runs and series in a folder
+    but for runs of another domain, if there are any of this one.
 
     Raises Refused (E705) for a run's folder that is not as a run leaves it.
     """
-    return [file for path in experience for file in _files_of(path)]
+    files, notes = list[GivenFile](), list[str]()
+    for path in experience:
+        found = list(_files_of(path))
+        own = [file for file in found if _may_be_of(domain, file.path)]
+        if own and len(own) < len(found):
+            others = plural(len(found) - len(own), "run")
+            notes.append(f"{path}: {others} passed over, of actions that `{domain.name}` has not")
+        files += own or found
+    return GivenFiles(files, notes)
+
+
+def _may_be_of(domain: Domain, path: Path) -> bool:
+    """Whether the first line of an experience file is of an action of the domain, as far as it can be read:
+    what is wrong with a file is said by who reads it."""
+    try:
+        with open_plain(path) as file:
+            first = json.loads(file.readline(LONGEST + 1) or b"{}")
+    except (OSError, ValueError, RecursionError):
+        return True
+    named = first.get("action") if isinstance(first, dict) else None
+    return not isinstance(named, str) or named in {action.name for action in domain.actions}
 
 
 def _files_of(path: Path) -> Iterator[GivenFile]:

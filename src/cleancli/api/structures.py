@@ -162,9 +162,8 @@ def structures(
     """What was learned, after the new text was checked. Raises Refused, OSError, BadOption."""
     model = domain.model
     names, notes = _actions(model, wanted)
-    transitions = [
-        each for file in experience_files(experience) for each in read_experience(file.path, model)
-    ]
+    files, passed_over = experience_files(experience, model)
+    transitions = [each for file in files for each in read_experience(file.path, model)]
     start = _without_rules(model, names) if wanted.vocabulary else model
     found = revised(start, compiled(model, transitions), names, wanted.search, wanted.jobs)
     dropped = {rule.name for rule in found.dropped}
@@ -179,7 +178,7 @@ def structures(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
-        (*notes, *_notes(names, found), *_unasked(model, dropped, transitions)),
+        (*passed_over, *notes, *_notes(names, found), *_unasked(model, dropped, transitions)),
         is_writable,
     )
 

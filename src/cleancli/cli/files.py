@@ -7,12 +7,17 @@ import sys
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from cleancli.cli.echo import echo_exactly
+from cleancli.cli.echo import echo, echo_exactly
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import read_source, read_stream
 
 STDIN = "-"
+
+
+RECORDS = ("run.json", "series.json", "episodes.jsonl")
+"""What the folders of runs, series and studies hold, beside copies of the files that went in."""
 
 
 def below(folder: Path, suffixes: Collection[str] = (".nid",)) -> tuple[Path, ...]:
@@ -31,15 +36,33 @@ def below(folder: Path, suffixes: Collection[str] = (".nid",)) -> tuple[Path, ..
 
 
 def expanded(names: tuple[str, ...], suffixes: Collection[str] = (".nid",)) -> Iterator[str]:
-    """The names with the files `below` each folder in its place; a folder without any stands for itself."""
+    """The names with the files `below` each folder in its place; a folder without any stands for itself.
+
+    Copies in the folders of runs, series and studies are passed over, unless such a folder is named, and a
+    note counts them.
+    """
+    copies = 0
     for name in names:
         if Path(name).is_dir():
             try:
-                yield from map(str, below(Path(name), suffixes))
+                found = below(Path(name), suffixes)
             except Refused:
                 yield name
+                continue
+            own = [path for path in found if not _is_copy(path, Path(name))]
+            copies += len(found) - len(own)
+            yield from map(str, own)
         else:
             yield name
+    if copies:
+        told = plural(copies, "copy", "copies")
+        echo(f"note: passed over {told} of files in folders of runs and studies", err=True)
+
+
+def _is_copy(path: Path, folder: Path) -> bool:
+    """Whether a file is in the folder of a run, a series or a study, which is below a folder."""
+    parents = [parent for parent in path.parents if parent.is_relative_to(folder) and parent != folder]
+    return any((parent / record).is_file() for parent in parents for record in RECORDS)
 
 
 def read(name: str) -> Source:

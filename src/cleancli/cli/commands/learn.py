@@ -213,6 +213,8 @@ def _tell(learned: LearningResult | StructureResult, diff: bool) -> None:
 
 def _explain(accounts: Accounts, as_data: bool) -> None:
     """Each transition as it is read, and then what is suggested; as data a line of JSON each."""
+    for note in accounts.notes:
+        echo(f"note: {note}", err=True)
     for account in accounts:
         if as_data:
             echo(json.dumps(account_data(accounts.model, account)))
