@@ -217,3 +217,29 @@ def test_the_page_says_in_how_many_episodes_the_processor_was_shared() -> None:
     assert "In 1 episode the process had less than 90% of a processor" in results_page(
         [results_of(STUDY, rows)]
     )
+
+
+@pytest.mark.parametrize(("slower", "told"), [(0.3, True), (2.0, False)])
+def test_a_verdict_that_rests_on_failures_says_so(slower: float, told: bool) -> None:
+    """docs/statistics.md: `tsp` fails every other time, and each failure counts as twice the longest."""
+    means: Mapping[Value, float] = {"plan-2": 1.0, "tsp": slower, "a": 30.0}
+    axes = {"scene": ("a",), "strategy": ("plan-2", "tsp")}
+    rows = list(drawn(axes, means, 40, failing={"tsp": 0.6}))
+    (found,) = judged([against("tsp")], rows)
+    assert found.verdict is Verdict.WON
+    assert found.sides is not None
+    assert (found.sides.difference.value > 0) == told
+    because = "because what did not end clean counts as twice the longest: where both ended clean, the diff"
+    assert (because in reason(found)) == told
+
+
+def test_of_the_symbolic_world_nothing_is_called_clean() -> None:
+    axes = {"scene": ("a",), "strategy": ("plan-2", "reactive"), "simulator": ("symbolic",)}
+    rows = list(drawn(axes, MEANS, 6, failing={"reactive": 0.5}))
+    page = results_page([results_of(replace(STUDY, comparisons=(against("reactive"),)), rows)])
+    told = page[page.index("## made_up") :]
+    assert "Not finished: " in told
+    assert "episodes not finished" in told
+    assert "of the second did not finish." in told
+    assert "clean" not in told
+    assert "dirt" not in told

@@ -25,11 +25,9 @@ from cleancli.scene.model import Scene
 from cleancli.study.check import load_study
 from cleancli.study.model import Study, Value
 from cleancli.study.overrides import varied
+from cleancli.study.row import SYMBOLIC
 from cleancli.study.schema import AXES, NOTHING
 from cleancli.world.kinematic import refuse_without_stand_in
-
-SYMBOLIC = "symbolic"
-"""The simulator of a problem that is no scene."""
 
 _LEARNING = ("m", "match", "forgetting")
 

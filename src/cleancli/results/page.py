@@ -21,7 +21,17 @@ from cleancli.results.judged import Judged, judged
 from cleancli.statistics.bootstrap import FEWEST, Estimate
 from cleancli.statistics.verdict import MOST_PAIRS, Bounds, Verdict, together
 from cleancli.study.model import Study
-from cleancli.study.row import CROWDED, MEASURES, Row, axes_of, endings, is_crowded
+from cleancli.study.row import (
+    CLEAN,
+    CROWDED,
+    MEASURES,
+    Row,
+    Words,
+    axes_of,
+    endings,
+    is_crowded,
+    words_for,
+)
 
 PAGE = "results.md"
 FIGURES = "results"
@@ -105,7 +115,8 @@ def _blocks(results: Sequence[Results]) -> Iterator[str]:
         if each.judged:
             yield f"### Comparisons of {each.study.name}"
             yield _table(_COMPARED, map(_compared, each.judged))
-            yield "\n".join(f"- {_verdict(one)}" for one in each.judged)
+            words = words_for(each.rows)
+            yield "\n".join(f"- {_verdict(one, words)}" for one in each.judged)
 
 
 _INTRODUCTION = f"""# Results
@@ -117,7 +128,8 @@ Numbers of this page: `cleancli experiment`.
 
 - Intervals, in brackets, hold a mean or a ratio 95 times in 100; fewer than {FEWEST} runs have none.
 - Episodes that did not end clean are in no mean of the way to a clean table. Figures count them behind a ✗.
-  In ratios each counts as twice the longest of those that it is compared with.
+  In ratios each counts as twice the longest of those that it is compared with. In the symbolic world the same
+  holds of episodes that did not finish: the goal does not hold, or something is left of the count.
 - *ratio*: of the mean of the first to that of the second, in runs with the same seeds.
   *difference*: where both ended clean. *effect*: the mean difference of runs, in standard deviations.
   *p*: of the signed-rank test of what is expected. *Holm*: the same, among all comparisons of the study."""
@@ -168,13 +180,14 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
         yield f"### {study.name}, {name}"
     yield from (f"![{figure.shows}]({FIGURES}/{figure.name}.svg)" for figure in figures)
     yield _in_common(rows)
+    words = words_for(rows)
     if reasons := endings(rows):
-        yield f"Not clean: {reasons}."
+        yield f"{words.other.capitalize()}: {reasons}."
     axes = telling(rows)
-    measures = dict.fromkeys((study.measure, "actions", "left"))
+    measures = dict.fromkeys((study.measure, "actions", *(("left",) if words is CLEAN else ())))
     always = MEASURES[study.measure].always
     columns = [cells(rows, axes, measure, always) for measure in measures]
-    names = [*axes, "runs", "episodes not clean", *(MEASURES[measure].meaning for measure in measures)]
+    names = [*axes, "runs", f"episodes {words.other}", *(MEASURES[measure].meaning for measure in measures)]
     yield _table(names, (_cell(same) for same in zip(*columns, strict=True)))
 
 
@@ -215,35 +228,35 @@ def _compared(each: Judged) -> tuple[str, ...]:
     )
 
 
-def _verdict(each: Judged) -> str:
+def _verdict(each: Judged, words: Words) -> str:
     """What was expected, the verdict, and why."""
     said = each.comparison
     expected = f" {said.says.rstrip('.')}." if said.says else ""
     claim = "" if said.claim is None else f" (claim {said.claim})"
-    return f"**{said.name}**{claim}:{expected} *{each.verdict.capitalize()}*: {reason(each)}."
+    return f"**{said.name}**{claim}:{expected} *{each.verdict.capitalize()}*: {reason(each, words)}."
 
 
-def reason(each: Judged) -> str:
+def reason(each: Judged, words: Words = CLEAN) -> str:
     """Why a verdict is as it is, and how many more runs would bring one; before it what the numbers hide: a
     side that did nothing at all or never ended clean."""
     if each.unmeasured:
-        nobody = "no episode ended clean" if each.sides is None else "no episode of either side ended clean"
+        nobody = f"no episode {'' if each.sides is None else 'of either side '}{words.ended}"
         return "; ".join((nobody, *(f"the {side} did nothing at all" for side in each.idle)))
     hidden = {side: ["did nothing at all"] for side in each.idle}
     for side in each.never:
-        hidden.setdefault(side, []).append("never ended clean")
+        hidden.setdefault(side, []).append(words.never)
     told = (f"the {side} {' and '.join(whats)}" for side, whats in hidden.items())
-    return "; ".join((*told, _by_numbers(each)))
+    return "; ".join((*told, _by_numbers(each, words)))
 
 
-def _by_numbers(each: Judged) -> str:
+def _by_numbers(each: Judged, words: Words) -> str:
     within = _within(each.bounds)
-    failed = _failures(each)
+    failed = _failures(each, words)
     match each.verdict:
         case Verdict.WON:
-            return f"all of the interval lies {within}{failed}"
+            return f"all of the interval lies {within}{_by_failures(each, words)}{failed}"
         case Verdict.LOST:
-            return f"none of the interval lies {within}{failed}"
+            return f"none of the interval lies {within}{_by_failures(each, words)}{failed}"
     if not each.estimate.count:
         return "there are no rows to compare"
     if not each.estimate.known:
@@ -256,6 +269,23 @@ def _by_numbers(each: Judged) -> str:
     return f"only a part of the interval lies {within}, and {more}{failed}"
 
 
+def _by_failures(each: Judged, words: Words) -> str:
+    """That a verdict rests on episodes that failed: that each counts as twice the longest is what parts the
+    sides, and the difference where both ended clean does not. Nothing of a side that never did, which is said
+    before."""
+    said, sides = each.comparison, each.sides
+    if sides is None or each.never or not any(sides.failed) or said.expect == "equal" or said.factor != 1:
+        return ""
+    both = sides.difference
+    if both.known and (both.high < 0 if sides.paired.ratio.value < 1 else both.low > 0):
+        return ""
+    told = f"is {_interval(both)}" if both.count else "cannot be told"
+    return (
+        f", because what {words.failed} counts as twice the longest: where both {words.ended}, the difference"
+        f" {told}"
+    )
+
+
 def _within(bounds: Bounds) -> str:
     if not isfinite(bounds.low):
         return f"below {_number(bounds.high)}"
@@ -264,11 +294,11 @@ def _within(bounds: Bounds) -> str:
     return f"between {_number(bounds.low)} and {_number(bounds.high)}"
 
 
-def _failures(each: Judged) -> str:
+def _failures(each: Judged, words: Words) -> str:
     if each.sides is not None and any(each.sides.failed):
         first, second = each.sides.failed
-        return f"; {plural(first, 'episode')} of the first and {second} of the second did not end clean"
-    return f"; {plural(each.failed, 'episode')} did not end clean" if each.failed else ""
+        return f"; {plural(first, 'episode')} of the first and {second} of the second {words.failed}"
+    return f"; {plural(each.failed, 'episode')} {words.failed}" if each.failed else ""
 
 
 def _interval(estimate: Estimate) -> str:

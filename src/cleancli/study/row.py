@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 from cleancli.study.model import Selection, Value
 
@@ -14,6 +15,9 @@ REAL = ("planning", "perceiving", "extra_perceptions", "learning")
 
 CROWDED = 0.9
 """With less of a processor than this share of its real time, an episode shared it with others. Chosen."""
+
+SYMBOLIC = "symbolic"
+"""The simulator of a problem that is no scene, as rows name it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,3 +144,22 @@ def comparable(row: Row) -> Row:
     """The row without what differs each time that the same episode is carried out: real time."""
     kept = {kind: 0.0 if kind in REAL else spent for kind, spent in row.seconds.items()}
     return replace(row, seconds=kept, total=0.0, cpu=0.0, real=0.0)
+
+
+class Words(NamedTuple):
+    """How it is told whether episodes did what they were for."""
+
+    ended: str
+    failed: str
+    never: str
+    other: str
+
+
+CLEAN = Words("ended clean", "did not end clean", "never ended clean", "not clean")
+FINISHED = Words("finished", "did not finish", "never finished", "not finished")
+"""In the symbolic world, where nothing is said to be dirty."""
+
+
+def words_for(rows: Iterable[Row]) -> Words:
+    """The words for rows of which all are of the symbolic world, or some are of tables."""
+    return FINISHED if {row.axes.get("simulator") for row in rows} == {SYMBOLIC} else CLEAN
