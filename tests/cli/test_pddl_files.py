@@ -172,3 +172,69 @@ def test_who_plans_for_nid_files_does_not_load_the_converter() -> None:
         "sys.exit('cleancli.conversion.pddl.models' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL).returncode == 0
+
+
+PRINTROOM = """
+(define (domain print-room)
+  (:types job printer)
+  (:predicates (done ?j - job) (jammed-up ?p - printer))
+  (:action print-job
+    :parameters (?j - job ?p - printer)
+    :precondition (and (not (done ?j)) (not (jammed-up ?p)))
+    :effect (probabilistic 0.7 (done ?j) 0.2 (jammed-up ?p)))
+  (:action un-jam
+    :parameters (?p - printer)
+    :precondition (jammed-up ?p)
+    :effect (not (jammed-up ?p))))
+"""
+JOBS = """
+(define (problem two-jobs) (:domain print-room)
+  (:objects j1 j-2 - job p-1 - printer)
+  (:init)
+  (:goal (and (done j1) (done j-2))))
+"""
+
+
+def print_room(domain: str = PRINTROOM) -> None:
+    Path("room.pddl").write_text(domain, encoding="utf-8")
+    Path("jobs.pddl").write_text(JOBS, encoding="utf-8")
+
+
+def test_a_probability_that_is_none_hides_no_other_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    print_room(
+        PRINTROOM.replace("0.2", "0.6").replace(
+            "(not (jammed-up ?p)))\n    :eff", "(not (jamed ?p)))\n    :eff"
+        )
+    )
+    assert run(["check", "room.pddl"]) == 1
+    told = capsys.readouterr().out
+    assert "error[E918]: the probabilities sum to 1.3" in told
+    assert "error[E916]: unknown predicate `jamed`" in told
+    assert "2 mistakes in 1 file" in told
+
+
+def test_actions_may_be_named_as_the_files_name_them(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/from-pddl.md: a hyphen is an underscore in what the files become."""
+    print_room()
+    told = []
+    for action in ("print-job(j-2, p-1)", "print_job(j_2, p_1)"):
+        assert run(["explain", "room.pddl", "jobs.pddl", action]) == 0
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1]
+    assert told[0].startswith("print_job(j_2, p_1): covered by rule print_job")
+    steps = cleancli.explain("room.pddl", "jobs.pddl", "print-job(j1 p-1)")
+    assert str(steps).startswith("print_job(j1, p_1): ")
+    assert run(["explain", "room.pddl", "jobs.pddl", "print-jop(j1, p-1)"]) == 1
+    assert "did you mean `print_job`?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("domain", "problem"), [("room.pddl", "jobs.pddl"), ("cleaning", "three_areas"), ("sweeping", "rim")]
+)
+def test_files_in_the_wrong_order_are_told_so(
+    domain: str, problem: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    print_room()
+    assert run(["plan", problem, domain]) == 2
+    error = capsys.readouterr().err
+    assert f"`{problem}` is a problem, and `{domain}` its domain: name the domain first" in error

@@ -124,7 +124,7 @@ def test_explain_as_data(capsys: pytest.CaptureFixture[str]) -> None:
         ("join2(a1, a33)", ["ACTION:1:11: error[E205]", "          ^^^", "did you mean `a3`"]),
         ("join2(a1)", ["error[E208]: `join2` takes 2 objects, not 1", "`join2(?a - area, ?b - area)`"]),
         ("pickUp(bin)", ["error[E209]: `bin` is of type `container`, `pickUp` wants `area`"]),
-        ("pickUp(a1", ["error[E104]", "join2(a1, a3)"]),
+        ("pickUp(a1", ["error[E104]", "write for example `moveToContainerFast(a1)`, in quotation"]),
         ("", ["error[E104]"]),
     ],
 )

@@ -12,6 +12,7 @@ from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opene
 from cleancli.cli.files import STDIN, read
 from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import (
     checked_domain,
@@ -35,7 +36,31 @@ def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
 
 
 def open_given(domain: str, problem: str, *, compat: bool = False) -> LoadedProblem:
-    """A problem of a domain, or a scene, with all texts; raises Refused."""
+    """A problem of a domain, or a scene, with all texts; raises Refused, and UsageError where both are named
+    in the other order."""
+    try:
+        return _open_given(domain, problem, compat)
+    except Refused:
+        if _is("domain", problem) and not _is("domain", domain) and _is("problem", domain):
+            message = f"`{domain}` is a problem, and `{problem}` its domain: name the domain first"
+            raise click.UsageError(message) from None
+        raise
+
+
+def _is(kind: str, name_or_path: str) -> bool:
+    """Whether a file is a domain, or a problem or scene; not where it cannot be read."""
+    try:
+        source = read_source(find(name_or_path, "domains", "problems"))
+        if is_pddl(source):
+            from cleancli.conversion.pddl.models import defines_domain, defines_problem
+
+            return (defines_domain if kind == "domain" else defines_problem)(source)
+        return (kind_of(source) == "domain") == (kind == "domain")
+    except Refused:
+        return False
+
+
+def _open_given(domain: str, problem: str, compat: bool) -> LoadedProblem:
     text, path = read_source(find(domain, "domains")), find(problem, "problems")
     if is_pddl(text):
         return load_problem(path, Path(text.path))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NoReturn
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
@@ -17,7 +17,8 @@ Call = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
 
 _BETWEEN = " \t\r\n,;"
-_CALL = re.compile(r"(?P<action>\w+)\s*(?:\((?P<arguments>[^()]*)\))?")
+_CALL = re.compile(r"(?P<action>[\w-]+)\s*(?:\((?P<arguments>[^()]*)\))?")
+"""Names may have the hyphens of PDDL's files, which are underscores in what these become."""
 _ARGUMENT = re.compile(r"[^\s,]+")
 _Place = tuple[str, int, int]
 
@@ -27,8 +28,7 @@ def read_action(text: str, domain: Domain, problem: Problem) -> Call:
     source, written = Source("ACTION", text), text.rstrip()
     match = _CALL.fullmatch(written, len(written) - len(written.lstrip()))
     if match is None:
-        help = "write for example `join2(a1, a3)`, in quotation marks for the shell"
-        _refuse(source, "E104", "this is no action with its objects", 0, len(text), help)
+        _refuse_other(source, 0, len(text), _example(domain, problem))
     return _read(source, match, domain, problem)
 
 
@@ -42,16 +42,16 @@ def read_actions(text: str, domain: Domain, problem: Problem) -> tuple[Call, ...
         place = len(text) - len(left)
         match = _CALL.match(text, place)
         if match is None:
-            help = "write for example `wipe(s1) join2(a1, a3)`, in quotation marks for the shell"
-            _refuse(source, "E104", "this is no action with its objects", place, len(text.rstrip()), help)
+            example = _example(domain, problem)
+            _refuse_other(source, place, len(text.rstrip()), f"{example} {example}")
         calls.append(_read(source, match, domain, problem))
         place = match.end()
     return tuple(calls)
 
 
 def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem) -> Call:
-    name = match["action"]
     declared = {action.name: action for action in domain.actions}
+    name = _as_declared(match["action"], declared)
     if name not in declared:
         help = meant(name, declared, "action")
         _refuse(source, "E206", f"unknown action `{name}`", match.start("action"), match.end("action"), help)
@@ -64,15 +64,21 @@ def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem
         message = f"`{name}` takes {plural(len(wanted), 'object')}, not {len(places)}"
         help = f"it is declared as `{print_signature(name, wanted)}`"
         _refuse(source, "E208", message, match.start("action"), match.end(), help)
-    _check_objects(source, places, declared[name], domain, problem)
-    return name, tuple(place[0] for place in places)
+    return name, tuple(_objects(source, places, declared[name], domain, problem))
 
 
-def _check_objects(
+def _as_declared(name: str, declared: Collection[str]) -> str:
+    """The name of something declared that a name with hyphens stands for, or else the name as it is."""
+    changed = name.replace("-", "_")
+    return changed if changed in declared else name
+
+
+def _objects(
     source: Source, places: Sequence[_Place], action: Action, domain: Domain, problem: Problem
-) -> None:
+) -> Iterator[str]:
     objects: dict[str, Object] = {o.name: o for o in (*domain.constants, *problem.objects)}
-    for (name, start, end), parameter in zip(places, action.parameters, strict=True):
+    for (written, start, end), parameter in zip(places, action.parameters, strict=True):
+        name = _as_declared(written, objects)
         fitting = [o.name for o in objects.values() if domain.is_a(o.type, parameter.type)]
         help = meant(name, fitting, "object")
         if name not in objects:
@@ -80,6 +86,24 @@ def _check_objects(
         if name not in fitting:
             message = f"`{name}` is of type `{objects[name].type}`, `{action.name}` wants `{parameter.type}`"
             _refuse(source, "E209", message, start, end, help)
+        yield name
+
+
+def _example(domain: Domain, problem: Problem) -> str:
+    """An action of the domain on objects that fit, as far as there are any."""
+    action = next((each for each in domain.actions if each.parameters), domain.actions[0])
+    names = list[str]()
+    for parameter in action.parameters:
+        fitting = [
+            o.name for o in (*problem.objects, *domain.constants) if domain.is_a(o.type, parameter.type)
+        ]
+        names.append(fitting[len(names) % len(fitting)] if fitting else "...")
+    return f"{action.name}({', '.join(names)})"
+
+
+def _refuse_other(source: Source, start: int, end: int, example: str) -> NoReturn:
+    help = f"write for example `{example}`, in quotation marks for the shell"
+    _refuse(source, "E104", "this is no action with its objects", start, end, help)
 
 
 def _refuse(source: Source, code: str, message: str, start: int, end: int, help: str) -> NoReturn:

@@ -17,7 +17,7 @@ from cleancli.cli.progress import working
 @command_of("explain")
 @options.as_json("Print the explanation as JSON.")
 def command(domain: str, problem: str, action: str, as_data: bool) -> None:
-    """Say what ACTION, like "join2(a1, a3)", would do in the initial state of PROBLEM, and by which rule.
+    """Say what ACTION, like "pour(jug, glass)", would do in the initial state of PROBLEM, and by which rule.
 
     If no rule covers it, say of each of its rules which literals fail, and what holds instead. For a scene,
     the state is that of one look at its table.

@@ -14,7 +14,7 @@ from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.schemas import Schema, schemas_of
 from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
-from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.diagnostic import Level, Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Horizon, Problem
 
@@ -56,7 +56,8 @@ def draft_of(
     texts that they were read from. Raises Refused with every mistake (E915 to E918)."""
     texts = {source.path: source for source in findings.sources}
     _refuse_misfits(domains, problems, findings)
-    findings.refuse_errors()
+    if any(each.level is Level.ERROR and each.code != "E918" for each in findings.sorted):
+        findings.refuse_errors()  # what could not be read is missing; odd probabilities are in bounds by now
     domain = domains[0]
     words = Words(domain, problems, findings, texts)
     metric = metric_of(domain, problems, findings)

@@ -59,7 +59,8 @@ def effect_of(node: Node, reader: Reader) -> EffectNode:
 
 
 def _chance(node: Group, reader: Reader) -> ChanceNode:
-    """`(probabilistic p e ...)`; E918 for what is no probability, and where the sum is above 1."""
+    """`(probabilistic p e ...)`; E918 for what is no probability, and where the sum is above 1: what else is
+    wrong is sought as if they were in bounds."""
     parts = node.items[1:]
     if not parts or len(parts) % 2:
         raise Unreadable("`probabilistic` has pairs of a probability and an effect", reader.span(node))
@@ -69,12 +70,14 @@ def _chance(node: Group, reader: Reader) -> ChanceNode:
         if not 0 <= chance <= 1:
             shown = print_fraction(abs(chance))
             message = f"`{'-' if chance < 0 else ''}{shown}` is no probability"
-            raise Unreadable(message, reader.span(parts[place]), "it lies between 0 and 1", "E918")
+            reader.note(Unreadable(message, reader.span(parts[place]), "it lies between 0 and 1", "E918"))
+            chance = min(max(chance, Fraction(0)), Fraction(1))
         branches.append((chance, effect_of(parts[place + 1], reader)))
     total = sum((chance for chance, _ in branches), Fraction(0))
     if total > 1:
         message = f"the probabilities sum to {print_fraction(total)}"
-        raise Unreadable(message, reader.span(node), "they sum to at most 1", "E918")
+        reader.note(Unreadable(message, reader.span(node), "they sum to at most 1", "E918"))
+        branches = [(chance / total, effect) for chance, effect in branches]
     return ChanceNode(tuple(branches), span=reader.span(node))
 
 
