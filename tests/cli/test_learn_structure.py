@@ -243,3 +243,25 @@ def test_conditions_that_nothing_violated_are_named_where_rules_that_had_them_go
     ) in text
     assert "push: its old rules" not in text, "which stay"
     assert "its old rules" not in said(capsys, "learn --structure locks.nid seen.jsonl --action unlock")
+
+
+def test_the_example_from_an_empty_file_to_a_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Followed as docs/learning.md shows it; only how long planning took is left out there."""
+    page = (Path(__file__).parents[2] / "docs" / "learning.md").read_text(encoding="utf-8")
+    section = page[page.index("## From an empty file to a plan") :]
+    section = section[: section.index("\n## ")]
+    blocks = re.findall(r"^```(nid|python|console)\n(.*?)^```$", section, re.M | re.S)
+    assert [kind for kind, _ in blocks] == ["nid", "python", "console", "nid", "nid", "console"]
+    vocabulary, program, learning, rules, problem, planning = (text for _, text in blocks)
+    monkeypatch.chdir(tmp_path)
+    Path("breakfast.nid").write_text(vocabulary, encoding="utf-8")
+    Path("two_cups.nid").write_text(problem, encoding="utf-8")
+    exec(compile(program, "record.py", "exec"), {"__name__": "record"})
+    for shown in (learning, planning):
+        command, _, expected = shown.partition("\n")
+        assert run(command.removeprefix("$ cleancli ").split()) == 0
+        printed = capsys.readouterr().out
+        assert printed.partition("seconds: ")[0] == expected
+        assert rules in Path("learned.nid").read_text(encoding="utf-8")
