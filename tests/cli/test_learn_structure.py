@@ -17,7 +17,7 @@ from cleancli.language.model import Object, Value
 from cleancli.language.printing.formatter import layout
 from cleancli.learning.experience import Transition, encode
 from support.hidden_rules import TEXTS, domain_of, starts
-from support.walks import walks
+from support.walks import flickering, walks
 
 WRONG = """  # mine
   rule mine: slam(?d) {
@@ -97,6 +97,20 @@ def test_of_three_rules_of_an_action_the_wrong_one_gives_way(
         "rule slam_jammed: slam(?d) {",
     ]
     assert not any("a guess" in line for line in lines)
+
+
+def test_how_much_is_left_unexplained_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """About as many as were seen wrongly, where one fact in a hundred is."""
+    rng = np.random.default_rng(3)
+    drawn = list(itertools.islice(walks(domain_of("locks"), starts("locks", rng), rng), 400))
+    seen = list(flickering(domain_of("locks"), drawn, 0.01, rng))
+    Path("wrong.jsonl").write_text("".join(f"{encode(each, {})}\n" for each in seen), encoding="utf-8")
+    wrong = sum(one.after != other.after for one, other in zip(drawn, seen, strict=True))
+    text = said(capsys, "learn --structure bare.nid wrong.jsonl --output new.nid")
+    ((number, share),) = re.findall(r"^in (\d+) transitions \(([\d.]+)%\) something happened", text, re.M)
+    assert 0.8 * wrong <= int(number) <= 1.2 * wrong
+    assert float(share) == pytest.approx(100 * int(number) / 400, abs=0.06)
+    assert "something happened" not in said(capsys, "learn --structure bare.nid seen.jsonl --output own.nid")
 
 
 def test_only_asked_for_actions_and_none_with_fixed_rules_change(

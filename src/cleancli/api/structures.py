@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -158,14 +158,16 @@ def structures(
     wanted: Wanted,
     is_writable: bool,
     include_outside: bool = False,
+    done: Callable[[], None] = lambda: None,
 ) -> StructureResult:
-    """What was learned, after the new text was checked. Raises Refused, OSError, BadOption."""
+    """What was learned, after the new text was checked; `done` is called as the rules of each action are
+    found, and again as those for what is held out are. Raises Refused, OSError, BadOption."""
     model = domain.model
     names, notes = _actions(model, wanted)
     files, passed_over = experience_files(experience, model)
     transitions = [each for file in files for each in read_experience(file.path, model)]
     start = _without_rules(model, names) if wanted.vocabulary else model
-    found = revised(start, compiled(model, transitions), names, wanted.search, wanted.jobs)
+    found = revised(start, compiled(model, transitions), names, wanted.search, wanted.jobs, done)
     dropped = {rule.name for rule in found.dropped}
     if wanted.vocabulary:
         dropped |= {rule.name for rule in model.rules if rule.action in names}
@@ -173,7 +175,7 @@ def structures(
     main = domain.sources[0].path
     texts[main] = Source(main, layout(texts[main].text, main))
     checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
-    scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted))
+    scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted, done))
     return StructureResult(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
@@ -209,14 +211,18 @@ class _Scores(NamedTuple):
 
 
 def _held_out(
-    model: Domain, transitions: Sequence[Transition], names: Sequence[str], wanted: Wanted
+    model: Domain,
+    transitions: Sequence[Transition],
+    names: Sequence[str],
+    wanted: Wanted,
+    done: Callable[[], None],
 ) -> tuple[dict[str, Score], dict[str, Score]]:
     """The scores of what is held out of each action, by the rules as they are, and by those that are learned
     from the others."""
     held = np.random.default_rng(wanted.seed).permutation(len(transitions))[: len(transitions) // HELD_OUT]
     out = set(held.tolist())
     kept = [each for number, each in enumerate(transitions) if number not in out]
-    learned = revised(model, compiled(model, kept), names, wanted.search, wanted.jobs).domain
+    learned = revised(model, compiled(model, kept), names, wanted.search, wanted.jobs, done).domain
     tested = compiled(model, [transitions[number] for number in sorted(out)])
     concerned = [name for name in names if name in tested]
     before, after = ({n: scored(d, n, tested[n]) for n in concerned} for d in (model, learned))
@@ -270,9 +276,10 @@ def _notes(names: Sequence[str], found: Revised) -> Iterator[str]:
         f" {plural(len(found.added), 'rule')} learned, {plural(len(found.dropped), 'rule')} dropped"
     )
     if scores.unforetold:
+        share = scores.unforetold / scores.transitions
         yield (
-            f"in {plural(scores.unforetold, 'transition')} something happened that no outcome says: it counts"
-            " as noise, or was seen wrongly"
+            f"in {plural(scores.unforetold, 'transition')} ({share:.1%}) something happened that no outcome"
+            " says: it counts as noise, or was seen wrongly"
         )
     for name in names:
         if name not in found.after:

@@ -14,7 +14,7 @@ from cleancli.api.agreements import agreement
 from cleancli.api.learned import LearningResult
 from cleancli.api.lessons import Counting, lessons
 from cleancli.api.structures import StructureResult, Wanted, structures
-from cleancli.cli import options
+from cleancli.cli import options, progress
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains
 from cleancli.cli.echo import echo
@@ -124,8 +124,8 @@ def command(
     if write and not is_own:
         raise ships_with(named, loaded)
     if structure:
-        with working("learning rules"), usage_errors():
-            rules = structures(loaded, experience, wanted, is_own, may_include_outside())
+        with progress.counting("learning rules, {} actions done", quiet=False) as done, usage_errors():
+            rules = structures(loaded, experience, wanted, is_own, may_include_outside(), done)
         return _finish(rules, write, output, diff, as_data)
     if check:
         with working("reading"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import multiprocessing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -175,16 +175,21 @@ def revised(
     actions: Sequence[str],
     search: str = TREE.search,
     jobs: int = 1,
+    done: Callable[[], None] = lambda: None,
 ) -> Revised:
     """The domain with better rules for those of these actions that there are transitions of, found by a
-    search of `SEARCHES`, on so many processes: for any number of them the same.
+    search of `SEARCHES`, on so many processes: for any number of them the same. `done` is called after each
+    action.
 
     Each rule stays that explains its transitions as well, with probabilities that fit, as those that were
     induced, so that names and comments of rules that somebody wrote are kept.
     """
     declared = {each.name: each for each in domain.actions}
     tasks = [(domain, declared[name], compiled[name], Way(search)) for name in actions if name in compiled]
-    found = {each.action: each for each in _all_improved(tasks, jobs)}
+    found = {}
+    for each in _all_improved(tasks, jobs):
+        found[each.action] = each
+        done()
     for name in _refused(domain, list(found.values())):
         found[name] = improved(domain, declared[name], compiled[name], Way(search, plain=True))
         if _is_refused(domain, _beside(found[name])):
@@ -204,11 +209,12 @@ def revised(
     return Revised(whole, before, after, kept, dropped, added, default)
 
 
-def _all_improved(tasks: Sequence[tuple[Domain, Action, ActionArrays, Way]], jobs: int) -> list[Induced]:
+def _all_improved(tasks: Sequence[tuple[Domain, Action, ActionArrays, Way]], jobs: int) -> Iterator[Induced]:
     if min(jobs, len(tasks)) < 2:
-        return list(itertools.starmap(improved, tasks))
+        yield from itertools.starmap(improved, tasks)
+        return
     with ProcessPoolExecutor(min(jobs, len(tasks)), multiprocessing.get_context("spawn")) as executor:
-        return list(executor.map(improved, *zip(*tasks, strict=True)))
+        yield from executor.map(improved, *zip(*tasks, strict=True))
 
 
 def _refused(domain: Domain, found: Sequence[Induced]) -> list[str]:
