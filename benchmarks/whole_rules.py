@@ -5,8 +5,10 @@ far the states that are foretold for held-out transitions are from those that th
 variation, in the mean), beside the same of the hidden rules with probabilities fitted to what was learned
 from; how many rules were found, and how many there are; CPU seconds of learning; and what `check` says.
 
-FOLDER holds, for each domain, NAME.nid with the hidden rules, NAME.train.jsonl.gz and NAME.test.jsonl.gz; by
-default the three small domains of tests/support/hidden_rules.py are drawn from. `--drawn` more transitions
+FOLDER holds, for each domain, NAME.nid with the hidden rules, and where they were recorded elsewhere
+NAME.train.jsonl.gz and NAME.test.jsonl.gz; else both are drawn, each from 200 random states of its own, as in
+benchmarks/domains/hidden. By default the three small domains of tests/support/hidden_rules.py are hidden.
+`--drawn` more transitions
 (5,000) are drawn from the hidden rules, on walks of 12 actions from the states of the file that is learned
 from, or from random ones. With `--flicker SHARE` each fact after a transition that is learned from is seen
 wrongly by that chance; TV and floor are by what is true.
@@ -32,6 +34,7 @@ from cleancli.language.load import checked_domain, load_domain, read_source
 from cleancli.language.model import Domain, Outcome
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.printer import print_domain
+from cleancli.learning.drawn_states import drawn_states
 from cleancli.learning.experience import Transition, decode
 from cleancli.learning.learn import learn
 from cleancli.learning.learn import revised as with_probabilities
@@ -60,14 +63,30 @@ class Hidden:
     starts: Sequence[Start]
 
 
-def of_folder(folder: Path) -> Iterator[Hidden]:
+def of_folder(folder: Path, rng: np.random.Generator) -> Iterator[Hidden]:
     """The domains of a folder, in the order of their names."""
     for path in sorted(folder.glob("*.nid")):
         domain = load_domain(read_source(path))
+        if not path.with_name(f"{path.stem}.train.jsonl.gz").exists():
+            yield _drawn(domain, *(_starts(domain, rng) for _ in range(2)), rng)
+            continue
         train, test = (
             list(_read(path.with_name(f"{path.stem}.{part}.jsonl.gz"), domain)) for part in ("train", "test")
         )
         yield Hidden(domain, train, test, [(each.objects, each.before) for each in train])
+
+
+def _starts(domain: Domain, rng: np.random.Generator) -> list[Start]:
+    states = itertools.islice(drawn_states((domain,), rng), 200)
+    return [(each.objects, each.before) for each in states]
+
+
+def _drawn(
+    domain: Domain, first: Sequence[Start], others: Sequence[Start], rng: np.random.Generator
+) -> Hidden:
+    """Transitions to learn from, and others of the test from other states."""
+    train = list(itertools.islice(walks(domain, first, rng), SIZES[-1]))
+    return Hidden(domain, train, list(itertools.islice(walks(domain, others, rng), 300)), first)
 
 
 def _read(path: Path, domain: Domain) -> Iterator[Transition]:
@@ -78,9 +97,7 @@ def _read(path: Path, domain: Domain) -> Iterator[Transition]:
 def of_tests(rng: np.random.Generator) -> Iterator[Hidden]:
     """The small domains, with random transitions; those of the test are from other states."""
     for name in TEXTS:
-        domain, first, others = domain_of(name), starts(name, rng), starts(name, rng)
-        drawn = [list(itertools.islice(walks(domain, each, rng), SIZES[-1])) for each in (first, others)]
-        yield Hidden(domain, drawn[0], drawn[1][:300], first)
+        yield _drawn(domain_of(name), starts(name, rng), starts(name, rng), rng)
 
 
 def without_rules(domain: Domain) -> Domain:
@@ -127,7 +144,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    every = of_tests(rng) if options.folder is None else of_folder(options.folder)
+    every = of_tests(rng) if options.folder is None else of_folder(options.folder, rng)
     print("| domain | transitions | TV | floor | rules (hidden) | CPU s | check |")
     print("|---|---|---|---|---|---|---|", flush=True)
     for hidden in every:
