@@ -1,0 +1,138 @@
+"""What it is worth to try an action in a state: by about how much less what is foretold will be wrong.
+
+Counts are of transitions in contexts of the rules now believed, never of states: what one state has shown
+counts for all that the rules take to be like it. A probability p that rests on n examples is off by about
+the square root of p (1 - p) / n, so the next example takes away about that over n; and what has not happened
+in n tries happens in about one of n + 1 (Laplace's rule of succession), so the next one takes away about
+1 / (n + 1)².
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cleancli.array_types import Bools, Floats
+from cleancli.compiler.fluents import Values
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.model import Action, Domain, Object
+from cleancli.learning.experience import Transition
+from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, covering
+from cleancli.learning.exploration.parts import held
+from cleancli.learning.structure.arrays import compiled
+
+UNTRIED = 1.0
+"""What an action is worth of which there is no transition."""
+NEAR, FURTHER = 0.5, 0.7
+"""What it is worth to try an action where one part does not hold of the most specific context in which it is
+known to do something, before anything was seen there; and by which factor less for each further part. Chosen
+by trying (benchmarks/exploration.py)."""
+UNCHANGED = 0.3
+"""The same of an action that has changed nothing so far, where two parts hold together for the first time;
+chosen alike."""
+AGAIN = 0.25
+"""By which factor less it is worth for each time that it has changed nothing in this very state; chosen."""
+MOST_PAIRS = 2000
+"""Arguments of one action that are looked at, drawn where there are more; chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """An action to be tried on objects, and what that is worth."""
+
+    action: str
+    objects: tuple[str, ...]
+    worth: float
+
+
+def least_worth(known: int) -> float:
+    """What a try is worth at least where it is not known what happens: as much as one more example of a rule
+    that has as many as eq. 6 asks for; like that bound, for the worst probability, which is a half."""
+    return float((known + 1) ** -1.5)
+
+
+def tries(
+    found: Explored, objects: tuple[Object, ...], state: Values, rng: np.random.Generator
+) -> Iterator[Try]:
+    """All that can be tried in a state, with what it is worth."""
+    for action in found.domain.actions:
+        arguments = _arguments(found.domain, action, objects, rng)
+        if not arguments:
+            continue
+        known = found.actions.get(action.name)
+        pairs = [Transition(action.name, names, objects, state, state) for names in arguments]
+        worth = np.full(len(pairs), UNTRIED) if known is None else _worth(found.domain, known, pairs)
+        yield from (
+            Try(action.name, names, value) for names, value in zip(arguments, worth.tolist(), strict=True)
+        )
+
+
+def _arguments(
+    domain: Domain, action: Action, objects: Sequence[Object], rng: np.random.Generator
+) -> list[tuple[str, ...]]:
+    everything = (*domain.constants, *objects)
+    among = [[o.name for o in everything if domain.is_a(o.type, p.type)] for p in action.parameters]
+    number = math.prod(map(len, among))
+    if number <= MOST_PAIRS:
+        return list(itertools.product(*among))
+    drawn = (tuple(names[int(rng.integers(len(names)))] for names in among) for _ in range(MOST_PAIRS))
+    return list(dict.fromkeys(drawn))
+
+
+def _worth(domain: Domain, known: ExploredAction, pairs: Sequence[Transition]) -> Floats:
+    """What an action is worth to be tried with these arguments in a state, (pairs,)."""
+    given = compiled(domain, pairs)[known.action.name]
+    here = held(known.action, given, known.parts)
+    kinds, kind = np.unique(here, axis=0, return_inverse=True)
+    worth = _by_context(known, kinds)[kind.reshape(-1)]
+    rules = LiftedRules(replace(domain, rules=known.rules))
+    seen = [each for each in known.transitions if each.before == pairs[0].before and not each.changed]
+    for place, pair in enumerate(pairs):
+        rule = covering(rules, pair)
+        if rule == UNCOVERED:
+            worth[place] *= AGAIN ** sum(each.arguments == pair.arguments for each in seen)
+        else:
+            worth[place] = max(worth[place], by_rule(known, rule))
+    return worth
+
+
+def by_rule(known: ExploredAction, rule: int) -> float:
+    """What one more example of a rule is worth."""
+    return _of_example(known, rule, int((known.by == rule).sum()))
+
+
+def _of_example(known: ExploredAction, rule: int, number: int) -> float:
+    """What one more example is worth where there are so many; something that has not happened yet may."""
+    spread = 1.0
+    if rule != UNCOVERED:
+        likely = [float(outcome.probability) for outcome in known.rules[rule].outcomes]
+        spread = sum(math.sqrt(p * (1 - p)) for p in likely)
+    return float((spread + (number + 2) ** -0.5) / (number + 1) ** 1.5)
+
+
+def _by_context(known: ExploredAction, kinds: Bools) -> Floats:
+    """What a try is worth by what holds, (kinds,), where `kinds` are as `held` tells it."""
+    worth = np.zeros(len(kinds))
+    if all(each.rule == UNCOVERED for each in known.specific):
+        together = known.held.T.astype(np.float32) @ known.held.astype(np.float32)
+        for place, kind in enumerate(kinds):
+            worth[place] = (
+                UNCHANGED / (float(together[np.ix_(kind, kind)].min(initial=len(known.by))) + 1) ** 2
+            )
+    for each in known.specific:
+        inside = known.held[:, each.holds].all(axis=1)
+        outside = known.held[~inside]
+        for place, kind in enumerate(kinds):
+            missing = int((each.holds & ~kind).sum())
+            if missing:
+                # With as much of the context as the pair has, and not all: they tell if the rest matters.
+                alike = int(outside[:, each.holds & kind].all(axis=1).sum())
+                value = NEAR * FURTHER ** (missing - 1) / (alike + 1) ** 2
+            else:
+                value = _of_example(known, each.rule, int(inside.sum()))
+            worth[place] = max(worth[place], value)
+    return worth
