@@ -123,12 +123,13 @@ MISTAKES = {
     ),
     "assignment": ("(increase (total-cost) 2)", "(assign (total-cost) 2)", "E917", (9, 66), "`assign`"),
     "cost of objects": ("(total-cost) 2)", "(total-cost) (far ?a))", "E917", (9, 66), "one number"),
-    "cost by condition": (
+    "earning": ("(increase (total-cost) 2)", "(decrease (total-cost) 2)", "E917", (6, 12), "`push` earns"),
+    "cost by many conditions": (
         "(increase (total-cost) 2)",
-        "(when (in ?a bin) (increase (total-cost) 2))",
+        "".join(f"(when (in ?a c{n}) (increase (total-cost) {n}))" for n in range(1, 6)),
         "E917",
         (6, 12),
-        "one cost",
+        "more conditions",
     ),
     "metric": ("minimize (total-cost)", "minimize (+ (total-cost) (x))", "E917", (15, 21), "one function"),
     "initial condition": (
@@ -198,6 +199,8 @@ def test_each_mistake_is_located(name: str) -> None:
     old, new, code, where, words = MISTAKES[name]
     assert old in TEXT, "the mistake is not in the text"
     text = TEXT.replace(old, new, 1)
+    if name == "cost by many conditions":
+        text = text.replace("bin - container", "bin c1 c2 c3 c4 c5 - container", 1)
     with pytest.raises(Refused) as caught:
         converted(text)
     found = [(d.code, place(d, text), d.message) for d in caught.value.diagnostics]

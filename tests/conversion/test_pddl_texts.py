@@ -122,6 +122,15 @@ def test_what_chance_pays_is_paid_on_average() -> None:
     assert domain.actions[2].cost == Fraction(5, 2)
 
 
+def test_what_costs_depend_on_makes_several_actions() -> None:
+    made = tidy(cost="(increase (total-cost) 1) => (when (wet ?to) (increase (total-cost) 1))")
+    domain, _ = models(made)
+    assert made.diagnostics == ()
+    costs = {action.name: action.cost for action in domain.actions if action.name.startswith("move")}
+    assert costs == {"move_wet": 1, "move_not_wet": 0}
+    assert "# what these cost depends on conditions, so each cost has an action: move" in made.domain
+
+
 def test_untyped_files_have_one_type() -> None:
     text = "(define (domain d) (:predicates (p ?x)) (:action a :parameters (?x) :effect (p ?x)))"
     problem = "(define (problem q) (:domain d) (:objects o) (:goal (p o)))"

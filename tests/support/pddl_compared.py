@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 from cleancli.compiler.ground import ground
-from cleancli.compiler.semantics import reaches_goal, successors
+from cleancli.compiler.semantics import covering_rule, reaches_goal, successors
 from cleancli.compiler.task import GroundState, Task
 from cleancli.conversion.pddl.convert import Converted, Wishes, convert
 from cleancli.conversion.pddl.read import read
@@ -38,7 +40,7 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
     """Where the task of a conversion is not what a text means, in so many states; empty where they agree."""
     meaning = meaning_of(text)
     task, asked = task_of(made), "goal" in "".join(made.problems.values())
-    numbers = {_key(action.name, action.objects): n for n, action in enumerate(task.actions)}
+    ways = _ways(task, {_key(each.name.text, ())[0] for each in meaning.domain.actions})
     found = []
     known = {(v.symbol.lower(), *v.objects) for v in task.variables}
     for world in meaning.reachable(most):
@@ -56,11 +58,31 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
             for each, chance in after.items():
                 state = state_of(task, each)
                 expected[state] = expected.get(state, 0.0) + float(chance)
-            number = numbers.get(_key(*called))
-            actual = {here: 1.0} if number is None else {s: p for p, s in successors(task, here, number)}
+            covering = [n for n in ways.get(_key(*called), ()) if covering_rule(task, here, n) is not None]
+            if len(covering) > 1:
+                found.append(f"{called} is several actions in {sorted(world)}")
+            actual = {here: 1.0}
+            for number in covering:
+                actual = {s: p for p, s in successors(task, here, number)}
+                cost, wanted_cost = (
+                    task.actions[number].declared_cost,
+                    meaning.cost(action.effect, world, binding),
+                )
+                if abs(cost - wanted_cost) > 1e-12:
+                    found.append(f"{called} in {sorted(world)} costs {cost} and not {wanted_cost}")
             states = expected.keys() | actual.keys()
             if any(abs(expected.get(s, 0.0) - actual.get(s, 0.0)) > 1e-12 for s in states):
                 found.append(f"{called} in {sorted(world)}: {expected} and not {actual}")
+    return found
+
+
+def _ways(task: Task, names: Set[str]) -> dict[Called, list[int]]:
+    """The actions that each action of PDDL has become, by its name: one, or several that begin with it."""
+    found: dict[Called, list[int]] = {}
+    for number, action in enumerate(task.actions):
+        name, objects = _key(action.name, action.objects)
+        of = max((each for each in names if f"{name}_".startswith(f"{each}_")), key=len, default=name)
+        found.setdefault((of, objects), []).append(number)
     return found
 
 

@@ -136,6 +136,37 @@ class Meaning:
             case PayNode():
                 return _together([])
 
+    def cost(self, node: EffectNode, world: World, binding: Binding) -> Fraction:
+        """What an effect costs on average: how much the function rises that the metric wants small, or falls
+        that it wants great."""
+        match node:
+            case PayNode(function, sign, amount):
+                metric = self.problem.metric
+                if metric is None or metric.function != function.symbol:
+                    return Fraction(0)
+                value = self.value(amount, binding) if isinstance(amount, AtomNode) else amount
+                assert value is not None
+                rise = sign * value if isinstance(amount, AtomNode) else value
+                return -rise if metric.greatest else rise
+            case AllNode(parts):
+                return sum((self.cost(part, world, binding) for part in parts), Fraction(0))
+            case WhenNode():
+                held = self.holds(node.condition, world, binding)
+                return self.cost(node.effect, world, binding) if held else Fraction(0)
+            case EachNode():
+                own = self.bindings(node.variables)
+                return sum((self.cost(node.effect, world, {**binding, **one}) for one in own), Fraction(0))
+            case ChanceNode():
+                found = (chance * self.cost(each, world, binding) for chance, each in node.branches)
+                return sum(found, Fraction(0))
+            case SetNode():
+                return Fraction(0)
+
+    def value(self, function: AtomNode, binding: Binding) -> Fraction | None:
+        """The value that a numeric function has at first."""
+        wanted = self.atom(function, binding)
+        return next((v.value for v in self.problem.values if self.atom(v.function, {}) == wanted), None)
+
     def successors(self, world: World, action: ActionNode, binding: Binding) -> dict[World, Fraction]:
         """The worlds that an action may lead to, where it may be taken; otherwise the one that is."""
         if not self.holds(action.precondition, world, binding):

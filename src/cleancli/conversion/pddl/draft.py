@@ -122,6 +122,12 @@ def _notes(
         ("functions that no metric names", functions),
     )
     left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
+    places = [schema.place for schema in schemas]
+    several = [each.name.text for each in node.actions if places.count(each.name.span) > 1]
+    if several:
+        left.append(
+            f"what these cost depends on conditions, so each cost has an action: {', '.join(several)}"
+        )
     if effects.written_out:
         left.append("rules are written out for the problem's objects where chance decides for each of them")
     return tuple(left)

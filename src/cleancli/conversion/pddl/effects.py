@@ -238,11 +238,12 @@ def renamed(tree: Tree, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Tre
 
 
 class UnevenCost(Exception):
-    """What an action costs depends on a condition."""
+    """What an action costs depends on more conditions than it is divided by."""
 
 
 def guarded(tree: Tree, guard: Formula = ALWAYS) -> Tree:
-    """The tree with the conditions of its parts as those of the changes in them. Raises `UnevenCost`."""
+    """The tree, in which costs depend on no condition, with the conditions of its parts as those of the
+    changes in them."""
     match tree:
         case Change():
             return replace(tree, guard=both([guard, tree.guard]))
@@ -252,23 +253,38 @@ def guarded(tree: Tree, guard: Formula = ALWAYS) -> Tree:
             return guarded(part, both([guard, condition]))
         case Chance(branches):
             return Chance(tuple((p, guarded(part, guard)) for p, part in branches))
-        case Pay(amount):
-            if amount and guard != ALWAYS:
-                raise UnevenCost
+        case Pay():
             return tree
 
 
-def first_condition(tree: Tree) -> Formula | None:
-    """The condition of the first part that happens where one holds, None where there is no such part."""
+def first_condition(tree: Tree, *, paying: bool = False) -> Formula | None:
+    """The condition of the first part that happens where one holds, None where there is no such part; with
+    `paying` of the first that costs something."""
     match tree:
-        case Branch(condition, _):
-            return condition
+        case Branch(condition, part):
+            return condition if not paying or _costs(part) else None
         case All(parts):
-            return next((c for part in parts if (c := first_condition(part)) is not None), None)
+            inner = parts
         case Chance(branches):
-            return next((c for _, part in branches if (c := first_condition(part)) is not None), None)
+            inner = tuple(part for _, part in branches)
         case Change() | Pay():
             return None
+    return next((c for part in inner if (c := first_condition(part, paying=paying)) is not None), None)
+
+
+def _costs(tree: Tree) -> bool:
+    """Whether a part of a tree costs something."""
+    match tree:
+        case Pay(amount):
+            return amount != 0
+        case All(parts):
+            return any(map(_costs, parts))
+        case Branch(_, part):
+            return _costs(part)
+        case Chance(branches):
+            return any(_costs(part) for _, part in branches)
+        case Change():
+            return False
 
 
 Results = dict[frozenset[Change], tuple[Fraction, tuple[Change, ...]]]

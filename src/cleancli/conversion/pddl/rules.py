@@ -17,6 +17,7 @@ from cleancli.conversion.pddl.effects import (
     NOTHING,
     Change,
     Tree,
+    UnevenCost,
     decided,
     first_condition,
     guarded,
@@ -56,6 +57,9 @@ MOST_RULES = 4
 """Rules that one action is divided into; where its effect has more conditions, they stay inside of it, as
 `if`. Chosen: as many as people read at a glance."""
 
+MOST_COSTS = 16
+"""Cases by conditions that costs depend on, which cannot stay inside of an effect. Chosen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Case:
@@ -68,17 +72,45 @@ class Case:
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
-    """All cases that the precondition does not rule out; one, where they would be too many. Raises `TooMany`
-    and `UnevenCost`."""
+    """All cases that the precondition does not rule out; where they would be too many those alone that costs
+    depend on. Raises `TooMany`, and `UnevenCost` where these are too many."""
     if precondition == NEVER:
         return []
     tree, known = _with_one_name(tree, _parts(precondition), types)
     found = list(islice(_cases(tree, known, (), types), MOST_RULES + 1))
-    return found if len(found) <= MOST_RULES else [_undivided(tree, known, types)]
+    if len(found) <= MOST_RULES:
+        return found
+    found = list(islice(_by_costs(tree, known, (), types), MOST_COSTS + 1))
+    if len(found) > MOST_COSTS:
+        raise UnevenCost
+    return found
+
+
+def _by_costs(
+    tree: Tree, known: tuple[Formula, ...], decisions: tuple[tuple[Formula, bool], ...], types: Types
+) -> Iterator[Case]:
+    """The cases that costs depend on; all other conditions of the effect stay in it."""
+    tree = decided(tree, known)
+    condition = first_condition(tree, paying=True)
+    if condition is None:
+        yield replace(_undivided(tree, known, types), decisions=decisions)
+        return
+    for holds, inner in _either_way(tree, known, condition, types):
+        yield from _by_costs(*inner, (*decisions, (condition, holds)), types)
+
+
+def _either_way(
+    tree: Tree, known: tuple[Formula, ...], condition: Formula, types: Types
+) -> Iterator[tuple[bool, tuple[Tree, tuple[Formula, ...]]]]:
+    """The tree and what is known where a condition holds, and where it does not, as far as that can be."""
+    for holds in (True, False):
+        asked = condition if holds else negated(condition)
+        if not _excluded(asked, known, types):
+            yield holds, _with_one_name(tree, (*known, *_parts(asked)), types)
 
 
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
-    """The case that all conditions of the effect stay in."""
+    """The case that all conditions of the effect stay in; none of them decides of costs."""
     tree = decided(guarded(tree), known)
     found = results_of(tree).values()
     results = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in found)
@@ -102,11 +134,8 @@ def _cases(
             settled = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in results)
             yield Case(decisions, settled, mean_cost(tree))
             return
-    for holds in (True, False):
-        asked = condition if holds else negated(condition)
-        if not _excluded(asked, known, types):
-            inner = _with_one_name(tree, (*known, *_parts(asked)), types)
-            yield from _cases(*inner, (*decisions, (condition, holds)), types)
+    for holds, inner in _either_way(tree, known, condition, types):
+        yield from _cases(*inner, (*decisions, (condition, holds)), types)
 
 
 # ---- terms that are one object

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.effects import MOST_OUTCOMES, Effects, TooMany, UnevenCost
-from cleancli.conversion.pddl.formula import Formula, both
+from cleancli.conversion.pddl.formula import both
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.rules import (
     Case,
@@ -20,7 +20,7 @@ from cleancli.conversion.pddl.rules import (
 from cleancli.conversion.pddl.syntax import ActionNode
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Action, Rule, Variable
+from cleancli.language.model import Action, Outcome, Rule
 
 _LONGEST_TITLE = 48
 """Characters up to which a rule is called by the conditions that it is for. Chosen."""
@@ -39,12 +39,11 @@ def schemas_of(
     nodes: Sequence[ActionNode], words: Words, effects: Effects, definitions: Definitions
 ) -> tuple[Schema, ...]:
     """The schemas that do something. E916 and E917 for what can't be said."""
-    found = []
-    for node in _each_once(nodes, words.findings):
-        schema = _schema(node, words, effects, definitions)
-        if schema is not None:
-            found.append(schema)
-    return tuple(found)
+    return tuple(
+        schema
+        for node in _each_once(nodes, words.findings)
+        for schema in _schemas(node, words, effects, definitions)
+    )
 
 
 def _each_once(nodes: Sequence[ActionNode], findings: Findings) -> Iterator[ActionNode]:
@@ -63,54 +62,65 @@ def _each_once(nodes: Sequence[ActionNode], findings: Findings) -> Iterator[Acti
         yield node
 
 
-def _schema(node: ActionNode, words: Words, effects: Effects, definitions: Definitions) -> Schema | None:
+def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Definitions) -> Iterator[Schema]:
+    """The schema; where its cost depends on conditions one for each cost, of which one can be applied in a
+    state. None where nothing can change: what only costs is worth nothing."""
     findings, before = words.findings, words.findings.errors
     variables, scope, asked = words.bound(node.parameters, {})
     precondition = both([asked, words.formula(node.precondition, scope)])
     tree = effects.tree(node.effect, scope)
     if findings.errors > before:
-        return None
+        return
     try:
         cases = cases_of(precondition, tree, words.types)
     except TooMany:
         message = f"`{node.name.text}` has more than {MOST_OUTCOMES} outcomes"
         findings.error("E917", message, node.name.span, help="what is drawn for itself multiplies outcomes")
-        return None
+        return
     except UnevenCost:
-        _refuse_uneven(node, findings)
-        return None
-    acting = [case for case in cases if _acts(case)]
-    costs = {case.cost for case in acting}
-    if len(costs) > 1:
-        _refuse_uneven(node, findings)
-    if not acting:
-        return None
-    name = words.actions.fresh(words.actions.written(node.name), "a")
-    made = tuple(_rules(name, variables, precondition, acting, definitions))
-    return Schema(Action(name, variables, cost=next(iter(costs), Fraction(0))), made, node.name.span)
+        message = f"what `{node.name.text}` costs depends on more conditions than rules are made for"
+        findings.error("E917", message, node.name.span, help="make several actions of it, each with its cost")
+        return
+    if any(case.cost < 0 for case in cases):
+        # Where no rule of an action applies it does nothing, at its usual cost: it would earn there, too.
+        message = f"`{node.name.text}` earns something, and .nid actions only cost"
+        findings.error("E917", message, node.name.span, help="what is wanted can be a goal with a reward")
+        return
+    acting = [case for case in cases if any(changes for _, changes in case.results)]
+    costs = list(dict.fromkeys(case.cost for case in acting))
+    written = words.actions.written(node.name)
+    names = [written] if len(costs) < 2 else _several(written, acting, costs)
+    conditions = conditions_of(precondition, acting, definitions)
+    rules = list(zip(acting, _titles(written, acting), conditions, strict=True))
+    for cost, wanted in zip(costs, names, strict=False):
+        name = words.actions.fresh(wanted, "a")
+        made = tuple(
+            Rule(title, name, variables, condition, _outcomes(case, definitions))
+            for case, title, condition in rules
+            if case.cost == cost
+        )
+        yield Schema(Action(name, variables, cost=cost), made, node.name.span)
 
 
-def _refuse_uneven(node: ActionNode, findings: Findings) -> None:
-    message = f"what `{node.name.text}` costs depends on conditions, and a .nid action has one cost"
-    findings.error("E917", message, node.name.span)
+def _several(action: str, cases: Sequence[Case], costs: Sequence[Fraction]) -> list[str]:
+    """What the actions are called into which one is divided by costs: by what all cases of a cost share."""
+    alike = [[case for case in cases if case.cost == cost] for cost in costs]
+    shared = [
+        tuple(each for each in several[0].decisions if all(each in case.decisions for case in several))
+        for several in alike
+    ]
+    return _titles(
+        action, [replace(several[0], decisions=d) for several, d in zip(alike, shared, strict=True)]
+    )
 
 
-def _acts(case: Case) -> bool:
-    """Whether something may change: where nothing can, no rule is needed to say so."""
-    return any(changes for _, changes in case.results)
-
-
-def _rules(
-    action: str,
-    variables: tuple[Variable, ...],
-    precondition: Formula,
-    cases: Sequence[Case],
-    definitions: Definitions,
-) -> Iterator[Rule]:
+def _titles(action: str, cases: Sequence[Case]) -> list[str]:
+    """What cases are called: by their conditions, or by numbers where that is long or says not which."""
     titles = [title_of(action, case) for case in cases]
-    if max(map(len, titles)) > _LONGEST_TITLE or len(set(titles)) < len(titles):
-        titles = [f"{action}_{number}" for number in range(1, len(cases) + 1)]
-    conditions = conditions_of(precondition, cases, definitions)
-    for title, case, condition in zip(titles, cases, conditions, strict=True):
-        outcomes = tuple(outcome_of(*result, definitions) for result in case.results)
-        yield Rule(title, action, variables, condition, outcomes)
+    if max(map(len, titles), default=0) > _LONGEST_TITLE or len(set(titles)) < len(titles):
+        return [f"{action}_{number}" for number in range(1, len(cases) + 1)]
+    return titles
+
+
+def _outcomes(case: Case, definitions: Definitions) -> tuple[Outcome, ...]:
+    return tuple(outcome_of(*result, definitions) for result in case.results)

@@ -1,0 +1,20 @@
+; What an action costs depends on its outcome, and outcomes on a condition.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:functions (total-cost))
+  (:action act
+    :parameters (?a ?b - area)
+    :precondition (ready)
+    :effect (probabilistic 0.3 (and (done) (increase (total-cost) 3))
+                           0.5 (when (dirt ?a) (and (dirt ?b) (increase (total-cost) 5))))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done))
+  (:metric minimize (total-cost)))
