@@ -38,6 +38,9 @@ remote.wire.LARGEST_HEAD | protocol.md | 2 to {:,}
 remote.wire.LARGEST_BODY | protocol.md | {:,}
 remote.server.LARGEST_REQUEST | protocol.md | {:,}
 remote.messages.APART * 1000 | protocol.md | at most {:.0f} ms apart
+remote.client.ANSWERING | protocol.md | It waits {:.0f} s for
+remote.client.PATIENCE | protocol.md | and {:.0f} s for the rest
+remote.robot.ENDED * 100 | protocol.md | more than {:.0f} cm away
 remote.messages.MOST_WAYPOINTS | protocol.md | n from 1 to {:,}
 recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})

@@ -103,6 +103,8 @@ def test_one_client_has_control(server: Server, client: Client) -> None:
         Client(server.address)
     with Client(server.address, control=False) as other:
         assert other.description == TOY
+        other.refresh()
+        assert other.state.clock > client.state.clock
         with pytest.raises(RobotError, match="takes control"):
             other.observe()
     client.close()

@@ -74,7 +74,7 @@ def test_requests_and_replies_of_the_page_are_all_there_are() -> None:
     text = PAGE.read_text()
     table = text.partition("## Requests and replies")[2].partition("**`hello`**")[0]
     assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == [
-        *("hello", "observe", "can_follow", "start", "withdraw", "poll", "stop", "rearm")
+        *("hello", "state", "observe", "can_follow", "start", "withdraw", "poll", "stop", "rearm")
     ]
 
 

@@ -12,9 +12,10 @@ import pytest
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.scene.check import load_scene
+from cleancli.scene.format import print_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Scene
-from cleancli.scene.robots import ARMS
+from cleancli.scene.robots import ARMS, arms
 
 ROOT = Path(__file__).parent.parent.parent
 LANGUAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
@@ -146,3 +147,13 @@ def test_the_pages_tell_of_every_robot() -> None:
     for robot in ARMS:
         assert re.search(rf"\b{robot}\b", row)
         assert f"\n### `{robot}`\n" in world
+
+
+def test_a_robot_elsewhere_has_an_address_and_needs_no_dirt() -> None:
+    found = scene('robot { drive = remote  address = "localhost:7420" }')
+    assert str(found.address) == "127.0.0.1:7420"
+    bare = load_scene(Source("s.nid", 'scene s { robot { drive = remote  address = "127.0.0.1:1" } }'))
+    assert bare.dirt == ()
+    assert load_scene(Source("s.nid", print_scene(bare))) == bare
+    assert load_scene(Source("s.nid", print_scene(found))) == found
+    assert arms(bare.robot) == 1

@@ -30,6 +30,7 @@ from cleancli.perception.surface import NoSurface
 from cleancli.recording.pictures import png_of
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import REMOTE
 
 TOLD = 12
 """Facts of one symbol up to which a person is told each; of 26 areas, 700 lie between two others."""
@@ -123,7 +124,13 @@ class SeenLook:
 
 
 def photographed(setting: Scene, seed: int) -> tuple[Frame, ...]:
-    """The scene's table with the tool at rest. The world is imported here: recorded frames need none."""
+    """The scene's simulated table with the tool at rest, or a remote robot's as it is. Either is imported
+    here: recorded frames need neither."""
+    if setting.robot == REMOTE:
+        from cleancli.remote.robot import RemoteRobot
+
+        with RemoteRobot(setting.driver) as robot:
+            return tuple(robot.observe() for _ in range(FRAMES_PER_LOOK))
     from cleancli.world.table import PybulletTable
 
     with closing(PybulletTable(setting, derived(seed, Stream.WORLD))) as table:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from cleancli import __version__
 from cleancli.execution.episode_state import World as SavedWorld
-from cleancli.execution.session import Session, robot_session, symbolic_session, table_session
+from cleancli.execution.session import Session, remote_session, robot_session, symbolic_session, table_session
 from cleancli.execution.setup import EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.interrupt import ENDING
@@ -29,6 +29,7 @@ from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.journal import Started, read_journal
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import REMOTE
 from cleancli.simulation.compatibility import refuse_unlike
 from cleancli.world.robot import Robot
 
@@ -84,6 +85,8 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
         try:
             if isinstance(given, Scene) and inputs.robot is not None:
                 session = robot_session(inputs.domain, given, inputs.robot, options, job)
+            elif isinstance(given, Scene) and given.robot == REMOTE:
+                session = remote_session(inputs.domain, given, options, job)
             elif isinstance(given, Scene):
                 session = table_session(inputs.domain, given, options, job, saved)
             else:

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ from cleancli.recording.series import to_go_on_from
 from cleancli.report.run import FORMAT, LARGEST_HEADER, Run
 from cleancli.scene.calibration import as_text
 from cleancli.scene.model import Scene
+from cleancli.world.errors import RobotError
 from cleancli.world.robot import Robot
 
 _SHORT = 0.05
@@ -210,7 +211,7 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
                     if pressed:
                         raise KeyboardInterrupt
         except KeyboardInterrupt:
-            run.session.stop()
+            _stop(run.session)
             recorder.note(Interrupted(cell.clock))
             how = "stopped with the tool up" if told is None else "stopped"
             on = f"go on with: cleancli execute --resume {again}"
@@ -218,13 +219,22 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
                 on = "a run with a robot of your own is begun anew"
             raise RunStopped(f"{how}; {on}", again) from None
         except OSError as error:
-            run.session.stop()
+            _stop(run.session)
             error.add_note(f"go on later with `cleancli execute --resume {again}`")
+            raise
+        except BaseException:  # a mistake of this program, or of a driver: the robot must not go on with it
+            _stop(run.session)
             raise
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = run.session.truth()
     recorder.finish(truth)
     return replace(_result(run, event, truth, last), evidence=evidence)
+
+
+def _stop(session: Session) -> None:
+    """End a motion with the tool raised. A driver that cannot be reached stops its robot by itself."""
+    with suppress(RobotError):
+        session.stop()
 
 
 def inputs_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -90,6 +91,19 @@ def _load_scene(source: Source) -> Scene:
     from cleancli.scene.check import load_scene
 
     return load_scene(source)
+
+
+def open_simulated(name: str, robot: str | None) -> Scene:
+    """A scene whose table can be simulated, with this robot or else its own. Raises Refused, and UsageError
+    for a robot at the end of a socket, of whose table nobody knows the truth."""
+    _, scene = open_scene(name)
+    scene = scene if robot is None else replace(scene, robot=robot, address=None)
+    if scene.address is not None:
+        raise click.UsageError(
+            f"the robot of `{scene.name}` is at {scene.address}, and only simulated tables tell where their "
+            "dirt truly is: --robot names a robot to simulate"
+        )
+    return scene
 
 
 def check_file(

@@ -30,8 +30,16 @@ def look(domain: Domain, scene: Scene, seed: int) -> ObservedProblem:
     from cleancli.execution.seeds import Stream, derived
     from cleancli.execution.setup import within_reach
     from cleancli.execution.table_cell import look_once
-    from cleancli.world.table import PybulletTable
+    from cleancli.scene.robots import REMOTE
 
-    with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
-        problem, left_out = look_once(domain, scene, table, seed)
+    if scene.robot == REMOTE:
+        from cleancli.remote.robot import RemoteRobot
+
+        with RemoteRobot(scene.driver) as robot:
+            problem, left_out = look_once(domain, scene, robot, seed)
+    else:
+        from cleancli.world.table import PybulletTable
+
+        with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
+            problem, left_out = look_once(domain, scene, table, seed)
     return ObservedProblem(within_reach(domain, scene.robot), problem, left_out)

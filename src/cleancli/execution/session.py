@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
+from cleancli.remote.robot import RemoteRobot
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
 from cleancli.world.kinematic import KinematicTable
@@ -65,6 +66,13 @@ def table_session(
         table.stop,
         table.close,
     )
+
+
+def remote_session(domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None) -> Session:
+    """A table whose robot is at the end of a socket. It lies as it lies: nothing of it is saved. Raises
+    RobotError."""
+    robot = RemoteRobot(scene.driver)
+    return replace(robot_session(domain, scene, robot, options, job), close=robot.close)
 
 
 def robot_session(

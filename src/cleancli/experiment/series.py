@@ -22,6 +22,7 @@ from cleancli.language.syntax import SettingValue
 from cleancli.resources import shipped_names
 from cleancli.scene.calibration import as_text
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import REMOTE
 from cleancli.study.check import load_study
 from cleancli.study.model import Study, Value
 from cleancli.study.overrides import varied
@@ -209,6 +210,8 @@ def _refuse_impossible(study: Study, cell: Cell, source: Source) -> None:
         try:
             inputs = inputs_for(episode)
             refuse_impossible(inputs)
+            if isinstance(inputs.given, Scene) and inputs.given.robot == REMOTE:
+                raise ValueError("a study simulates its tables, and the robot of this one is elsewhere")
             if cell.axes["simulator"] == "stand-in" and isinstance(inputs.given, Scene):
                 refuse_without_stand_in(inputs.given)
         except ValueError as error:

@@ -21,7 +21,7 @@ from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
 from cleancli.motion.zone import way_in
 from cleancli.scene.model import Scene
-from cleancli.scene.robots import ARMS
+from cleancli.scene.robots import arms
 
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 PICK_UP = "pickUp"
@@ -53,7 +53,7 @@ class Skill:
 
 def can_execute(action: str, arity: int, robot: str) -> bool:
     """Whether a robot of that name has a skill for this action with so many areas."""
-    return ARITIES.get(action) == arity and (action not in PICK_UPS or ARMS[robot] == 2)
+    return ARITIES.get(action) == arity and (action not in PICK_UPS or arms(robot) == 2)
 
 
 def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse] = ()) -> ToolPath:

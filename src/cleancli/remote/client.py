@@ -14,7 +14,7 @@ from typing import Self, TypeVar
 
 from cleancli.motion.path import ToolPath
 from cleancli.remote import messages
-from cleancli.remote.fields import Fields, fields_of
+from cleancli.remote.fields import BadArray, Fields, fields_of
 from cleancli.remote.messages import Description, FramePair, Poll, State
 from cleancli.remote.transport import Transport
 from cleancli.remote.wire import BadMessage, Message
@@ -32,7 +32,11 @@ PATIENCE = 5.0
 
 
 class Broken(RobotError):
-    """A driver breaks the protocol."""
+    """A driver breaks the protocol; `fault` is a word for how."""
+
+    def __init__(self, address: Address, fault: str, what: str) -> None:
+        super().__init__(f"the driver at {address} breaks the protocol: {what}")
+        self.fault = fault
 
 
 class Tripped(RobotError):
@@ -81,6 +85,10 @@ class Client:
         """Who the robot is. With `control`, no other client may move it until this one has gone."""
         return self._ask(messages.hello(control), messages.description_of)
 
+    def refresh(self) -> None:
+        """Ask where the robot is."""
+        self._ask(messages.request("state"), _nothing)
+
     def observe(self) -> FramePair:
         """A new pair of pictures."""
         return self._ask(messages.request("observe"), messages.frames_of)
@@ -120,11 +128,14 @@ class Client:
             found = read(fields)
             state = messages.state_of(fields)
             fields.end()
-            if state.clock < self._clock:
-                raise BadMessage(f"its clock runs back, from {self._clock:g} to {state.clock:g} s")
         except BadMessage as error:
             self.close()
-            raise Broken(f"the driver at {self.address} breaks the protocol: {error}") from None
+            fault = "wrong-sizes" if isinstance(error, BadArray) else "wrong-fields"
+            raise Broken(self.address, fault, str(error)) from None
+        if state.clock < self._clock:
+            self.close()
+            what = f"its clock runs back, from {self._clock:g} to {state.clock:g} s"
+            raise Broken(self.address, "clock-back", what)
         self.state, self._clock = state, state.clock
         return found
 
@@ -132,6 +143,9 @@ class Client:
         try:
             self._transport.send(asked, PATIENCE)
             return self._transport.receive(self._answering, PATIENCE)
+        except BadMessage as error:
+            self.close()
+            raise Broken(self.address, "garbage", str(error)) from None
         except TimeoutError:
             what = f"does not answer within {self._answering:g} s"
         except EOFError:

@@ -16,6 +16,10 @@ LARGEST = 1e9
 _UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
+class BadArray(BadMessage):
+    """An array is missing, or has another type or shape than it must."""
+
+
 class Fields:
     """The members of a JSON object, and the arrays of a message. Each is read once; `end` refuses what was
     not asked for. All raise BadMessage."""
@@ -83,7 +87,7 @@ class Fields:
     def array(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Array:
         """An array of this type and shape; None: any length there."""
         if name not in self._arrays:
-            raise BadMessage(f"the array `{name}` is missing")
+            raise BadArray(f"the array `{name}` is missing")
         array = self._arrays.pop(name)
         fits = array.ndim == len(shape) and all(
             asked is None or asked == length for asked, length in zip(shape, array.shape, strict=True)
@@ -91,7 +95,7 @@ class Fields:
         if array.dtype != kind or not fits:
             asked = " x ".join("any" if length is None else str(length) for length in shape)
             came = " x ".join(map(str, array.shape))
-            raise BadMessage(f"`{name}` is {array.dtype} of {came}, and not {kind} of {asked}")
+            raise BadArray(f"`{name}` is {array.dtype} of {came}, and not {kind} of {asked}")
         return array
 
     def end(self) -> None:

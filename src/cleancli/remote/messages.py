@@ -101,7 +101,7 @@ def hello(control: bool) -> Message:
 
 
 def request(name: str) -> Message:
-    """One without particulars: `observe`, `withdraw`, `stop` or `rearm`."""
+    """One without particulars: `state`, `observe`, `withdraw`, `stop` or `rearm`."""
     return Message({"request": name})
 
 

@@ -119,6 +119,9 @@ class Server:
             name = fields.text("request")
             if name == "hello":
                 return self._hello(fields, client)
+            if name == "state":
+                fields.end()
+                return messages.reply(self.guard.state)
             if name == "rearm":
                 return self._rearmed(fields)
             if name not in _CONTROLLED:

@@ -26,6 +26,7 @@ from cleancli.scene.model import (
     SymbolThresholds,
     Zone,
 )
+from cleancli.scene.robots import REMOTE
 from cleancli.scene.schema import SECTIONS, TOP
 from cleancli.scene.settings import Settings
 
@@ -63,6 +64,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     container = _container(settings("container"), surface, findings)
     zone = _zone(settings("zone"), surface, findings) if "zone" in sections else None
     robot = settings("robot")
+    _check_robot(robot, findings)
     grasps = _grasps(node, findings)
     known = named((*SHIPPED.values(), *grasps))
     rag = _rag(settings("rag", {"grasp": tuple(known)}), container, known, findings)
@@ -70,7 +72,11 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
     light = settings("light")
     azimuth, elevation = light["direction"]
     symbols = _symbols(settings("symbols"), rag, findings)
-    dirt = check_dirt(sections.get("dirt"), node.name, surface, findings)
+    laid = sections.get("dirt")
+    needs_dirt = robot["drive"] != REMOTE or (
+        laid is not None and laid.entries
+    )  # real dirt lies where it lies
+    dirt = check_dirt(laid, node.name, surface, findings) if needs_dirt else ()
     return Scene(
         name=node.name.text,
         surface=surface,
@@ -87,7 +93,26 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
         calibration=calibration,
         zone=zone,
         height_noise=robot["height_noise"],
+        address=robot["address"],
     )
+
+
+def _check_robot(settings: Settings, findings: Findings) -> None:
+    """What only a robot at the end of a socket has, and what only a simulated one has."""
+    is_remote, has_address = settings["drive"] == REMOTE, settings.has("address")
+    if is_remote and not has_address:
+        span, help = settings.span("drive"), 'say where its driver listens: `address = "127.0.0.1:7420"`'
+        findings.error("E513", "a remote robot needs `address`", span, help=help)
+    if has_address and not is_remote:
+        findings.error(
+            "E519",
+            f"`{settings['drive']}` is simulated, and has no address",
+            settings.span("address"),
+            help="the robot at that address is `drive = remote`",
+        )
+    if is_remote and settings.has("height_noise"):
+        help = "leave it out: it is a setting of simulated robots"
+        findings.error("E519", "a real tool's errors are its own", settings.span("height_noise"), help=help)
 
 
 def _sections(node: SceneNode, findings: Findings) -> dict[str, Section]:

@@ -19,7 +19,7 @@ def print_scene(scene: Scene) -> str:
         _section("surface", _named("surface", scene.surface)),
         _section("container", _named("container", scene.container)),
         *([] if zone is None else [_section("zone", _named("zone", zone) | {"at": zone.centre})]),
-        _section("robot", {"drive": scene.robot, "height_noise": scene.height_noise}),
+        _section("robot", _robot(scene)),
         *(_section("grasp", _named("grasp", grasp), grasp.name) for grasp in scene.grasps),
         _section("rag", {"grasp": rag.grasp.name, "width": rag.width}),
         _section(
@@ -33,12 +33,14 @@ def print_scene(scene: Scene) -> str:
             },
         ),
         _section("light", _named("light", light) | {"direction": (light.azimuth, light.elevation)}),
-        "dirt {",
-        *(f"  {_dirt(dirt)}" for dirt in scene.dirt),
-        "}",
+        *(["dirt {", *(f"  {_dirt(dirt)}" for dirt in scene.dirt), "}"] if scene.dirt else []),
         _section("symbols", _named("symbols", scene.symbols)),
     ]
     return f"scene {scene.name} {{\n" + "".join(f"  {line}\n" for line in lines) + "}\n"
+
+
+def _robot(scene: Scene) -> Mapping[str, Any]:
+    return {"drive": scene.robot, "address": scene.address, "height_noise": scene.height_noise}
 
 
 def _dirt(dirt: Dirt) -> str:

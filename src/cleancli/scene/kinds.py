@@ -10,6 +10,7 @@ from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.printing.printer import print_float
 from cleancli.language.syntax import Call, ImageSize, Pair, Points, Quantity, Quoted, SettingValue, Word
+from cleancli.scene.address import Address, address_of
 
 SLACK = 1e-9
 """Metres by which sums of rounded lengths may miss a limit they equal."""
@@ -244,6 +245,26 @@ class File:
         return value.text
 
     def write(self, value: str) -> str:
+        return f'"{value}"'
+
+
+@dataclass(frozen=True, slots=True)
+class HostPort:
+    """A host and a port of this machine, in quotation marks."""
+
+    units: ClassVar[tuple[str, ...]] = ()
+
+    def read(self, value: SettingValue, report: Report) -> Address | None:
+        if not isinstance(value, Quoted):
+            report.wrong(value, 'an address in quotation marks, such as `"127.0.0.1:7420"`')
+            return None
+        try:
+            return address_of(value.text)
+        except ValueError as error:
+            report.range(value.span, str(error))
+            return None
+
+    def write(self, value: Address) -> str:
         return f'"{value}"'
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot, sqrt
 
+from cleancli.scene.address import Address
 from cleancli.scene.calibration import Calibration
 
 Colour = tuple[int, int, int]
@@ -193,7 +194,8 @@ class Scene:
     """Everything a run needs to know before it starts; `robot` is the name of a drive ("gantry"), `domain`
     that of the domain whose actions clean it, `grasps` are those that the scene itself defines. Without a
     `calibration`, perception works with the default thresholds. `zone`: where dirt may lie, if anywhere.
-    `height_noise`: standard deviation of the tool's height in strokes, None for the world's usual one."""
+    `height_noise`: standard deviation of the tool's height in strokes, None for the world's usual one.
+    `address`: where the driver of a remote robot listens, None for a simulated one."""
 
     name: str
     surface: Surface
@@ -210,6 +212,13 @@ class Scene:
     calibration: Calibration | None = None
     zone: Zone | None = None
     height_noise: float | None = None
+    address: Address | None = None
+
+    @property
+    def driver(self) -> Address:
+        """Where the driver of its remote robot listens."""
+        assert self.address is not None, "a remote robot has an address"
+        return self.address
 
     def outwards(self) -> tuple[float, float]:
         """The unit vector from the surface over the container's edge."""

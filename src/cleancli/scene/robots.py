@@ -6,4 +6,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 ARMS: Mapping[str, int] = MappingProxyType({"gantry": 1, "wam": 1, "reem": 2})
-"""How many arms each has: picking up takes two (§3.2.2)."""
+"""The simulated ones, and how many arms each has: picking up takes two (§3.2.2)."""
+
+REMOTE = "remote"
+"""The robot at the end of a socket (docs/protocol.md)."""
+
+DRIVES = (*ARMS, REMOTE)
+
+
+def arms(robot: str) -> int:
+    """How many arms a robot of a scene has; one at the end of a socket is asked for what one arm does."""
+    return ARMS.get(robot, 1)

@@ -19,6 +19,7 @@ from cleancli.scene.kinds import (
     Choice,
     Colour,
     File,
+    HostPort,
     Image,
     Kind,
     Length,
@@ -28,7 +29,7 @@ from cleancli.scene.kinds import (
     Whole,
 )
 from cleancli.scene.model import LIGHT
-from cleancli.scene.robots import ARMS
+from cleancli.scene.robots import DRIVES
 
 EDGES = ("north", "east", "south", "west")
 LEFT_OUT = ("smallest", "farthest")
@@ -115,7 +116,10 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             "turn": Key(Angle(-360, 360), 0.0, "how far it is turned, counter-clockwise"),
         },
         "robot": {
-            "drive": Key(Choice(tuple(ARMS)), "gantry", "what moves the rag"),
+            "drive": Key(Choice(DRIVES), "gantry", "what moves the rag"),
+            "address": Key(
+                HostPort(), None, "where the driver of a remote robot listens", '"127.0.0.1:7420"'
+            ),
             "height_noise": Key(
                 Length(most=0.05, zero=True),
                 None,

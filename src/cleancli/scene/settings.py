@@ -44,6 +44,10 @@ class Settings:
         """All values, by their keys."""
         return dict(self._values)
 
+    def has(self, key: str) -> bool:
+        """Whether a key is given, rightly or wrongly."""
+        return key in self._settings
+
     def span(self, key: str) -> Span:
         """The place of a value, or of the section's name where the value is a default."""
         setting = self._settings.get(key)

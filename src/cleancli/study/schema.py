@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
 from cleancli.scene.kinds import Choice, Number, Whole
+from cleancli.scene.robots import ARMS
 from cleancli.scene.schema import KEYS as SCENE
 from cleancli.scene.schema import NEEDED, SECTIONS, TOP, Key
 from cleancli.study.kinds import Named, Text, option
@@ -119,6 +120,9 @@ def keys_of(section: str) -> Mapping[str, Key]:
         case "rag":  # a scene may define grasps of its own
             grasp = replace(SCENE["rag"]["grasp"], kind=Choice(), example="folded")
             return {**SCENE["rag"], "grasp": grasp}
+        case "robot":  # a study simulates its robots
+            drive = replace(SCENE["robot"]["drive"], kind=Choice(tuple(ARMS)))
+            return {"drive": drive, "height_noise": SCENE["robot"]["height_noise"]}
         case _ if section in VARIED:
             return SCENE[section]
         case _ if section in (TOP, "quick"):

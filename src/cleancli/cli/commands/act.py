@@ -19,7 +19,7 @@ import numpy as np
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
-from cleancli.cli.inputs import open_scene
+from cleancli.cli.inputs import open_simulated
 from cleancli.cli.progress import counting
 from cleancli.execution.trials import Trial, TrialResult, attempt
 from cleancli.language.diagnostics.plural import plural
@@ -74,8 +74,7 @@ def command(
     Every trial has a seed of its own: it decides where in its groups the dirt lies, and all noise.
     docs/physics.md says when nothing, or something, counts as left.
     """
-    _, setting = open_scene(scene)
-    setting = setting if robot is None else replace(setting, robot=robot)
+    setting = open_simulated(scene, robot)
     arity = _arity(action, setting)
     names = _names(areas, action, arity)
     if plot is not None and not plot.resolve().parent.is_dir():

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -34,6 +35,11 @@ from cleancli.recording.pictures import write_png
 from cleancli.scene.calibration import BadCalibration, Thresholds, as_text, read_calibration
 from cleancli.scene.check import check_scene
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import REMOTE
+
+if TYPE_CHECKING:
+    from cleancli.remote.robot import RemoteRobot
+    from cleancli.world.table import PybulletTable
 
 _RECORDING = click.Path(path_type=Path, exists=True)
 
@@ -135,14 +141,24 @@ def _frames(
 
 
 def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
-    """Frames of the table without its dirt, and without the tool. pybullet is needed here alone."""
+    """Frames of the table without its dirt, and without the tool. pybullet is needed here alone, and a remote
+    robot's table has to be clean."""
     from cleancli.world.robot import finish
-    from cleancli.world.table import PybulletTable
 
-    with closing(PybulletTable(replace(setting, dirt=()), derived(seed, Stream.WORLD))) as table:
+    with closing(_table(setting, seed)) as table:
         table.withdraw()
         finish(table)
         yield from counted("frames", (table.observe() for _ in range(count)), count)
+
+
+def _table(setting: Scene, seed: int) -> RemoteRobot | PybulletTable:
+    if setting.robot == REMOTE:
+        from cleancli.remote.robot import RemoteRobot
+
+        return RemoteRobot(setting.driver)
+    from cleancli.world.table import PybulletTable
+
+    return PybulletTable(replace(setting, dirt=()), derived(seed, Stream.WORLD))
 
 
 def _printed(found: Adjusted, frames: int, out: Path) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import closing, suppress
-from dataclasses import replace
 from typing import Any
 
 import click
@@ -12,7 +11,7 @@ from cleancli.cli import options
 from cleancli.cli.command_table import group_of
 from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
-from cleancli.cli.inputs import open_scene
+from cleancli.cli.inputs import open_simulated
 from cleancli.execution.seeds import Stream, derived
 from cleancli.remote.client import Client
 from cleancli.scene.address import PORT, Address, address_of
@@ -69,8 +68,7 @@ def serve(scene: str, robot: str | None, port: int, real_time: bool, lease: floa
     from cleancli.remote.simulated import SimulatedDriver, description
     from cleancli.world.table import PybulletTable
 
-    _, setting = open_scene(scene)
-    setting = setting if robot is None else replace(setting, robot=robot)
+    setting = open_simulated(scene, robot)
     with closing(
         PybulletTable(setting, derived(setting.seed if seed is None else seed, Stream.WORLD))
     ) as table:

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -17,7 +17,7 @@ from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import MissingPart
-from cleancli.cli.inputs import open_scene
+from cleancli.cli.inputs import open_simulated
 from cleancli.execution.seeds import Stream, derived
 from cleancli.language.diagnostics.plural import plural
 from cleancli.motion.actions import WIPES
@@ -50,8 +50,7 @@ def command(
     """Say what SCENE holds and which share of its surface the robot reaches; `perceive` says what is seen."""
     if gui and not has_display():
         raise MissingPart("--gui needs a display, and there is none here; --out writes a picture instead")
-    _, setting = open_scene(scene)
-    setting = setting if robot is None else replace(setting, robot=robot)
+    setting = open_simulated(scene, robot)
     seed = setting.seed if seed is None else seed
     with closing(PybulletTable(setting, derived(seed, Stream.WORLD), gui)) as table:
         if out is not None:
