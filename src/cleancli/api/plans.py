@@ -33,9 +33,11 @@ _NOTHING = {
     "no rule": "nothing to do: no rule of any action covers this state;"
     " `cleancli explain` says of an action what its rules lack",
     "out of reach": "nothing to do: the goal is out of reach, whatever is done",
-    "margin": "nothing worth doing: no plan found within {within} is worth more than that"
-    " (for prada and aprada, {margin:g} more)",
+    "margin": "nothing worth doing: no plan found within {within} is worth more than that{more}",
 }
+
+_WITH_MARGIN = ("prada", "aprada")
+"""Planners that ask a plan to be worth so much more than nothing (`--option margin`)."""
 
 TOO_FEW = "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
 """Beside what the usual horizon may have cut short."""
@@ -125,7 +127,8 @@ class PlanResult:
         if self.empty_because is not None:
             steps = self.horizon or 0
             within = plural(steps, "action")
-            yield _NOTHING[self.empty_because].format(margin=self.margin, within=within)
+            more = f" (for prada and aprada, {self.margin:g} more)" if self.planner in _WITH_MARGIN else ""
+            yield _NOTHING[self.empty_because].format(more=more, within=within)
             if self.empty_because == "margin" and not self.horizon_stated:
                 yield TOO_FEW.format(within=within, longer=longer_horizon(steps))
         elif self.goal_reached:

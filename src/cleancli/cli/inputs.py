@@ -22,7 +22,6 @@ from cleancli.language.load import (
     kind_of,
     read_source,
 )
-from cleancli.language.model import Domain
 
 if TYPE_CHECKING:
     from cleancli.scene.model import Scene
@@ -133,7 +132,7 @@ def check_file(
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
             domain = open_loaded(str(beside) if beside.exists() else name)
-            return _check_problem(source, domain.model)
+            return _check_problem(source, domain)
 
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
@@ -163,14 +162,22 @@ def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, 
     return (), (source,)
 
 
-def _check_problem(source: Source, domain: Domain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """The mistakes and warnings of a problem; without mistakes also what it wants in vain (W403).
+def _check_problem(source: Source, domain: LoadedDomain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """The mistakes and warnings of a problem; without mistakes also what conflicts for its objects (E602),
+    and what it wants in vain (W403).
 
     Grounding is imported here: other files are checked without it.
     """
-    found = checked_problem(source, domain)
+    found = checked_problem(source, domain.model)
     if found.model is None:
         return found.diagnostics, found.sources
     from cleancli.cli.unreached import warnings_of
+    from cleancli.compiler.ground import ground
 
-    return (*found.diagnostics, *warnings_of(source, domain, found.model)), found.sources
+    try:
+        ground(domain.model, found.model)
+    except Refused as refused:
+        conflicts = [each for each in refused.diagnostics if each.code == "E602"]
+        if conflicts:
+            return (*found.diagnostics, *conflicts), (*domain.sources, *found.sources)
+    return (*found.diagnostics, *warnings_of(source, domain.model, found.model)), found.sources

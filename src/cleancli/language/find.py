@@ -30,6 +30,9 @@ def find(name_or_path: str, *kinds: str) -> Path:
         return path
     names = [name for kind in kinds for name in shipped_names(kind)]
     near = difflib.get_close_matches(path.stem, names, n=3, cutoff=0.5)
+    beside = Path(f"{name_or_path}.nid")
+    if beside.is_file():  # a bare name is that of a shipped file, and one's own file goes by its path
+        near = [str(beside)]
     meant = f"did you mean {' or '.join(f'`{name}`' for name in near)}? " if near else ""
     *others, last = (_ONE[kind] for kind in kinds)
     what = f"{', '.join(others)} or {last}" if others else last

@@ -193,8 +193,11 @@ def _finish(
     else:
         _tell(learned, diff or not (write or output is not None))
     if write:
-        for changed in learned.write():
+        wrote = learned.write()
+        for changed in wrote:
             echo(f"wrote {changed}", err=as_data)
+        if not wrote:
+            echo(f"nothing new: {learned.changes[0].path} says all of this already", err=as_data)
     if output is not None:
         learned.write_copy(output)
         echo(f"wrote {output}", err=as_data)

@@ -20,6 +20,8 @@ def name_or_number(at: Misplaced) -> str:
     is_in_name = at.is_glued and re.search(r"\w$", at.before) and re.match(r"\w", at.after)
     if at.token == "-" and is_in_name and "MINUS" not in at.accepted:
         return "names have no `-`: use `_`"
+    if at.token == "+" and at.is_glued and at.word_before == "prada":
+        return 'a study writes `prada_plus`, and a problem `name = "prada+"`'
     return ""
 
 
