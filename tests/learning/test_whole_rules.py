@@ -332,3 +332,13 @@ def test_an_action_without_transitions_and_one_that_is_not_asked_for_keep_their_
     found = revised(hidden, compiled(hidden, transitions), ["grab", "slam"])
     assert set(found.after) == {"slam"}
     assert {r.name for r in hidden.rules if r.action != "slam"} <= {r.name for r in found.domain.rules}
+
+
+def test_what_happened_once_is_no_reason_to_give_up_a_rule() -> None:
+    """One result that no outcome says, among few: noise, as the rule says itself."""
+    text = PRESSES.replace("0.4: hot(?a)", "0.35: hot(?a)\n         0.05: noise")
+    domain = load_domain(Source("presses.nid", text))
+    transitions = [each for each in presses(200) if ("lit", each.arguments) in each.before]
+    odd = transitions[0]._replace(after={**transitions[0].before, ("broken", ("l0",)): True})
+    found = revised(domain, compiled(domain, [odd, *transitions[1:20]]), ["press"])
+    assert found.kept == ("press",)
