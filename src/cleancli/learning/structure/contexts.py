@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,14 +41,12 @@ class Question:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Questions:
-    """What may be asked, what each costs in nats, what it saves is multiplied by where one is chosen, and the
-    answers, (n, questions). What others ask one after the other is asked `by` those, told by the
-    indices of all."""
+    """What may be asked, of which kind each is, and the answers, (n, questions). What others ask one after
+    the other is asked `by` those, told by the indices of all."""
 
     listed: tuple[Question, ...]
     by: Mapping[int, tuple[int, ...]]
-    costs: Floats
-    weights: Floats
+    kinds: Longs
     answers: Bools
 
 
@@ -98,10 +97,9 @@ def _grown(possible: Possible, questions: Questions, leaf: Leaf, length: float) 
     best = _best(possible, questions, leaf.rows)
     if best is None:
         return Tree((leaf,), length)
-    question, lengths = best
+    question, total, lengths = best
     yes = questions.answers[leaf.rows, question]
     leaves: list[Leaf] = []
-    total = float(questions.costs[question])
     for answer, own, alone in zip((True, False), (yes, ~yes), lengths, strict=True):
         path = (*leaf.path, Asked(questions.listed[question], answer))
         side = _grown(possible, questions, Leaf(path, leaf.rows[own]), alone)
@@ -110,8 +108,16 @@ def _grown(possible: Possible, questions: Questions, leaf: Leaf, length: float) 
     return Tree(tuple(leaves), total)
 
 
-def _best(possible: Possible, questions: Questions, rows: Longs) -> tuple[int, tuple[float, float]] | None:
-    """The question that shortens the description most, if any does, and the lengths of both its sides."""
+class _Division(NamedTuple):
+    """A question by its index, what it costs, and the lengths of both its sides, yes first; in nats."""
+
+    question: int
+    cost: float
+    lengths: tuple[float, float]
+
+
+def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | None:
+    """The question that shortens the description most, if any does."""
     counts = possible.counts(rows)
     used = counts > 0
     likelihoods, every = possible.likelihoods[used], counts[used]
@@ -125,20 +131,32 @@ def _best(possible: Possible, questions: Questions, rows: Longs) -> tuple[int, t
     start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
     beliefs = fitted(every[None], likelihoods, start)[0]
     free = _free(every, beliefs)
-    shorter = free - log_likelihoods(every[None], likelihoods, beliefs[None]) - questions.costs[listed]
+    costs = _costs(questions.kinds[listed], questions.answers[np.ix_(rows, listed)])
+    shorter = free - log_likelihoods(every[None], likelihoods, beliefs[None]) - costs
     start = np.maximum(beliefs, 1e-3)
     sides = []
     for side in (yes[listed], every - yes[listed]):
         below = fitted(side, likelihoods, start / start.sum(), FEW_ROUNDS)
         sides.append(free - log_likelihoods(side, likelihoods, below))
         shorter = shorter - sides[-1]
-    best = int((shorter * questions.weights[listed]).argmax())
+    weights = np.where(questions.kinds[listed] == _OF_OTHERS, 1 / OF_OTHERS, 1.0)
+    best = int((shorter * weights).argmax())
     if shorter[best] <= 0:
         return None
     by = questions.by.get(int(listed[best]))
     if by is not None:
         best = next(place for place, number in enumerate(listed) if number in by)
-    return int(listed[best]), (float(sides[0][best]), float(sides[1][best]))
+    return _Division(int(listed[best]), float(costs[best]), (float(sides[0][best]), float(sides[1][best])))
+
+
+def _costs(kinds: Longs, answers: Bools) -> Floats:
+    """The nats that each question costs which divides a node: it is one of those of its kind, those that
+    divide the node alike taken as one (Quinlan and Rivest 1989: of the attributes available at the node)."""
+    alike = np.ascontiguousarray(np.packbits(answers ^ answers[:1], axis=0).T)
+    first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
+    different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
+    found: Floats = np.log(_KINDS * np.maximum(different[kinds], 1)) + OF_OTHERS * (kinds == _OF_OTHERS)
+    return found
 
 
 def _free(counts: Floats, beliefs: Floats) -> float:
@@ -165,13 +183,11 @@ def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questio
         kinds += [_of_references(arrays, known), _of_others(arrays, known)]
     listed: list[Question] = []
     columns: list[Bools] = []
-    costs: list[float] = []
-    weights: list[float] = []
+    numbers: list[int] = []
     seen: dict[bytes, int] = {}
     by: dict[int, tuple[int, ...]] = {}
     about: dict[tuple[Reference | None, bool], int] = {}
     for number, kind in enumerate(kinds):
-        size = 0
         for question, answers in kind:
             if answers.all() or not answers.any():
                 continue
@@ -184,12 +200,9 @@ def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questio
             if index == len(listed):
                 listed.append(question)
                 columns.append(answers)
-                size += 1
-        is_last = number == _OF_OTHERS
-        costs += [float(np.log(_KINDS * max(size, 1))) + OF_OTHERS * is_last] * size
-        weights += [1 / OF_OTHERS if is_last else 1.0] * size
+                numbers.append(number)
     answers = np.column_stack(columns) if columns else np.zeros((arrays.size, 0), dtype=bool)
-    return Questions(tuple(listed), by, np.array(costs), np.array(weights), answers)
+    return Questions(tuple(listed), by, np.array(numbers, dtype=np.int64), answers)
 
 
 def _is_of_one(part: Literal | Equality | Quantified) -> bool:
