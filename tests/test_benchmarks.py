@@ -672,6 +672,32 @@ def test_nothing_is_torn_left_over_or_overwritten_by_commands_that_write(tmp_pat
         assert re.search(rf"races with {name}: 2 .*, 0 failures", result.stdout)
 
 
+def test_rules_of_a_table_are_compared_with_the_shipped_ones(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for _ in range(2):  # the second time the episodes are there
+        _main("rules_on_tables", monkeypatch, "--quick", "--keep", str(tmp_path))
+    told = capsys.readouterr().out
+    rows = re.findall(
+        r"^\| ([a-z, ]+) \| (\d+) \| \d+ \| -\d+\.\d+ \| (\d\.\d+) \| \d+ of \d+ \|$", told, re.M
+    )
+    assert [row[0] for row in rows[:4]] == [
+        "shipped",
+        "shipped, probabilities learned",
+        "whole rules beside shipped ones",
+        "whole rules",
+    ]
+    assert rows[:4] == rows[4:]
+    assert len(list(tmp_path.glob("seed*/*/run.json"))) == 3
+
+
+def test_odd_experience_makes_rules_or_a_message(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _main("rule_fuzz", monkeypatch, "--quick") == 0, capsys.readouterr().out
+    assert re.search(r"^40 cases, 0 wrong, at most \d+\.\d+ s of CPU for one$", capsys.readouterr().out, re.M)
+
+
 def test_whole_rules_are_learned_from_hidden_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
