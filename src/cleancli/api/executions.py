@@ -45,6 +45,7 @@ def execute(
     world: GivenDomain | None = None,
     robot: Robot | None = None,
     learn: bool = False,
+    structure: bool = False,
     estimator: str | None = None,
     m: float | None = None,
     match: str | None = None,
@@ -59,7 +60,7 @@ def execute(
     simulated table, or by a `robot` of yours (docs/your_own_robot.md), any other problem in the symbolic
     world, by the rules of `world` or else of the domain. Leaves a folder in `runs`. Where it is to `learn`,
     plans go by what was learned so far (§5); how, where it is not said, the domain's `learned` block says, or
-    is as usual.
+    is as usual. With `structure`, whole rules are learned, and not their probabilities alone (§7.1).
 
     Ctrl-C ends it in good order with a KeyboardInterrupt that says how to go on. Raises Refused for mistakes
     in the texts and for what cannot be planned, ValueError for options that make no sense, OSError where the
@@ -80,6 +81,7 @@ def execute(
         world=world,
         robot=robot,
         learn=learn,
+        structure=structure,
         estimator=estimator,
         m=m,
         match=match,
@@ -109,6 +111,7 @@ def execute_series(
     world: GivenDomain | None = None,
     robot: Robot | None = None,
     learn: bool = False,
+    structure: bool = False,
     estimator: str | None = None,
     m: float | None = None,
     match: str | None = None,
@@ -149,6 +152,7 @@ def execute_series(
         max_seconds,
         learning=method,
         optimism=optimism,
+        structure=structure,
     )
     acting = None if world is None else load_domain(world)
     inputs = inputs_of(

@@ -26,6 +26,7 @@ from cleancli.language.load import kind_of, load_problem
 from cleancli.language.model import Object, Problem
 from cleancli.learning.estimate import ESTIMATORS
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.experience import Transition
 from cleancli.learning.method import MATCHES, Method
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
@@ -56,6 +57,7 @@ class _Options(msgspec.Struct):
     match: str = MATCHES[0]
     forgetting: Annotated[float, Meta(ge=0, le=MOST_FORGETTING)] = 0.0
     optimism: str = OPTIMISM[0]
+    structure: bool = False
 
 
 class _Begun(msgspec.Struct):
@@ -83,14 +85,19 @@ def _untold(_: str) -> None:
     """Tell nobody."""
 
 
-def unfinished(folder: Path, evidence: Evidence = NO_EVIDENCE, note: Note = _untold) -> Unfinished:
+def unfinished(
+    folder: Path,
+    evidence: Evidence = NO_EVIDENCE,
+    experience: tuple[Transition, ...] = (),
+    note: Note = _untold,
+) -> Unfinished:
     """Read a run that has not ended; nothing is changed. Raises Refused, OSError, and BadOption for one that
     has ended."""
     run = read_run(folder)
     if run.header.episode is not None:
         raise BadOption(f"{folder} has ended: {run.header.episode.reason}; start a new run instead")
     refuse_other_names(folder)
-    inputs = replace(inputs_of_run(run), evidence=evidence)
+    inputs = replace(inputs_of_run(run), evidence=evidence, experience=experience)
     raw = msgspec.json.decode(read_text(folder, RUN, LARGEST_HEADER).text, type=dict[str, Any])
     for difference in _other_versions(run.header):
         note(difference)
@@ -210,6 +217,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         given.known,
         None if given.estimator is None else _method(given.estimator, given),
         given.optimism,
+        given.structure,
     )
 
 

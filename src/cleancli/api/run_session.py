@@ -24,6 +24,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.experience import Transition
 from cleancli.motion.actions import PICK_UP, can_execute
 from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
@@ -49,7 +50,8 @@ class World:
 class Inputs:
     """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last.
     `evidence`: what earlier runs have seen, to learn from. `world` has the rules by which the symbolic world
-    acts, where they are not those of the domain. `robot` works on the table in place of the simulated one."""
+    acts, where they are not those of the domain. `robot` works on the table in place of the simulated one.
+    `experience`: the transitions of earlier runs, where whole rules are learned."""
 
     domain: Domain
     given: Problem | Scene
@@ -59,6 +61,7 @@ class Inputs:
     evidence: Evidence = NO_EVIDENCE
     world: World | None = None
     robot: Robot | None = None
+    experience: tuple[Transition, ...] = ()
 
 
 class OtherWorld(ValueError):
@@ -92,7 +95,8 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
             else:
                 acting = inputs.domain if inputs.world is None else inputs.world.domain
                 session = symbolic_session(inputs.domain, given, options, saved, acting)
-            return replace(session, setup=replace(session.setup, evidence=inputs.evidence))
+            setup = replace(session.setup, evidence=inputs.evidence, experience=inputs.experience)
+            return replace(session, setup=setup)
         except (KeyError, TypeError, ValueError) as error:
             if saved is None:
                 raise

@@ -30,19 +30,20 @@ from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
-from cleancli.execution.setup import EpisodeOptions, Job, discounts_time
+from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, discounts_time
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain, Problem, Unlimited
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.method import KNOWN
 from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back, tidy
-from cleancli.recording.folder import FILES, PAGE, RUN, read_text
+from cleancli.recording.folder import EXPERIENCE, FILES, PAGE, RUN, read_text
 from cleancli.recording.journal import Interrupted, Resumed
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder, write_run
@@ -167,16 +168,30 @@ def new_run(inputs: Inputs, runs: Path, video: bool) -> Iterator[OpenedRun]:
             yield OpenedRun(inputs, session, folder, header, video)
 
 
+def _with_own_experience(setup: EpisodeSetup, folder: Path) -> EpisodeSetup:
+    """What an episode that goes on needs, with what it has seen itself so far. Raises Refused, OSError."""
+    own = read_experience(folder / EXPERIENCE, setup.domain)
+    return replace(setup, experience=(*setup.experience, *own))
+
+
 @contextmanager
-def resumed_run(folder: Path, note: Note, evidence: Evidence = NO_EVIDENCE) -> Iterator[OpenedRun]:
-    """A run that was cut short, from its last checkpoint on; `evidence` is what runs before it have seen.
+def resumed_run(
+    folder: Path,
+    note: Note,
+    evidence: Evidence = NO_EVIDENCE,
+    experience: tuple[Transition, ...] = (),
+) -> Iterator[OpenedRun]:
+    """A run that was cut short, from its last checkpoint on; `evidence` and `experience` are what runs before
+    it have seen.
     Raises Refused, BadOption, OSError."""
     with alone_in(folder):
         tidy(folder)
-        begun = unfinished(folder, evidence, note)
+        begun = unfinished(folder, evidence, experience, note)
         saved, session = reopened(folder, begun, note)
         with closing(session):
             dropped = cut_back(folder, saved)
+            if begun.inputs.options.structure:
+                session = replace(session, setup=_with_own_experience(session.setup, folder))
             episode = None if saved is None else saved.episode
             resumed = Resumed(0 if episode is None else episode.actions, dropped)
             yield OpenedRun(begun.inputs, session, folder, begun.header, begun.video, resumed, episode)
@@ -255,6 +270,9 @@ def inputs_of(
     unknown rules makes no difference."""
     if asked.learning is not None:
         refuse_learning_pddl(given.domain)
+    if STRATEGIES[asked.strategy].learns_rules and asked.learning is not None:
+        asked = replace(asked, structure=True)
+    _check_structure(asked)
     _check_optimism(asked)
     _check_horizon(given.model, asked.optimism, objective)
     with planning_refused(given.sources):
@@ -270,6 +288,18 @@ def inputs_of(
         world=None if world is None else World(world.model, world.sources),
         robot=robot,
     )
+
+
+def _check_structure(asked: EpisodeOptions) -> None:
+    if STRATEGIES[asked.strategy].learns_rules and asked.learning is None:
+        raise BadOption(f"the strategy {asked.strategy} learns rules while it works: ask for learning")
+    if asked.structure and asked.learning is None:
+        raise BadOption("structure is what of the rules is learned: ask for learning as well")
+    if asked.structure and asked.optimism != "prior":
+        raise BadOption(
+            f"optimism {asked.optimism} is about the probabilities of rules; where whole rules are learned,"
+            " the strategy explore hopes"
+        )
 
 
 def _check_optimism(asked: EpisodeOptions) -> None:
@@ -357,6 +387,7 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
             "job": job.value,
             "known": options.known,
             "optimism": options.optimism,
+            "structure": options.structure,
             "estimator": learning.estimator if learning else None,
             "m": learning.m if learning else 0,
             "match": learning.match if learning else "shared",

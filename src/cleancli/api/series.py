@@ -16,7 +16,9 @@ from cleancli.execution.believed import lesson_of
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Experience
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.gathered import Origin, whole
+from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE, PAGE
 from cleancli.recording.series import begun_series, remove_if_empty
 from cleancli.report.series_page import write_series_page
@@ -104,6 +106,11 @@ def carried_out(series: Series, carry_out: CarryOut) -> Iterator[SeriesResult]:
 
     Raises what `new_run` and carrying an episode out do, and what writing does (`LearningResult.write`).
     """
+    if series.writes and series.inputs.options.structure:
+        raise BadOption(
+            "whole rules are not written while a robot works: learn them from the runs afterwards, with"
+            " `cleancli learn --structure DOMAIN RUNS --write`"
+        )
     if series.episodes == 1:
         yield from episodes_left(series, SeriesResult((), None), carry_out)
         return
@@ -134,12 +141,25 @@ def _next(series: Series, done: Sequence[RunResult]) -> Inputs:
     """What goes into the next episode."""
     inputs = series.inputs
     options = replace(inputs.options, seed=inputs.options.seed + len(done))
-    return replace(inputs, options=options, evidence=evidence_after(done))
+    return replace(
+        inputs,
+        options=options,
+        evidence=evidence_after(done),
+        experience=experience_after(inputs, done),
+    )
 
 
 def evidence_after(done: Sequence[RunResult]) -> Evidence:
     """What the episodes have seen."""
     return done[-1].evidence if done else NO_EVIDENCE
+
+
+def experience_after(inputs: Inputs, done: Sequence[RunResult]) -> tuple[Transition, ...]:
+    """The transitions of the episodes, where whole rules are learned. Raises Refused, OSError."""
+    if not inputs.options.structure:
+        return ()
+    files = (run.folder / EXPERIENCE for run in done)
+    return tuple(each for file in files for each in read_experience(file, inputs.domain))
 
 
 def ended(series: Series, before: SeriesResult, result: RunResult) -> SeriesResult:
@@ -178,7 +198,7 @@ def with_run(series: Series, before: SeriesResult, result: RunResult) -> SeriesR
 def with_lesson(series: Series, done: SeriesResult) -> SeriesResult:
     """The series with what it teaches, beside what the domain's text has counted. Raises Refused."""
     method, domain = series.inputs.options.learning, series.given.domain
-    if method is None or not done.runs:
+    if method is None or series.inputs.options.structure or not done.runs:
         return done
     noted = () if domain.model.learned is None else domain.model.learned.experience
     known = {each.sha256 for each in noted}

@@ -18,6 +18,7 @@ from cleancli.api.series import (
     ended,
     episodes_left,
     evidence_after,
+    experience_after,
     with_lesson,
     with_run,
     write,
@@ -50,7 +51,8 @@ def resumed(folder: Path, note: Note, carry_out: CarryOut) -> Iterator[SeriesRes
         if not rest and len(so_far.runs) >= series.episodes:
             raise BadOption(f"{folder} has ended; start a new series instead")
         for run in rest:
-            with resumed_run(run.folder, note, evidence_after(so_far.runs)) as again:
+            experience = experience_after(series.inputs, so_far.runs)
+            with resumed_run(run.folder, note, evidence_after(so_far.runs), experience) as again:
                 result = carry_out(again)
             so_far = ended(series, so_far, result)
             yield so_far

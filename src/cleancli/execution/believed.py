@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from cleancli.compiler.task import GroundAction
@@ -11,6 +11,7 @@ from cleancli.execution.setup import EpisodeSetup, Seconds, within
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import Evidence, extended, weights
 from cleancli.learning.experience import Transition
+from cleancli.learning.exploration.explored import Explored, explored
 from cleancli.learning.intervals import Intervals, intervals
 from cleancli.learning.learn import Lesson, learned_from, revised
 from cleancli.learning.match import Matcher
@@ -21,25 +22,36 @@ from cleancli.learning.optimism import optimistic
 @dataclass(frozen=True, slots=True)
 class Belief:
     """The domain with the probabilities and durations that are believed by some evidence, and the `lesson`
-    that made them so, with how sure it is; None where nothing has been learned."""
+    that made them so, with how sure it is; None where nothing has been learned. Where whole rules are
+    learned, it is the domain with these, and what they are from is `explored`."""
 
     evidence: Evidence
     domain: Domain
     lesson: Lesson | None = None
     intervals: Intervals = field(default_factory=dict)
+    explored: Explored | None = None
 
 
 def with_transition(setup: EpisodeSetup, evidence: Evidence, transition: Transition) -> Evidence:
-    """The evidence with one more transition; as it is where nothing is learned."""
+    """The evidence with one more transition; as it is where no probabilities are learned."""
     method = setup.options.learning
-    if method is None:
+    if method is None or setup.options.structure:
         return evidence
     return extended(evidence, Matcher(setup.domain, method.is_strict), [transition])
 
 
-def belief(setup: EpisodeSetup, evidence: Evidence) -> Belief:
-    """What is believed now: what the evidence teaches beside what the domain's text has counted."""
+def belief(
+    setup: EpisodeSetup,
+    evidence: Evidence,
+    experience: Sequence[Transition] = (),
+    before: Explored | None = None,
+) -> Belief:
+    """What is believed now: what the evidence teaches beside what the domain's text has counted; or the rules
+    that the experience teaches, of which the first transitions were explored `before`."""
     method = setup.options.learning
+    if setup.options.structure:
+        found = explored(setup.domain, experience, before)
+        return Belief(evidence, found.domain, explored=found)
     if method is None or not evidence.order:
         return Belief(evidence, setup.domain)
     lesson = lesson_of(setup.domain, evidence, method)

@@ -76,12 +76,14 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
         state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
     elif state.situation is not None and not state.reason:
         state = yield from _look(cell, replace(state, clear_looks=0), Purpose.AFTER, None)
-    now = yield from _learned(belief(setup, state.evidence))
+    seen = list(setup.experience)
+    now = yield from _learned(belief(setup, state.evidence, seen))
     while not (reason := _over(setup, cell, state)):
         yield Checkpoint(state)
-        state = yield from _step(setup, cell, state, now)
-        if state.evidence != now.evidence:
-            now = yield from _learned(belief(setup, state.evidence))
+        before = len(seen)
+        state = yield from _remembered(_step(setup, cell, state, now), seen)
+        if state.evidence != now.evidence or (setup.options.structure and len(seen) > before):
+            now = yield from _learned(belief(setup, state.evidence, seen, now.explored))
     state = replace(state, reason=reason)
     yield Checkpoint(state)
     yield Ended(reason, reason == CLEAN, state.actions, state.spent, cell.clock, state.loading)
@@ -99,6 +101,20 @@ def saving(events: Iterable[Event], save: Callable[[], object]) -> Iterator[Even
         if isinstance(event, Checkpoint) and event.state.actions != saved:
             saved = event.state.actions
             save()
+
+
+def _remembered(steps: Steps, seen: list[Transition]) -> Steps:
+    """The same steps, of which the transitions that were seen whole are remembered as well. They are in
+    experience.jsonl, and so no part of what a checkpoint holds."""
+    while True:
+        try:
+            event = next(steps)
+        except StopIteration as ended:
+            state: EpisodeState = ended.value
+            return state
+        if isinstance(event, Acted) and event.seen and event.transition is not None:
+            seen.append(event.transition)
+        yield event
 
 
 def _learned(now: Belief) -> Generator[Event, None, Belief]:
@@ -158,6 +174,7 @@ def _decide(
         # Every decision draws for itself: the seed of a run and the number of moves before name it.
         seeds.derived(options.seed, seeds.Stream.PLANNING) + state.actions,
         expected_seconds(believed, partial(cell.seconds, situation)),
+        believed.explored,
     )
     decision = STRATEGIES[options.strategy].decide(now, options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
@@ -230,7 +247,8 @@ def _carry_out(
         state = replace(state, queue=(), rest=())
         yield Failed(number, move, motions.failure)
     told = foreseen(believed.domain, before, move)
-    if told.rule in unknown(setup, state) and not motions.failure:
+    is_new = setup.options.structure or told.rule in unknown(setup, state)
+    if is_new and not motions.failure:
         state = yield from _clear_look(cell, state, Purpose.LEARNING, motions.stroke)
     else:
         state = yield from _look_after(cell, state, motions.stroke)
@@ -263,7 +281,8 @@ def _concluded(
     knows_rules = STRATEGIES[setup.options.strategy].planner is not None
     chance = told.nothing if knows_rules else 0.0
     state = replace(state, vain=_tried(state.vain, move, before, after, chance, motions.failure))
-    if seen and told.rule is not None:
+    # Rules that are learned whole come and go: there are none to count by.
+    if seen and told.rule is not None and not setup.options.structure:
         counts = dict(state.examples)
         counts[told.rule] = counts.get(told.rule, Fraction(0)) + 1
         state = replace(state, examples=tuple(counts.items()))

@@ -10,6 +10,8 @@ from cleancli.compiler.task import GroundAction
 from cleancli.execution.episode_state import ActionKey, Move, Situation
 from cleancli.language.model import Domain, Problem, RewardKind, weight_of
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
+from cleancli.learning.experience import Transition
+from cleancli.learning.exploration.explored import Explored
 from cleancli.learning.method import Method
 from cleancli.motion.actions import PICK_UP, PICK_UPS, SWEEPS, TO_ZONE, WIPES, can_execute
 from cleancli.planning.plan import Plan
@@ -70,7 +72,8 @@ class EpisodeOptions:
 
     `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
     view to learn from it (§5.2). `learning`: how probabilities are learned from each action; None: they stay.
-    `optimism`: what plans hope of rules that are not known yet, of `optimism.OPTIMISM`.
+    `optimism`: what plans hope of rules that are not known yet, of `optimism.OPTIMISM`. `structure`: whole
+    rules are learned, and not their probabilities alone (§7.1).
     """
 
     strategy: str = usual_strategy(is_scene=True)
@@ -83,12 +86,15 @@ class EpisodeOptions:
     known: int = 0
     learning: Method | None = None
     optimism: str = "prior"
+    structure: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeSetup:
     """What an episode needs besides a workcell: `feasible` is the domain without what the robot has no skill
-    for, `scene` None in the symbolic world. `evidence`: what earlier episodes have seen, to learn from."""
+    for, `scene` None in the symbolic world. `evidence`: what earlier episodes have seen, to learn from;
+    `experience`: their transitions, and those of this one up to where it goes on, where whole rules are
+    learned."""
 
     domain: Domain
     feasible: Domain
@@ -96,6 +102,7 @@ class EpisodeSetup:
     job: Job
     options: EpisodeOptions
     evidence: Evidence = NO_EVIDENCE
+    experience: tuple[Transition, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +113,8 @@ class DecisionContext:
     now believed. `scene` and `tool`, where the tool is, are None in the symbolic world. `excluded` moves are
     of no use as things stand. `rest`: what is left of the last plan. `number` of moves begun before; `seed`
     is this decision's own. `seconds` tells about how long actions on their objects take here, by their keys;
-    what it leaves out takes as long as the domain says.
+    what it leaves out takes as long as the domain says. `explored`: what experience has shown of each action,
+    where whole rules are learned.
     """
 
     domain: Domain
@@ -120,6 +128,7 @@ class DecisionContext:
     number: int
     seed: int
     seconds: Seconds
+    explored: Explored | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ Strategies share perception, skills and clock; they differ in nothing but the mo
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from cleancli.compiler.ground import ground
@@ -14,6 +14,7 @@ from cleancli.compiler.task import Objective, lasting, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions
+from cleancli.learning.exploration.seeking import next_try
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.objective import aimed
 from cleancli.planning.plan import Options
@@ -24,11 +25,13 @@ from cleancli.planning.registry import DEFAULT, PLANNERS
 @dataclass(frozen=True, slots=True)
 class Strategy:
     """`decide` says what to do; `needs_places`: it thinks of where things are, so that the symbolic world
-    has nothing for it. `planner` is the one it plans with where none is asked for; None: it does not plan."""
+    has nothing for it. `planner` is the one it plans with where none is asked for; None: it does not plan.
+    `learns_rules`: it goes by what whole rules rest on."""
 
     decide: Callable[[DecisionContext, EpisodeOptions], Decision]
     needs_places: bool = False
     planner: str | None = None
+    learns_rules: bool = False
 
 
 def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: int | None) -> Decision:
@@ -46,6 +49,17 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
     return Decision(moves, plan.actions[len(chosen) :], plan, plan.seconds.get("compile", 0.0))
 
 
+def _explore(now: DecisionContext, options: EpisodeOptions) -> Decision:
+    """Try what is not known, or go where it can be tried; towards the goal where all on the way is known."""
+    assert now.explored is not None, "asking for it asks for learning whole rules"
+    feasible = replace(now.explored, domain=now.domain)
+    planner, asked = PLANNERS[options.planner or DEFAULT], Options(options.samples, now.seed)
+    chosen = next_try(feasible, now.problem, options.known, planner, asked, now.excluded)
+    if chosen is None:
+        return _plan(now, options, DEFAULT, 1)
+    return Decision((Move(chosen.action, chosen.objects),))
+
+
 def _planning(commit: int | None, planner: str = DEFAULT) -> Strategy:
     return Strategy(lambda now, options: _plan(now, options, planner, commit), planner=planner)
 
@@ -58,6 +72,7 @@ STRATEGIES: Mapping[str, Strategy] = MappingProxyType(
         "plan-all": _planning(None),
         # FF-Replan (Yoon, Fern and Givan 2007), with the determinization that knows of all outcomes.
         "determinized": _planning(2, "all-outcomes"),
+        "explore": Strategy(_explore, planner=DEFAULT, learns_rules=True),
         "reactive": Strategy(nearest_first, needs_places=True),
         "wipe": Strategy(wipe_all, needs_places=True),
         "tsp": Strategy(gather_all, needs_places=True),

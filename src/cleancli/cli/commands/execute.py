@@ -119,6 +119,11 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     is_flag=True,
     help="Learn from each action, and plan with what was learned (§5).",
 )
+@click.option(
+    "--structure",
+    is_flag=True,
+    help="With --learn, learn whole rules and not their probabilities alone (§7.1).",
+)
 @options.learning()
 @click.option(
     "--episodes",
@@ -171,6 +176,7 @@ def command(
     optimism: str,
     world: str | None,
     learn: bool,
+    structure: bool,
     estimator: str | None,
     m: float | None,
     match: str | None,
@@ -220,6 +226,7 @@ def command(
         max_seconds,
         learning=method,
         optimism=optimism,
+        structure=structure,
     )
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)

@@ -91,7 +91,8 @@ def hopes_of(found: Explored) -> Iterator[Hope]:
     """The contexts that plans may lead to: those of rules; where one holds and something does not that held
     each time that it changed anything; and where something holds that an action which has changed nothing
     was seldom seen with."""
-    for known in found.actions.values():
+    feasible = {action.name for action in found.domain.actions}
+    for known in (known for name, known in found.actions.items() if name in feasible):
         for number, rule in enumerate(known.rules):
             yield Hope(rule.action, rule.condition, rule.references, by_rule(known, number))
             yield from _near(found.domain, known, number)

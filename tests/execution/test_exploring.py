@@ -1,0 +1,155 @@
+"""The strategy that explores (docs/execution.md): from a vocabulary alone, cut short, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cleancli.api.executions import execute_series, resume_series
+from cleancli.api.series import SeriesResult
+from cleancli.execution.events import Acted, Ended, Event
+from cleancli.language.load import load_domain, read_source
+from cleancli.language.model import Domain
+from cleancli.learning.experience import Transition, read_experience
+from cleancli.learning.exploration.explored import explored
+from cleancli.learning.variation import variation
+from cleancli.planning.plan import BadOption
+from cleancli.recording.folder import EXPERIENCE
+
+VOCABULARY = """\
+domain doors {
+  types      { door }
+  predicates { open(?d - door)  locked(?d - door) }
+  derived    { shut := count ?d - door: not open(?d) }
+  actions    { push(?d - door)  unlock(?d - door)  bolt(?d - door) }
+  %s
+  reward     { decrease(shut) }
+}
+"""
+RULES = """
+  rule push: push(?d) { when not locked(?d), not open(?d) then 0.8: open(?d) 0.2: nothing }
+  rule unlock: unlock(?d) { when locked(?d) then 1: not locked(?d) }
+  rule bolt: bolt(?d) { when not open(?d), not locked(?d) then 1: locked(?d) }
+"""
+PROBLEM = """\
+problem p {
+  domain = doors
+  objects { a b c - door }
+  init { locked(a) }
+  goal { forall ?d - door: open(?d) }
+  horizon = 8
+}
+"""
+ASKED: dict[str, Any] = {
+    "episodes": 2,
+    "seed": 4,
+    "samples": 50,
+    "strategy": "explore",
+    "learn": True,
+    "video": False,
+    "known": 3,
+    "max_actions": 25,
+}
+
+
+class Killed(BaseException):
+    """Stands for a process that is gone: nobody may catch it."""
+
+
+@pytest.fixture(autouse=True)
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A vocabulary in the current folder, and beside it the rules that hold."""
+    monkeypatch.chdir(tmp_path)
+    Path("own.nid").write_text(VOCABULARY % "", encoding="utf-8")
+    Path("true.nid").write_text(VOCABULARY % RULES, encoding="utf-8")
+    Path("p.nid").write_text(PROBLEM, encoding="utf-8")
+
+
+def carried_out(**asked: Any) -> SeriesResult:
+    return execute_series("own.nid", "p.nid", world="true.nid", **{**ASKED, **asked})
+
+
+def experience(result: SeriesResult) -> list[Transition]:
+    domain = load_domain(read_source(Path("own.nid")))
+    return [each for run in result.runs for each in read_experience(run.folder / EXPERIENCE, domain)]
+
+
+def true() -> Domain:
+    return load_domain(read_source(Path("true.nid")))
+
+
+def test_rules_are_learned_from_a_vocabulary_and_then_the_goal_is_reached() -> None:
+    """Each action has been done where it does something, and what its rules say is near what holds."""
+    result = carried_out(episodes=3)
+    done = experience(result)
+    learned = explored(load_domain(read_source(Path("own.nid"))), done).domain
+    assert {rule.action for rule in learned.rules} == {"push", "unlock", "bolt"}
+    assert variation(learned, true(), done) < 0.1
+    assert result.runs[-1].clean
+
+
+def test_what_one_episode_has_shown_the_next_one_knows() -> None:
+    """Where all was seen often enough, nothing is tried any more: the shortest way is taken."""
+    first, *_, last = (run.actions for run in carried_out(episodes=4).runs)
+    assert last < first
+
+
+def test_the_same_seed_explores_the_same_and_another_one_differs(tmp_path: Path) -> None:
+    runs = [
+        experience(carried_out(seed=seed, runs=tmp_path / str(n), max_actions=12))
+        for n, seed in enumerate((4, 4, 5))
+    ]
+    assert runs[0] == runs[1] != runs[2]
+
+
+def test_exploring_goes_on_after_a_kill_as_if_there_was_none(tmp_path: Path) -> None:
+    short: dict[str, Any] = {"max_actions": 12}
+    undisturbed = experience(carried_out(runs=tmp_path / "whole", **short))
+    kills: list[tuple[type[Event], int]] = [(Acted, 1), (Acted, 2), (Ended, 1)]
+    for number, (kind, episode) in enumerate(kills):
+        with pytest.raises(Killed):
+            carried_out(runs=tmp_path / str(number), on_event=_killing(kind, episode), **short)
+        (folder,) = (tmp_path / str(number)).iterdir()
+        assert experience(resume_series(folder)) == undisturbed
+
+
+def _killing(kind: type[Event], episode: int) -> Callable[[Event], None]:
+    """Ends the process at the fifth event of a kind in an episode, or the only one."""
+    seen: list[Event] = []
+
+    def follow(event: Event) -> None:
+        seen.append(event)
+        ended = sum(isinstance(each, Ended) for each in seen[:-1])
+        number = sum(isinstance(each, kind) for each in seen)
+        if isinstance(event, kind) and ended == episode - 1 and number >= (1 if kind is Ended else 5):
+            raise Killed
+
+    return follow
+
+
+def test_plans_go_by_whole_rules_that_are_learned_meanwhile() -> None:
+    """A strategy that plans does nothing where it knows no rule; with structure it learns them from what it
+    was told first."""
+    Path("own.nid").write_text(VOCABULARY % RULES.replace("not locked(?d), not open(?d)", "not open(?d)"))
+    result = carried_out(strategy="plan-1", structure=True, episodes=3)
+    learned = explored(load_domain(read_source(Path("own.nid"))), experience(result)).domain
+    assert len(experience(result)) > 3
+    assert {rule.action for rule in learned.rules} == {"push", "unlock", "bolt"}
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"learn": False}, "the strategy explore learns rules while it works: ask for learning"),
+        ({"strategy": "plan-1", "learn": False, "structure": True}, "ask for learning as well"),
+        ({"optimism": "rmax"}, "the strategy explore hopes"),
+        ({"write": True}, "cleancli learn --structure DOMAIN RUNS --write"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(asked: dict[str, Any], told: str) -> None:
+    with pytest.raises(BadOption, match=told):
+        carried_out(**asked)
+    assert not Path("runs").exists() or not any(Path("runs").iterdir())
