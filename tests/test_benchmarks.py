@@ -363,6 +363,13 @@ def test_domains_in_other_languages_do_what_they_do_here(tmp_path: Path) -> None
     assert "written as PPDDL, the same in all states" in result.stdout
 
 
+def test_domains_in_rddl_draw_what_the_rules_say(tmp_path: Path) -> None:
+    pytest.importorskip("pyRDDLGym")
+    result = _run("languages.py", "--rddl", "20", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "cleaning: 200 steps, reward " in result.stdout
+
+
 def test_two_readings_of_the_documents_agree_and_a_run_goes_on(tmp_path: Path) -> None:
     words = ("--jobs", "1", "--seed", "3", "--keep", str(tmp_path / "kept"))
     first = _run("differential.py", "--domains", "2", *words, cwd=tmp_path)

@@ -109,6 +109,7 @@ TRANSCRIPTS = {
         "convert tidy/tidy.pddl --out out4 --predicates",
         "convert tidy.rddl --out out4",
         "convert tower.nid two.nid --to ppddl --out written",
+        "convert tower.nid two.nid --to rddl --out written --json",
         "convert tower.nid --out written",
     ),
     "rename": (

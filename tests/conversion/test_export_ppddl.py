@@ -18,87 +18,11 @@ from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.planning.plan import BadOption
+from support.export_texts import EVERYTHING, LAMPS, SOME
 from support.exported_ppddl import disagreements, drawn_values, meaning_of, written
 from support.random_domains import Generator
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks" / "domains"
-
-EVERYTHING = """
-domain everything {
-  types      { thing; box - thing; crate - box; shelf - thing; place }
-  constants  { home - place  first - crate }
-  predicates {
-    wet(?t - thing)
-    open(?b - box)
-    near(?a ?b - thing) [symmetric]
-    under(?a ?b - thing) [static]
-    at(?t - thing, ?p - place)
-    alarm()
-  }
-  functions  {
-    size(?t - thing): small < medium < big
-    load(?b - box): -1..3
-    total(): 0..5
-    kind(?b - box): paper < glass [static]
-  }
-  derived {
-    below(?a ?b - thing)  := closure under
-    joined(?a ?b - thing) := closure near
-    dry(?t - thing)       := not wet(?t)
-    lonely(?t - thing)    := not exists ?o - thing: near(?t, ?o), dry(?t)
-    wets                  := count ?t - thing: wet(?t)
-    heavy                 := count ?b - box: load(?b) >= 2, size(?b) != small, not lonely(?b)
-    damp  := count ?t - thing ?p - place: at(?t, ?p), forall ?o - thing: near(?t, ?o) => wet(?o)
-  }
-  parameters { half = 0.5 }
-  actions {
-    push(?a ?b - box)   [duration = 2.5 s, cost = 2]
-    rinse(?t - thing)   [duration = 4 s]
-    ring()              [duration = 1 s]
-  }
-  rule push_loaded: push(?a, ?b) {
-    when load(?a) >= 1, not alarm(), kind(?b) = paper, exists ?s - shelf: below(?a, ?s)
-    then half: load(?a) += 2, load(?b) -= 1, load(first) += 1
-         0.25: size(?a) := small, near(?a, ?b), if ?a != ?b, wet(?a) => (not wet(?a), wet(?b))
-         1/8:  if wet(?a) => not wet(?a), if dry(?a) => wet(?a), forall ?o - box: near(?a, ?o) => at(?o, home)
-         rest: noise
-  }
-  rule push_light: push(?a, ?b) {
-    when load(?a) < 1, not alarm(), ?a != ?b
-    with ?s - shelf: near(?a, ?s)
-    with ?t - thing: near(?s, ?t), ?t != ?a
-    then 0.9: size(?s) := big, wet(?t), not near(?a, ?s), forall ?o - box: near(?t, ?o) => load(?o) += 1
-         rest: nothing
-  }
-  rule rinse_it: rinse(?t) {
-    when joined(?t, ?t), size(?t) != medium
-    then 1: wet(?t), size(?t) := medium, forall ?a ?b - box: near(?a, ?b), load(?a) = 3 => not near(?a, ?b)
-  }
-  rule ring_it: ring() {
-    then 0.5: forall ?b - box: open(?b) => (load(?b) := 0, not open(?b)), total() += 1
-         0.5: alarm(), total() -= 2
-         0:   not alarm()
-  }
-  default { 0.8: nothing  0.2: noise }
-  reward  { 2 * decrease(wets) - 0.5 * heavy + damp - cost - 0.1 * duration + 3 * goal }
-}
-"""
-"""Each construct of the language at least once, but for a `forall` whose shifts add up."""
-
-SOME = """
-problem some {
-  domain  = everything
-  objects { b1 b2 - box  c1 - crate  s1 s2 - shelf }
-  init {
-    under(b1, s1), under(s1, s2), near(b1, s1), wet(c1), at(b1, home)
-    size(b1) = small, size(b2) = big, size(c1) = medium, size(s1) = small, size(s2) = big, size(first) = small
-    load(b1) = 2, load(b2) = 0, load(c1) = -1, load(first) = 3, total() = 2
-    kind(b1) = paper, kind(b2) = paper, kind(c1) = glass, kind(first) = paper
-  }
-  goal    { forall ?b - box: not wet(?b), total() = 5 }
-  horizon = 4
-}
-"""
 
 
 def models(domain: str, problem: str) -> tuple[Domain, Problem]:
@@ -157,26 +81,6 @@ def test_a_closure_has_the_pairs_that_steps_lead_between() -> None:
 
 
 # ---- what they look like
-
-LAMPS = """
-domain lamps {
-  types      { lamp }
-  predicates { on(?l - lamp)  beside(?a ?b - lamp) [symmetric, static] }
-  functions  { heat(?l - lamp): 0..2 }
-  derived    { dark := count ?l - lamp: not on(?l) }
-  actions    { press(?l - lamp) [cost = 0.5] }
-  rule press_cold: press(?l) {
-    when heat(?l) < 2, not on(?l)
-    then 0.75: on(?l), heat(?l) += 1
-         rest: noise
-  }
-  rule press_hot: press(?l) {
-    when heat(?l) = 2
-    then 1: not on(?l), heat(?l) := 0, forall ?o - lamp: beside(?l, ?o) => not on(?o)
-  }
-  reward { decrease(dark) - cost }
-}
-"""
 
 LAMPS_PPDDL = """\
 ; Written by `cleancli convert` from a .nid file.

@@ -222,7 +222,7 @@ def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.
     meaning, rules = meaning_of(made), LiftedRules(domain)
     closures = {derived.name.lower() for derived in domain.derived if derived.closure is not None}
     every = list(calls(domain, problem))
-    for _ in range(states):
+    for _ in range(states if every else 0):
         values = drawn_values(domain, problem, rng)
         world = world_of(domain, values)
         state = rules.state(problem.objects, values)

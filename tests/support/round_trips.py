@@ -79,7 +79,7 @@ def disagreements(
     closures = {derived.name for derived in domain.derived}
     always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol in closures}
     every = list(calls(domain, problem))
-    for _ in range(states):
+    for _ in range(states if every else 0):
         values = drawn_values(domain, problem, rng)
         state = before.state(problem.objects, values)
         covered = [each for each in every if before.covering(state, *each)]

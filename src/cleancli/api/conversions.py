@@ -20,7 +20,7 @@ from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
 
 FORMATS = ("nid", "pddl", "libprada")
-TARGETS = ("nid", "ppddl")
+TARGETS = ("nid", "ppddl", "rddl")
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
 
 
@@ -39,7 +39,8 @@ def convert(
     state and symbols, by path or by that of their folder. `format` is told by names where it is not given.
 
     With `to="ppddl"` a domain and its problems, .nid or PPDDL, are written as PPDDL: names of shipped files,
-    paths or texts; `noise` says what becomes of noise there. `reward`, `discount` and `predicates` are for
+    paths or texts; with `to="rddl"` a domain and one problem as RDDL. `noise` says what becomes of noise
+    there. `reward`, `discount` and `predicates` are for
     libPRADA. Raises Refused with every mistake in the files, or with all that can't be said, and BadOption.
     """
     wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
@@ -71,7 +72,9 @@ def converted(
     check_between(1, 1000, horizon=wanted.horizon)
     check_share("discount", wanted.discount)
     if any(name.lower().endswith(".rddl") for name in files):
-        raise BadOption("RDDL is not converted: only PDDL, PPDDL and libPRADA's files are")
+        raise BadOption(
+            "RDDL is not converted: only PDDL, PPDDL and libPRADA's files are; it can be written (`rddl`)"
+        )
     of_libprada = wanted.reward is not None or wanted.discount is not None or wanted.predicates
     if wanted.to != "nid":
         _refuse_for_export(wanted, of_libprada)

@@ -8,14 +8,16 @@ from pathlib import Path
 from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
+from cleancli.compiler.lifted_state import StateView
 from cleancli.conversion.export.ppddl import NOISE, Written, ppddl
+from cleancli.conversion.export.rddl import rddl
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import kind_of, read_source
-from cleancli.language.model import Problem
+from cleancli.language.model import Domain, Horizon, Problem, Unlimited, wanted_decreased
 from cleancli.planning.plan import BadOption
 
 
@@ -24,11 +26,27 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     paths or texts, .nid or PPDDL. Raises Refused with everything that can't be said, and BadOption."""
     check_one_of("noise", noise, NOISE)
     domain, problems = _opened(files, include_outside)
-    unsaid = Unsaid("PPDDL", domain.sources)
-    made = ppddl(
-        domain.model, [each.model for each in problems if isinstance(each.model, Problem)], noise, unsaid
-    )
+    models = [each.model for each in problems if isinstance(each.model, Problem)]
+    if to == "ppddl":
+        return _result(domain, problems, ppddl(domain.model, models, noise, Unsaid("PPDDL", domain.sources)))
+    if len(models) != 1:
+        raise BadOption("give one problem: the domain of RDDL has its goal and constants")
+    (problem,) = models
+    unsaid = Unsaid("RDDL", domain.sources)
+    made = rddl(domain.model, problem, _steps(domain.model, problem), noise, unsaid)
     return _result(domain, problems, made)
+
+
+def _steps(domain: Domain, problem: Problem) -> int:
+    """The horizon that a problem has in its initial state (§4.2.2); 0 where there is none."""
+    horizon = problem.horizon or Horizon(1, wanted_decreased(domain))
+    if isinstance(horizon, Unlimited):
+        return 0
+    count = next((each for each in domain.counts if each.name == horizon.count), None)
+    if count is None:
+        return horizon.constant
+    view = StateView(domain, problem.objects, problem.state)
+    return horizon.constant + sum(1 for _ in view.extensions(count.variables, count.condition, {}))
 
 
 def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Written) -> ConversionResult:

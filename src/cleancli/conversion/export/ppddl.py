@@ -121,7 +121,7 @@ class _Writer:
         for name in [symbol.name for symbol in domain.symbols] + [each.name for each in domain.derived]:
             self._symbols.of(name)
         self._formulas = Formulas(
-            domain, self._predicates, [_counted(domain, problem) for problem in problems]
+            domain, self._predicates, [counted(domain, problem) for problem in problems]
         )
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
@@ -437,7 +437,7 @@ def closure_of(state: Iterable[Fact], symbol: str, symmetric: bool) -> frozenset
     return frozenset(found)
 
 
-def _counted(domain: Domain, problem: Problem) -> Mapping[str, int]:
+def counted(domain: Domain, problem: Problem) -> Mapping[str, int]:
     """How many objects a problem has of each type."""
     things = (*domain.constants, *problem.objects)
     return {kind.name: sum(domain.is_a(o.type, kind.name) for o in things) for kind in domain.types}
