@@ -18,7 +18,7 @@ from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.experience import Transition
-from support.walks import foretold
+from cleancli.learning.variation import foretold
 
 After = frozenset[tuple[str, object]]
 """The fluents that are not as before, by their grounded names, with their values."""

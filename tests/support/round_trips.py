@@ -32,8 +32,8 @@ from cleancli.language.model import (
     Value,
 )
 from cleancli.learning.experience import Transition
+from cleancli.learning.variation import foretold
 from support.exported_ppddl import calls, drawn_values, written
-from support.walks import foretold
 
 ACCURACY = 1e-9
 """How far a probability may be from what it was."""
@@ -103,7 +103,7 @@ def disagreements(
 
 def _found(
     rules: LiftedRules, back: Returned, action: str, names: tuple[str, ...], facts: Values
-) -> dict[Moved, float]:
+) -> Mapping[Moved, float]:
     """What follows by the one action of those that have come of an action that a rule covers."""
     state = rules.state(back.problem.objects, facts)
     for each in back.domain.actions:
