@@ -45,7 +45,7 @@ remote.messages.MOST_WAYPOINTS | protocol.md | n from 1 to {:,}
 recording.begun.ROOM / 2**20 | runs.md | than a long one takes ({:.0f} MB
 environment.MOST_ACTIONS | gym.md | actions until truncation ({})
 language.parsing.read.LARGEST / 2**20 | diagnostics.md | is larger than {:.0f} MiB
-language.checking.symbols._MOST_VALUES | diagnostics.md | at most {} values
+language.checking.symbols.MOST_VALUES | diagnostics.md | at most {} values
 language.checking.problem._LONGEST | language.md | a number up to {}
 language.printing.formatter_blocks.WIDTH | commands.md | if it fits {} columns
 world.constants.TABLE_HEIGHT | world.md | A table {:.2f} m above

@@ -122,7 +122,15 @@ MISTAKES = {
         "compared",
     ),
     "assignment": ("(increase (total-cost) 2)", "(assign (total-cost) 2)", "E917", (9, 66), "`assign`"),
-    "cost of objects": ("(total-cost) 2)", "(total-cost) (far ?a))", "E917", (9, 66), "one number"),
+    "unknown function": ("(total-cost) 2)", "(total-cost) (far ?a))", "E916", (9, 90), "function `far`"),
+    "cost that is computed": ("(total-cost) 2)", "(total-cost) (+ 1 2))", "E917", (9, 66), "never change"),
+    "cost for each": (
+        "(increase (total-cost) 2)",
+        "(forall (?b - area) (increase (total-cost) 2))",
+        "E917",
+        (9, 86),
+        "never change",
+    ),
     "earning": ("(increase (total-cost) 2)", "(decrease (total-cost) 2)", "E917", (6, 12), "`push` earns"),
     "cost by many conditions": (
         "(increase (total-cost) 2)",

@@ -162,6 +162,22 @@ class Meaning:
             case SetNode():
                 return Fraction(0)
 
+    def is_known(self, node: EffectNode, binding: Binding) -> bool:
+        """Whether the values are known that an effect costs whatever holds."""
+        match node:
+            case PayNode(function, _, amount):
+                metric = self.problem.metric
+                counts = metric is not None and metric.function == function.symbol
+                return (
+                    not (counts and isinstance(amount, AtomNode)) or self.value(amount, binding) is not None
+                )
+            case AllNode(parts):
+                return all(self.is_known(part, binding) for part in parts)
+            case ChanceNode():
+                return all(self.is_known(each, binding) for _, each in node.branches)
+            case WhenNode() | EachNode() | SetNode():
+                return True
+
     def value(self, function: AtomNode, binding: Binding) -> Fraction | None:
         """The value that a numeric function has at first."""
         wanted = self.atom(function, binding)
@@ -169,7 +185,7 @@ class Meaning:
 
     def successors(self, world: World, action: ActionNode, binding: Binding) -> dict[World, Fraction]:
         """The worlds that an action may lead to, where it may be taken; otherwise the one that is."""
-        if not self.holds(action.precondition, world, binding):
+        if not self.holds(action.precondition, world, binding) or not self.is_known(action.effect, binding):
             return {world: Fraction(1)}
         found: dict[World, Fraction] = {}
         for (added, deleted), chance in self.changes(action.effect, world, binding).items():

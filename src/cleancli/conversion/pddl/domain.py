@@ -53,9 +53,10 @@ def domain_of(
     metric: Metric,
     words: Words,
     definitions: Definitions,
+    functions: Sequence[Symbol],
     naming: Naming,
 ) -> Domain:
-    """The domain; `naming` gives its rules their names."""
+    """The domain; `functions` are what costs are counted with, and `naming` gives its rules their names."""
     declared = _declarations(schemas, words, definitions)
     rules = [rule for schema in schemas for rule in _rules(schema, declared, naming)]
     acting = {rule.action for rule in rules}
@@ -70,22 +71,25 @@ def domain_of(
         for each in words.predicates.values()
         if each.name in asked | changed
     )
+    parts = [part for action in actions for part in action.cost_parts]
+    counting = [each for each in functions if each.name in {part.symbol for part in parts}]
     named = _objects_in(conditions[: len(conditions) - len(starts)], effects)
+    named |= {term for part in parts for term in part.terms if isinstance(term, Object)}
     constants = tuple(thing for thing in words.everything if thing in named)
     heads = (
-        *(s.parameters for s in symbols),
+        *(s.parameters for s in (*symbols, *counting)),
         *(a.parameters for a in actions),
         *(d.parameters for d in derived),
     )
     bound = [*(v for head in heads for v in head), *_bound(conditions), *_bound_by_effects(rules)]
     things = words.everything if starts else constants
     types = _types({v.type for v in bound} | {thing.type for thing in things}, words)
-    costs = any(action.cost for action in actions)
+    costs = any(action.has_cost for action in actions)
     return Domain(
         name,
         types,
         constants,
-        symbols,
+        (*symbols, *counting),
         (),
         actions,
         tuple(rules),

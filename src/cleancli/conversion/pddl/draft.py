@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 
 from cleancli.conversion.pddl.beginning import begun
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.domain import USUAL_HORIZON, domain_of, problem_of
 from cleancli.conversion.pddl.effects import Effects
+from cleancli.conversion.pddl.functions import Function, Functions
 from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
 from cleancli.conversion.pddl.resolve import Words
@@ -62,23 +63,31 @@ def draft_of(
     words = Words(domain, problems, findings, texts)
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
-    effects = Effects(words, metric.counted)
+    functions = Functions(domain, problems, words)
+    effects = Effects(words, metric.counted, functions)
     schemas = schemas_of(domain.actions, words, effects, definitions)
     _warn_of_objects(words)
     starts = starts_of(problems, words, definitions)
     first = begun(schemas, starts, words, effects, definitions)
     findings.refuse_errors()
     name = wishes.name or readable(Naming(texts).written(domain.name), "d")
-    made = domain_of(name, first.schemas, first.starts, metric, words, definitions, Naming(texts))
+    said = tuple(
+        replace(start, facts=start.facts | frozenset(functions.facts(place)))
+        for place, start in enumerate(first.starts)
+    )
+    used = [each.symbol for each in functions.used]
+    made = domain_of(name, first.schemas, said, metric, words, definitions, used, Naming(texts))
     steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
     drawn = f"chance decides of what holds at first: `{first.action}()` draws it"
     drafts = []
-    for title, start in zip(names_of(problems, name, Naming(texts)), first.starts, strict=True):
+    for title, start in zip(names_of(problems, name, Naming(texts)), said, strict=True):
         problem = problem_of(title, start, made, metric, words, steps)
         told = (*_guesses(start, problem, wishes), *([drawn] if first.action is not None else []))
         drafts.append(DraftProblem(problem, told, start.node.name.span))
     places = {schema.action.name: schema.place for schema in first.schemas}
-    notes = _notes(domain, made, first.schemas, words, effects)
+    counted = {*effects.counted, *functions.names}
+    notes = _notes(domain, made, first.schemas, words, counted, effects.written_out)
+    notes += tuple(_about(each) for each in functions.used if each.parts > 1 or each.known is not None)
     return Draft(made, tuple(drafts), notes, domain.name.span, places)
 
 
@@ -107,19 +116,24 @@ def _warn_of_objects(words: Words) -> None:
 
 
 def _notes(
-    node: DomainNode, domain: Domain, schemas: Sequence[Schema], words: Words, effects: Effects
+    node: DomainNode,
+    domain: Domain,
+    schemas: Sequence[Schema],
+    words: Words,
+    counted: Set[str],
+    written_out: bool,
 ) -> tuple[str, ...]:
-    """What the texts do not say as the files do."""
+    """What the texts do not say as the files do; `counted` are the functions that they say."""
     declared = {symbol.name for symbol in domain.symbols}
     unused = [each.name for each in words.predicates.values() if each.name not in declared]
     acting = {rule.action for rule in domain.rules}
     placed = {schema.place for schema in schemas if schema.action.name in acting}
     idle = [action.name.text for action in node.actions if action.name.span not in placed]
-    functions = [each.name.text for each in node.functions if each.name.text not in effects.counted]
+    functions = [each.name.text for each in node.functions if each.name.text not in counted]
     parts = (
         ("predicates that nothing asks for and nothing changes", unused),
         ("actions that change nothing", idle),
-        ("functions that no metric names", functions),
+        ("functions that count for nothing", functions),
     )
     left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
     places = [schema.place for schema in schemas]
@@ -128,9 +142,17 @@ def _notes(
         left.append(
             f"what these cost depends on conditions, so each cost has an action: {', '.join(several)}"
         )
-    if effects.written_out:
+    if written_out:
         left.append("rules are written out for the problem's objects where chance decides for each of them")
     return tuple(left)
+
+
+def _about(function: Function) -> str:
+    """How a function says what PDDL says."""
+    name, parts = function.symbol.name, f"parts of 1/{function.parts}"
+    counts = [f"counts {parts}"] if function.parts > 1 else []
+    known = [] if function.known is None else [f"has a value in PDDL where `{function.known}` holds"]
+    return f"`{name}` {' and '.join([*counts, *known])}"
 
 
 def _guesses(start: Start, problem: Problem, wishes: Wishes) -> tuple[str, ...]:

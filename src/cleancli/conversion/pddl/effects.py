@@ -7,7 +7,7 @@ each object by itself, it is written out for all objects of the problem (Younes 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -24,6 +24,7 @@ from cleancli.conversion.pddl.formula import (
     quantified,
     substituted,
 )
+from cleancli.conversion.pddl.functions import Functions
 from cleancli.conversion.pddl.resolve import Scope, Words
 from cleancli.conversion.pddl.syntax import (
     AllNode,
@@ -37,7 +38,7 @@ from cleancli.conversion.pddl.syntax import (
     WhenNode,
 )
 from cleancli.language.diagnostics.diagnostic import Span
-from cleancli.language.model import Object, Term, Variable
+from cleancli.language.model import CostPart, Object, Term, Variable
 
 MOST_OUTCOMES = 512
 """Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
@@ -81,10 +82,24 @@ class Chance:
 
 
 @dataclass(frozen=True, slots=True)
-class Pay:
-    """The action costs so much."""
+class Cost:
+    """A sum of a number and of what functions say; its parts are sorted, one for each function and terms."""
 
-    amount: Fraction
+    amount: Fraction = Fraction(0)
+    parts: tuple[CostPart, ...] = ()
+
+    @property
+    def may_earn(self) -> bool:
+        """Whether it may be below 0."""
+        return self.amount < 0 or any(part.weight < 0 for part in self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Pay:
+    """The action costs so much; `asked` says that the values for it are known."""
+
+    cost: Cost
+    asked: Formula = ALWAYS
 
 
 Tree = Change | All | Branch | Chance | Pay
@@ -100,8 +115,9 @@ class Effects:
     """Makes trees of effects. `counted` is the numeric function that is to be small, with 1, or great, with
     -1; other functions count nothing. `written_out` tells whether a `forall` was."""
 
-    def __init__(self, words: Words, counted: Mapping[str, int]) -> None:
+    def __init__(self, words: Words, counted: Mapping[str, int], functions: Functions) -> None:
         self._words = words
+        self._functions = functions
         self.counted = counted
         self.written_out = False
 
@@ -125,7 +141,7 @@ class Effects:
             case ChanceNode(branches):
                 return Chance(tuple((p, self.tree(part, scope)) for p, part in branches if p))
             case PayNode():
-                return self._pay(node, bool(variables))
+                return self._pay(node, scope, bool(variables))
 
     def _set(self, node: SetNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
         found = self._words.atom(node.atom, scope)
@@ -175,15 +191,18 @@ class Effects:
         fits = self._words.types.is_a
         return tuple(o for o in objects if not members or any(fits(o.type, one) for one in members))
 
-    def _pay(self, node: PayNode, each: bool) -> Tree:
+    def _pay(self, node: PayNode, scope: Scope, each: bool) -> Tree:
         sign = self.counted.get(node.function.symbol.text)
         if sign is None:
             return NOTHING
-        if each or not isinstance(node.amount, Fraction):
-            message = "what an action costs is one number in .nid files, whatever it is done to"
+        if each or node.amount is None:
+            message = "a cost is a sum of numbers and of values that never change"
             self._words.findings.error("E917", message, node.span)
             return NOTHING
-        return Pay(sign * node.amount)
+        if isinstance(node.amount, Fraction):
+            return Pay(Cost(sign * node.amount))
+        found = self._functions.part(sign * node.sign, node.amount, scope)
+        return NOTHING if found is None else Pay(Cost(parts=(found[0],)), found[1])
 
 
 def _has_chance(node: EffectNode) -> bool:
@@ -233,8 +252,12 @@ def renamed(tree: Tree, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Tre
             return Branch(substituted(condition, terms, may_be_one), renamed(part, terms, may_be_one))
         case Chance(branches):
             return Chance(tuple((p, renamed(part, terms, may_be_one)) for p, part in branches))
-        case Pay():
-            return tree
+        case Pay(cost, asked):
+            priced = tuple(
+                replace(part, terms=tuple(terms.get(term, term) for term in part.terms))
+                for part in cost.parts
+            )
+            return Pay(replace(cost, parts=priced), substituted(asked, terms, may_be_one))
 
 
 class UnevenCost(Exception):
@@ -275,8 +298,8 @@ def first_condition(tree: Tree, *, paying: bool = False) -> Formula | None:
 def _costs(tree: Tree) -> bool:
     """Whether a part of a tree costs something."""
     match tree:
-        case Pay(amount):
-            return amount != 0
+        case Pay(cost):
+            return cost != Cost()
         case All(parts):
             return any(map(_costs, parts))
         case Branch(_, part):
@@ -332,19 +355,59 @@ def _merged(results: Iterable[tuple[Fraction, tuple[Change, ...]]]) -> Results:
     return found
 
 
-def mean_cost(tree: Tree) -> Fraction:
+def mean_cost(tree: Tree) -> Cost:
     """What a tree without conditions costs on average."""
     match tree:
-        case Pay(amount):
-            return amount
+        case Pay(cost):
+            return _sum([(Fraction(1), cost)])
         case All(parts):
-            return sum(map(mean_cost, parts), Fraction(0))
+            return _sum((Fraction(1), mean_cost(part)) for part in parts)
         case Chance(branches):
-            return sum((p * mean_cost(part) for p, part in branches), Fraction(0))
+            return _sum((p, mean_cost(part)) for p, part in branches)
         case Change():
-            return Fraction(0)
+            return Cost()
         case Branch():
             raise AssertionError("conditions are decided before")
+
+
+def _sum(costs: Iterable[tuple[Fraction, Cost]]) -> Cost:
+    """The sum of costs with weights."""
+    amount, weights = Fraction(0), dict[tuple[str, tuple[Term, ...]], Fraction]()
+    for weight, cost in costs:
+        amount += weight * cost.amount
+        for part in cost.parts:
+            key = part.symbol, part.terms
+            weights[key] = weights.get(key, Fraction(0)) + weight * part.weight
+    ordered = sorted(weights, key=lambda key: (key[0], [term.name for term in key[1]]))
+    return Cost(amount, tuple(CostPart(weights[key], *key) for key in ordered if weights[key]))
+
+
+def known_for(tree: Tree) -> Iterator[Formula]:
+    """What has to be known for the costs of a tree that depend on no condition."""
+    match tree:
+        case Pay(_, asked):
+            yield asked
+        case All(parts):
+            for part in parts:
+                yield from known_for(part)
+        case Chance(branches):
+            for _, part in branches:
+                yield from known_for(part)
+        case Branch() | Change():
+            return
+
+
+def known_under_conditions(tree: Tree) -> Formula:
+    """What has to be known for the costs of a tree where conditions hold; always true for nothing."""
+    match tree:
+        case Branch(_, part):
+            return both([*known_for(part), known_under_conditions(part)])
+        case All(parts):
+            return both(map(known_under_conditions, parts))
+        case Chance(branches):
+            return both(known_under_conditions(part) for _, part in branches)
+        case Pay() | Change():
+            return ALWAYS
 
 
 def changes_of(tree: Tree) -> list[Change]:

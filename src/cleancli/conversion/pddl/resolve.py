@@ -144,11 +144,15 @@ class Words:
                 message = f"the predicate `{name.text}` is declared twice"
                 self.findings.warning("W911", message, name.span, "passed over")
             return
+        self.predicates[name.text] = self.declared_as(signature, self.symbols.of(name, "p"))
+
+    def declared_as(self, signature: Signature, name: str) -> Predicate:
+        """The predicate or function that a signature declares, under a name of .nid files."""
         variables: list[Variable] = []
         for parameter in signature.parameters:
             variables.append(apart(Variable(readable(parameter.name.text, "v"), ""), variables))
-        names = tuple(variable.name for variable in variables)
-        self.predicates[name.text] = Predicate(self.symbols.of(name, "p"), names, types)
+        types = [self.types.of(parameter.types)[0] for parameter in signature.parameters]
+        return Predicate(name, tuple(variable.name for variable in variables), types)
 
     def predicate(self, atom: AtomNode, terms: Sequence[Term]) -> Predicate:
         """The predicate of an atom, after it was noted of what it is used."""

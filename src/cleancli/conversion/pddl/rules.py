@@ -16,6 +16,7 @@ from cleancli.conversion.pddl.define import Definitions, says
 from cleancli.conversion.pddl.effects import (
     NOTHING,
     Change,
+    Cost,
     Tree,
     UnevenCost,
     decided,
@@ -68,7 +69,7 @@ class Case:
 
     decisions: tuple[tuple[Formula, bool], ...]
     results: tuple[tuple[Fraction, tuple[Change, ...]], ...]
-    cost: Fraction
+    cost: Cost
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:

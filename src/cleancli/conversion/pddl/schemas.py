@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.effects import MOST_OUTCOMES, Effects, TooMany, UnevenCost
-from cleancli.conversion.pddl.formula import both
+from cleancli.conversion.pddl.effects import (
+    MOST_OUTCOMES,
+    Cost,
+    Effects,
+    TooMany,
+    UnevenCost,
+    known_for,
+    known_under_conditions,
+)
+from cleancli.conversion.pddl.formula import ALWAYS, both
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.rules import (
     Case,
@@ -69,6 +76,10 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
     variables, scope, asked = words.bound(node.parameters, {})
     precondition = both([asked, words.formula(node.precondition, scope)])
     tree = effects.tree(node.effect, scope)
+    precondition = both([precondition, *known_for(tree)])
+    if known_under_conditions(tree) != ALWAYS:
+        message = f"a cost of `{node.name.text}` depends on a condition, and not all its values are known"
+        findings.error("E917", message, node.name.span, help="give each of its values in the problem")
     if findings.errors > before:
         return
     try:
@@ -81,7 +92,7 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
         message = f"what `{node.name.text}` costs depends on more conditions than rules are made for"
         findings.error("E917", message, node.name.span, help="make several actions of it, each with its cost")
         return
-    if any(case.cost < 0 for case in cases):
+    if any(case.cost.may_earn for case in cases):
         # Where no rule of an action applies it does nothing, at its usual cost: it would earn there, too.
         message = f"`{node.name.text}` earns something, and .nid actions only cost"
         findings.error("E917", message, node.name.span, help="what is wanted can be a goal with a reward")
@@ -99,10 +110,11 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
             for case, title, condition in rules
             if case.cost == cost
         )
-        yield Schema(Action(name, variables, cost=cost), made, node.name.span)
+        action = Action(name, variables, cost=cost.amount, cost_parts=cost.parts)
+        yield Schema(action, made, node.name.span)
 
 
-def _several(action: str, cases: Sequence[Case], costs: Sequence[Fraction]) -> list[str]:
+def _several(action: str, cases: Sequence[Case], costs: Sequence[Cost]) -> list[str]:
     """What the actions are called into which one is divided by costs: by what all cases of a cost share."""
     alike = [[case for case in cases if case.cost == cost] for cost in costs]
     shared = [

@@ -44,10 +44,13 @@ def domain_tree(draft: Draft) -> syntax.DomainNode:
     tree = _Tree(place)
     of_actions = {action.name: _Tree(draft.actions.get(action.name, place)) for action in domain.actions}
     actions = tuple(of_actions[action.name].action(action) for action in domain.actions)
+    predicates = [symbol for symbol in domain.symbols if symbol.is_predicate]
+    functions = [symbol for symbol in domain.symbols if not symbol.is_predicate]
     sections: list[syntax.DomainSection] = [
         syntax.Types(tuple(map(tree.type, domain.types)), span=place),
         syntax.Constants(tree.groups(domain.constants), span=place),
-        syntax.Predicates(tuple(map(tree.predicate, domain.symbols)), span=place),
+        syntax.Predicates(tuple(map(tree.predicate, predicates)), span=place),
+        syntax.Functions(tuple(map(tree.function, functions)), span=place),
         syntax.Derived(tuple(map(tree.definition, domain.derived)), span=place),
         syntax.Actions(actions, span=place),
         *(of_actions[rule.action].rule(rule) for rule in domain.rules),
@@ -98,7 +101,7 @@ class _Tree:
         return syntax.Group((self.name(each.name),), parent, span=self._place)
 
     def predicate(self, symbol: Symbol) -> syntax.PredicateNode:
-        marks = (self._mark("static", None),) if symbol.static else ()
+        marks = (self._static(),) if symbol.static else ()
         return syntax.PredicateNode(
             self.name(symbol.name), self.groups(symbol.parameters), marks, span=self._place
         )
@@ -108,14 +111,32 @@ class _Tree:
         return syntax.DefinitionNode(*head, self.condition(derived.condition), span=self._place)
 
     def action(self, action: Action) -> syntax.ActionNode:
-        marks = (self._mark("cost", action.cost),) if action.cost else ()
+        marks = (self._cost(action),) if action.has_cost else ()
         return syntax.ActionNode(
             self.name(action.name), self.groups(action.parameters), marks, span=self._place
         )
 
-    def _mark(self, name: str, value: Fraction | None) -> syntax.Attribute:
-        stated = None if value is None else syntax.Quantity(value, None, span=self._place)
-        return syntax.Attribute(self.name(name), stated, span=self._place)
+    def function(self, symbol: Symbol) -> syntax.FunctionNode:
+        low, high = symbol.values[0], symbol.values[-1]
+        assert isinstance(low, int)
+        assert isinstance(high, int)
+        bounds = syntax.Bounds(self.number(Fraction(low)), self.number(Fraction(high)), span=self._place)
+        head = self.name(symbol.name), self.groups(symbol.parameters)
+        return syntax.FunctionNode(*head, bounds, (self._static(),), span=self._place)
+
+    def _static(self) -> syntax.Attribute:
+        return syntax.Attribute(self.name("static"), None, span=self._place)
+
+    def _cost(self, action: Action) -> syntax.Attribute:
+        amount = self.number(action.cost) if action.cost or not action.cost_parts else None
+        parts = tuple(
+            syntax.Priced(
+                self.number(part.weight), self._application(part.symbol, part.terms), span=self._place
+            )
+            for part in action.cost_parts
+        )
+        price = syntax.Price(amount, parts, span=self._place)
+        return syntax.Attribute(self.name("cost"), price, span=self._place)
 
     def payment(self, term: RewardTerm) -> syntax.Payment:
         what: syntax.ReachedGoal | syntax.ActionCost = syntax.ActionCost(span=self._place)

@@ -28,7 +28,7 @@ LONGEST_DURATION = 1_000_000
 _SECONDS = {"s": 1, "min": 60}
 _INTEGERS = ("int", "integer", "number", "real", "float")
 """What other languages call the values of a function."""
-_MOST_VALUES = 1000
+MOST_VALUES = 1000
 """Values of an integer function: each is a column of the planner's belief."""
 
 
@@ -124,8 +124,8 @@ def _integers(bounds: syntax.Bounds, findings: Findings) -> tuple[int, ...]:
         findings.error("E224", "the bounds of a range are whole numbers", bounds.span, help=help)
     elif low.value >= high.value:
         findings.error("E224", "a range rises from its first bound to its second", bounds.span, help=help)
-    elif high.value - low.value >= _MOST_VALUES:
-        findings.error("E224", f"a range has at most {_MOST_VALUES} values", bounds.span)
+    elif high.value - low.value >= MOST_VALUES:
+        findings.error("E224", f"a range has at most {MOST_VALUES} values", bounds.span)
     else:
         return tuple(range(int(low.value), int(high.value) + 1))
     return (0, 1)
