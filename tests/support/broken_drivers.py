@@ -25,21 +25,24 @@ class _IgnoresStop(Toy):
 
 
 class _RepeatsFrames(Toy):
+    same: FramePair | None = None
+
     def observe(self) -> FramePair:
-        same, now = Toy(self._size).observe(), self.clock
-        return replace(same, colour_stamp=now, depth_stamp=now)
+        self.same = self.same or super().observe()
+        now = self.clock
+        return replace(self.same, colour_stamp=now, depth_stamp=now)
 
 
 class _StampsFromThePast(Toy):
     def observe(self) -> FramePair:
-        pair = super().observe()
-        return replace(pair, colour_stamp=pair.colour_stamp - 0.5, depth_stamp=pair.depth_stamp - 0.5)
+        pair, old = super().observe(), self.pace
+        return replace(pair, colour_stamp=pair.colour_stamp - old, depth_stamp=pair.depth_stamp - old)
 
 
 class _StampsFromTheFuture(Toy):
     def observe(self) -> FramePair:
-        pair = super().observe()
-        return replace(pair, colour_stamp=pair.colour_stamp + 0.5, depth_stamp=pair.depth_stamp + 0.5)
+        pair, early = super().observe(), self.pace
+        return replace(pair, colour_stamp=pair.colour_stamp + early, depth_stamp=pair.depth_stamp + early)
 
 
 class _Unpaired(Toy):
@@ -52,8 +55,8 @@ class _Unpaired(Toy):
 class _ClockRunsBack(Toy):
     @property
     def clock(self) -> float:
-        now = time.monotonic() - self._began
-        return now - 0.2 if now % 0.4 > 0.2 else now
+        now, back = super().clock, 0.2 * self.pace
+        return now - back if now % (2 * back) > back else now
 
 
 class _NeverEnds(Toy):
@@ -107,14 +110,15 @@ FAULTS = (*BROKEN, "garbage")
 
 
 @contextmanager
-def broken(fault: str, size: tuple[int, int] = (6, 8)) -> Iterator[Address]:
-    """Where a driver with this fault listens."""
+def broken(fault: str, sees: type[Toy] = Toy) -> Iterator[Address]:
+    """Where a driver with this fault listens, which is a `sees` otherwise."""
     if fault == "garbage":
         with _garbage() as address:
             yield address
         return
     driver, change = BROKEN[fault]
-    with served(driver(size), TOY) as server:
+    bases = (sees,) if driver is Toy else (driver,) if sees is Toy else (driver, sees)
+    with served(type(fault, bases, {})(), TOY) as server:
         change(server)
         yield server.address
 

@@ -35,7 +35,10 @@ def path(*points: Place, speed: float = 0.25) -> ToolPath:
 
 
 class Toy:
-    """A `Driver`; `size` (height, width) of its pictures, which are noise."""
+    """A `Driver`; `size` (height, width) of its pictures, which are noise. Its clock goes `pace` times as
+    fast as real time."""
+
+    pace = 1.0
 
     def __init__(self, size: tuple[int, int] = (6, 8)) -> None:
         self.failure = ""
@@ -46,8 +49,8 @@ class Toy:
 
     @property
     def clock(self) -> float:
-        """Real seconds since it was made."""
-        return time.monotonic() - self._began
+        """Seconds since it was made."""
+        return self.pace * (time.monotonic() - self._began)
 
     @property
     def tool(self) -> Place:
@@ -92,7 +95,7 @@ class Toy:
 
     def poll(self) -> Status:
         """After a period, or when the motion is over."""
-        time.sleep(max(0.0, min(TOY.period, self.ends - self.clock)))
+        time.sleep(max(0.0, min(TOY.period, (self.ends - self.clock) / self.pace)))
         return Status.RUNNING if self.clock < self.ends else Status.DONE
 
     def stop(self) -> None:

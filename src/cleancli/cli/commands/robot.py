@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import closing, suppress
+from dataclasses import asdict
 from typing import Any
 
 import click
@@ -11,6 +13,7 @@ from cleancli.cli import options
 from cleancli.cli.command_table import group_of
 from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
+from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import open_simulated
 from cleancli.execution.seeds import Stream, derived
 from cleancli.remote.client import Client
@@ -93,3 +96,26 @@ def rearm(address: Address) -> None:
         client.rearm()
         robot = client.description.robot
         echo(f"{robot} may move again; it had tripped: {why}" if why else f"{robot} has not tripped")
+
+
+@command.command("check", short_help="Whether a driver keeps to the protocol, step by step.")
+@click.argument("address", type=_AddressOf())
+@click.option("--still", is_flag=True, help="Leave out the steps that move the robot.")
+@options.as_json("Print the steps and what they found as JSON.")
+def check(address: Address, still: bool, as_data: bool) -> int:
+    """Check step by step whether the driver at ADDRESS keeps to the protocol, and name what it does wrong.
+
+    The robot moves some centimetres above the middle of its workspace, at half of its highest speed, trips on
+    purpose and is re-armed: take the rag off, and keep the emergency stop within reach. Exit code 6 if
+    anything is wrong.
+    """
+    from cleancli.remote.conformance import conformance
+
+    found = []
+    for each in conformance(address, moves=not still):
+        found.append(each)
+        if not as_data:
+            echo(f"{each.step}: " + (f"{each.fault}: {each.what}" if each.fault else "yes"))
+    if as_data:
+        click.echo(json.dumps({"address": str(address), "steps": [asdict(each) for each in found]}, indent=2))
+    return ExitCode.ROBOT if any(each.fault for each in found) else ExitCode.DONE

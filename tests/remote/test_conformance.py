@@ -1,0 +1,58 @@
+"""`robot check` against drivers that break the protocol in one way each, and against one that keeps to it."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import pytest
+
+from cleancli.cli.main import run
+from cleancli.remote import conformance as steps
+from cleancli.remote.conformance import HELLO, MOVING_STEPS, STILL_STEPS, conformance
+from support.broken_drivers import FAULTS, broken
+from support.toy_driver import Toy, served
+
+
+@pytest.fixture(autouse=True)
+def _hurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A toy that has arrived is over at once."""
+    monkeypatch.setattr(steps, "ARRIVED", 0.3)
+
+
+def test_a_driver_that_keeps_to_the_protocol_has_no_fault() -> None:
+    with served(Toy()) as server:
+        found = list(conformance(server.address))
+        assert [each.step for each in found] == [HELLO, *STILL_STEPS, *MOVING_STEPS]
+        assert [each.fault for each in found] == [""] * len(found)
+        assert server.guard.state.trip == "", "it is left as it was found"
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_broken_driver_fails_by_its_name(
+    fault: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(steps, "SLOW", 5.0)  # a busy machine is no fault of a driver
+    began = time.monotonic()
+    with broken(fault) as address:
+        assert run(["robot", "check", str(address), "--json"]) == 6
+    found = {each["fault"] for each in json.loads(capsys.readouterr().out)["steps"]}
+    assert fault in found
+    assert time.monotonic() - began < 60, "nothing hangs"
+
+
+def test_a_robot_that_is_not_to_move_does_not(capsys: pytest.CaptureFixture[str]) -> None:
+    toy = Toy()
+    before = toy.tool
+    with served(toy) as server:
+        assert run(["robot", "check", str(server.address), "--still"]) == 0
+    assert capsys.readouterr().out.splitlines() == [f"{step}: yes" for step in (HELLO, *STILL_STEPS)]
+    assert (toy.tool[0], toy.tool[1]) == before[:2]
+
+
+def test_a_robot_that_has_tripped_is_not_checked(capsys: pytest.CaptureFixture[str]) -> None:
+    with served(Toy()) as server:
+        server.guard.trip("somebody came in")
+        assert run(["robot", "check", str(server.address)]) == 6
+        assert "somebody came in" in capsys.readouterr().err
+        assert server.guard.state.trip
