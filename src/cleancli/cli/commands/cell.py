@@ -20,7 +20,6 @@ from cleancli.cell.faults import Felt, Seen, faults_felt, faults_seen, felt, see
 from cleancli.cell.touches import (
     UNITS,
     BadTouches,
-    Touched,
     header,
     read_touch,
     read_touches,
@@ -34,8 +33,8 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import open_scene
 from cleancli.cli.progress import working
 from cleancli.cli.recordings import cell_of, open_frames
+from cleancli.cli.views.cells import camera_data, camera_told, felt_told, seen_told, table_data, table_told
 from cleancli.files.replace import replace_file, write_atomically
-from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import read_source
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.reading import Reading
@@ -146,7 +145,7 @@ def camera(
     write_atomically(out, as_text(replace(cell, camera=place)), before)
     for doubt in found.doubts:
         echo(f"warning: {doubt}", err=True)
-    echo(json.dumps(_camera_data(found), indent=2) if as_data else _camera_told(found, len(frames), out))
+    echo(json.dumps(camera_data(found), indent=2) if as_data else camera_told(found, len(frames), out))
 
 
 @command.command("touch")
@@ -183,7 +182,7 @@ def touch(
     write_atomically(out, as_text(replace(cell, table=TablePlace(matrix(found.pose), spread))), before)
     for doubt in found.doubts:
         echo(f"warning: {doubt}", err=True)
-    echo(json.dumps(_table_data(found), indent=2) if as_data else _table_told(found, out))
+    echo(json.dumps(table_data(found), indent=2) if as_data else table_told(found, out))
 
 
 def _ask(file: Path, unit: str, board: Board) -> None:
@@ -231,38 +230,6 @@ def _places_to_touch(board: Board, done: set[str | None]) -> Iterator[str]:
         yield ""
 
 
-def _table_told(found: Touched, out: Path) -> str:
-    x, y, z = 1000 * found.pose[:3, 3]
-    slant = np.degrees(np.arccos(np.clip(found.pose[2, 2], -1, 1)))
-    turn = np.degrees(np.arctan2(found.pose[1, 0], found.pose[0, 0]))
-    lines = [
-        f"{out}: the table's middle is at ({x:.1f}, {y:.1f}, {z:.1f}) mm for the robot; its x is turned by "
-        f"{turn:.1f} degrees from the robot's, and it slants by {slant:.2f} degrees"
-    ]
-    told = plural(len(found.residuals), "touch", "touches")
-    if found.spread is not None and found.height_errors is not None:
-        middle, corner = (1000 * error for error in found.height_errors)
-        lines.append(
-            f"{told}, {1000 * found.spread:.2f} mm off a plane; the height is so known to {middle:.2f} mm in "
-            f"the table's middle, and to {corner:.2f} mm at its corners (standard deviations)"
-        )
-    if found.corners is not None:
-        lines.append(f"corners of the board are {1000 * found.corners.misfit:.1f} mm off on average")
-    return "\n".join(lines)
-
-
-def _table_data(found: Touched) -> dict[str, object]:
-    corners = found.corners
-    return {
-        "pose": found.pose.tolist(),
-        "residuals": found.residuals.tolist(),
-        "spread": found.spread,
-        "height_errors": found.height_errors,
-        "corners": None if corners is None else {"misfit": corners.misfit, "scale": corners.scale},
-        "doubts": list(found.doubts),
-    }
-
-
 @command.command("check")
 @click.argument("scene", shell_complete=problems)
 @click.argument("cell", type=options.FILE)
@@ -304,7 +271,7 @@ def check(
         told = {name: None if part is None else asdict(part) for name, part in parts.items()}
         echo(json.dumps(told | {"faults": faults}, indent=2))
     else:
-        echo("\n".join([*_seen_told(sighting), *_felt_told(feeling)]))
+        echo("\n".join([*seen_told(sighting), *felt_told(feeling)]))
         for fault in faults:
             echo(f"error: {fault}", err=True)
     return ExitCode.REFUSED if faults else ExitCode.DONE
@@ -334,30 +301,6 @@ def _felt(touches: Path, board: Board, laid: Laid, known: Cell, path: Path) -> F
     return felt(taken, board, laid, np.array(known.table.pose))
 
 
-def _seen_told(found: Seen | None) -> list[str]:
-    if found is None:
-        return []
-    lines = [
-        f"the camera sees the table {1000 * found.higher:+.1f} mm above its place, slanting by "
-        f"{found.slanted:.2f} degrees"
-    ]
-    if found.shifted is None or found.turned is None:
-        return [*lines, "its rim is not in view whole, so that nothing is known of its place and turn"]
-    east, north = (1000 * by for by in found.shifted)
-    return [
-        *lines,
-        f"its middle is {east:+.1f} mm east and {north:+.1f} mm north of its place, and it is turned by "
-        f"{found.turned:+.2f} degrees",
-    ]
-
-
-def _felt_told(found: Felt | None) -> list[str]:
-    if found is None:
-        return []
-    beside = "" if found.beside is None else f", and {1000 * found.beside:.1f} mm beside corners of the board"
-    return [f"the tool touches the table {1000 * found.higher:+.2f} mm above its place{beside}"]
-
-
 def _cell_to_change(out: Path) -> tuple[str | None, Cell]:
     """The text of the file as it is and what it says, None and nothing where there is no file yet. What is no
     cell is hardly meant to be replaced by one."""
@@ -383,34 +326,3 @@ def _refuse_beyond(setting: Scene, laid: Laid, found: Sighted) -> None:
             f"{200 * half[0]:.0f} x {200 * half[1]:.0f} cm",
             param_hint="--at",
         )
-
-
-def _camera_told(found: Sighted, frames: int, out: Path) -> str:
-    x, y, z = 100 * found.pose[:3, 3]
-    slant = np.degrees(np.arccos(np.clip(-found.pose[2, 2], -1, 1)))
-    lines = [
-        f"{out}: the camera stands at ({x:.1f}, {y:.1f}, {z:.1f}) cm, {slant:.1f} degrees off looking "
-        "straight down",
-        f"board {found.board.name}: {plural(found.corners, 'corner')} in {found.pictures} of "
-        f"{plural(frames, 'picture')}, {found.misfit:.2f} pixels off on average",
-    ]
-    if found.depth_scale is not None:
-        lines.append(
-            f"the plane by {found.points} points of depth, which shows the board "
-            f"{abs(1 / found.depth_scale - 1):.1%} {'smaller' if found.depth_scale > 1 else 'larger'} than "
-            "it is"
-        )
-    return "\n".join(lines)
-
-
-def _camera_data(found: Sighted) -> dict[str, object]:
-    return {
-        "pose": found.pose.tolist(),
-        "board": found.board.name,
-        "corners": found.corners,
-        "pictures": found.pictures,
-        "misfit": found.misfit,
-        "depth_scale": found.depth_scale,
-        "points": found.points,
-        "doubts": list(found.doubts),
-    }
