@@ -23,7 +23,7 @@ from ros2_arm import Arm
 from ros2_camera import Camera
 
 from cleancli.array_types import Floats
-from cleancli.motion.path import ToolPath, Waypoint
+from cleancli.motion.path import ToolPath, Waypoint, pressed
 from cleancli.remote.messages import Description, FramePair, Limits
 from cleancli.remote.server import Server
 from cleancli.scene.address import PORT, Address
@@ -43,7 +43,7 @@ class Ros2Driver:
         self._began = node.get_clock().now().nanoseconds
         camera, table = poses(options.cell)
         x, y, z, yaw = options.rest
-        self._rest = Waypoint(x, y, z, yaw, options.speed)
+        self._rest, self._press = Waypoint(x, y, z, yaw, options.speed), options.press
         self._camera = Camera(node, options.colour, options.depth, options.info, camera, self._seconds)
         self.arm = Arm(node, table, options.group, options.base, options.tool, options.controller)
 
@@ -68,11 +68,12 @@ class Ros2Driver:
 
     def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
         """By planning it, whatever the errors."""
-        return self.arm.can_follow(path.waypoints)
+        return self.arm.can_follow(pressed(path, self._press).waypoints)
 
     def start(self, path: ToolPath) -> None:
-        """Plan, and set off. What may go as is shortest for the arm goes straight as well."""
-        self.arm.start(path.waypoints)
+        """Plan, and set off, with the rag pressed. What may go as is shortest for the arm goes straight as
+        well."""
+        self.arm.start(pressed(path, self._press).waypoints)
 
     def withdraw(self) -> None:
         """Up to the resting place's height, and there."""
@@ -107,7 +108,8 @@ def poses(cell: Path) -> tuple[Floats, Floats]:
 def description(options: argparse.Namespace) -> Description:
     """What the driver says of its robot."""
     x, y = (side / 2 + AROUND for side in options.surface)
-    limits = Limits((-x, -y, -options.deepest), (x, y, HIGHEST), options.speed, options.deepest)
+    depth = options.deepest - options.press
+    limits = Limits((-x, -y, -depth), (x, y, HIGHEST), options.speed, depth)
     return Description(options.name, ("straight", "joint"), limits, options.lease, PERIOD)
 
 
@@ -119,6 +121,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--rest", type=float, nargs=4, required=True, metavar=("X", "Y", "Z", "YAW"))
     made.add_argument("--speed", type=float, default=0.25, help="of the tool, m/s, at most")
     made.add_argument("--deepest", type=float, default=0.005, help="metres below the surface, at most")
+    made.add_argument("--press", type=float, default=0.002, help="metres below that strokes are pressed")
     made.add_argument("--lease", type=float, default=1.0, help="seconds without a poll until it stops")
     made.add_argument("--name", default="arm of ROS 2")
     made.add_argument("--group", default="manipulator", help="MoveIt's planning group")

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from ros2_timing import NoWay, in_base, in_scene, length_of, quaternion, timed
 
-from cleancli.motion.path import Interpolation, ToolPath, Waypoint
+from cleancli.motion.path import Interpolation, ToolPath, Waypoint, pressed
 from cleancli.remote.client import Client
 from cleancli.remote.guard import Guard
 from cleancli.remote.server import Server
@@ -64,7 +64,20 @@ def cell() -> Cell:
 @pytest.fixture
 def options(modules: SimpleNamespace, cell_file: Path) -> argparse.Namespace:
     words = ["--cell", str(cell_file), "--surface", "0.9", "0.7", "--rest", "-0.1", "0.05", "0.1", "0"]
-    words += ["--speed", "0.5", "--lease", "0.3", "--colour", "c", "--depth", "d", "--info", "i"]
+    words += [
+        "--press",
+        "0",
+        "--speed",
+        "0.5",
+        "--lease",
+        "0.3",
+        "--colour",
+        "c",
+        "--depth",
+        "d",
+        "--info",
+        "i",
+    ]
     found = modules.driver.parser().parse_args(words)
     assert isinstance(found, argparse.Namespace)
     return found
@@ -116,6 +129,19 @@ def test_a_stroke_goes_straight_through_its_waypoints_at_their_speed(guard: Guar
     assert speeds[down:].max() <= 0.3 * 1.001
     still = [point for point in trajectory.points if not any(point.velocities)]
     assert len(still) == 5, "it begins at rest, and stands still at each waypoint"
+
+
+def test_strokes_are_pressed_and_no_deeper_than_is_allowed(
+    modules: SimpleNamespace, options: argparse.Namespace, cell: Cell
+) -> None:
+    """A cloth gives way. What the guard lets through is less deep by what is pressed."""
+    options.press, options.deepest = 0.002, 0.005
+    limits = modules.driver.description(options).limits
+    assert limits.depth == pytest.approx(0.003)
+    modules.driver.Ros2Driver(cell, options).start(pressed(STROKE, limits.depth))
+    heights = in_the_scene(cell.trajectories[0])[:, 2]
+    assert heights.min() == pytest.approx(-0.005)
+    assert heights[-1] == pytest.approx(0.05), "what is above the surface stays"
 
 
 def test_withdrawing_goes_up_and_then_to_rest(guard: Guard, cell: Cell) -> None:
