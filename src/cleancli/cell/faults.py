@@ -34,7 +34,7 @@ TURNED = 1.0
 """Degrees by which its sides may be seen turned."""
 TOOL = 0.0015
 """Metres by which the tool may be higher or lower where it touches the table, on average: 2 mm too high, it
-moves nothing."""
+passes over half of the lentils."""
 BESIDE = 0.006
 """Metres by which the tool may be beside a corner of the board that it touches, on average."""
 

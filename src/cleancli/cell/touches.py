@@ -32,7 +32,7 @@ MOST_SPREAD = 0.003
 """Metres (standard deviation) that touches may lie off their plane; chosen."""
 MOST_HEIGHT_ERROR = 0.001
 """Metres (standard deviation) by which the height of a corner of the table may be uncertain: a rag that is
-2 mm too high moves nothing."""
+2 mm too high passes over half of the lentils (docs/measurements/world.md)."""
 ALONE, ALONE_RATIO = 0.002, 5.0
 """Metres, and standard deviations, by which a touch is off the plane of all others if it was a mistake."""
 MOST_CORNER_MISFIT = 0.004
@@ -211,7 +211,7 @@ def _of_heights(places: Points, spread: float | None, errors: tuple[float, float
     if errors[1] > MOST_HEIGHT_ERROR:
         return (
             f"the height of a corner of the table is known to {1000 * errors[1]:.1f} mm alone: touch more "
-            "places, near its corners; a rag that is 2 mm too high moves nothing",
+            "places, near its corners; a rag that is 2 mm too high leaves half of small things behind",
         )
     return ()
 
