@@ -161,10 +161,9 @@ def comparison(
         told = "; ".join(differences)
         raise BadOption(f"only rules over one vocabulary can be compared: {told}")
     if experience:
-        given: Sequence[Transition] = [
-            each for file in experience_files(experience) for each in read_experience(file.path, one)
-        ]
-        source = f"the states of {plural(len(given), 'transition')}"
+        files, passed_over = experience_files(experience, one)
+        given: Sequence[Transition] = [each for file in files for each in read_experience(file.path, one)]
+        source = "; ".join((f"the states of {plural(len(given), 'transition')}", *passed_over))
     else:
         rng = np.random.default_rng(seed)
         given = list(itertools.islice(drawn_states((one, other), rng), states))
