@@ -64,6 +64,17 @@ def test_prada_plus_is_told_as_files_write_it(text: str, capsys: pytest.CaptureF
     assert 'help: a study writes `prada_plus`, and a problem `name = "prada+"`' in told
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong"), [("horizon", "horizont"), ("discount", "discounts"), ("objects", "objectss")]
+)
+def test_a_word_with_more_letters_is_told_without_them(
+    right: str, wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "problem p { domain = cleaning objects { a - area } init { } horizon = 3 discount = 0.9 }"
+    Path("file.nid").write_text(text.replace(right, wrong), encoding="utf-8")
+    assert f"help: did you mean `{right}`, and not `{wrong}`?" in said(capsys, "check file.nid", 1)
+
+
 def test_learning_the_same_again_says_that_nothing_is_new(capsys: pytest.CaptureFixture[str]) -> None:
     Path("lamps.nid").write_text(LAMPS, encoding="utf-8")
     line: dict[str, object] = {

@@ -6,6 +6,8 @@ import re
 
 from cleancli.language.parsing.hints.misplaced import Misplaced
 
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
 
 def name_or_number(at: Misplaced) -> str:
     last = at.before[-1:]
@@ -20,6 +22,8 @@ def name_or_number(at: Misplaced) -> str:
     is_in_name = at.is_glued and re.search(r"\w$", at.before) and re.match(r"\w", at.after)
     if at.token == "-" and is_in_name and "MINUS" not in at.accepted:
         return "names have no `-`: use `_`"
+    if at.is_glued and _WORD.fullmatch(at.token) and _WORD.fullmatch(at.word_before):
+        return f"did you mean `{at.word_before}`, and not `{at.word_before}{at.token}`?"
     if at.token == "+" and at.is_glued and at.word_before == "prada":
         return 'a study writes `prada_plus`, and a problem `name = "prada+"`'
     return ""
