@@ -705,6 +705,20 @@ def test_odd_experience_makes_rules_or_a_message(
     assert re.search(r"^40 cases, 0 wrong, at most \d+\.\d+ s of CPU for one$", capsys.readouterr().out, re.M)
 
 
+def test_exploration_is_compared_with_random_actions(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _main("exploration", monkeypatch, "--quick")
+    number = r"([\d.]+)(?: \([\d.]+\))?"
+    row = rf"\| glasses \| 60 \| {number} \| {number} \| [\d.]+ \| .* \| [\d.]+ \| {number} \| [\d.]+ \|"
+    found = re.search(row, capsys.readouterr().out)
+    assert found is not None
+    explored, drawn, episodes = map(float, found.groups())
+    assert explored < 0.3
+    assert drawn < 0.3
+    assert episodes >= 5
+
+
 def test_whole_rules_are_learned_from_hidden_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

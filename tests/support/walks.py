@@ -36,12 +36,12 @@ def walks(
                 arguments = fitting or arguments
             if arguments:
                 chosen = arguments[int(rng.integers(len(arguments)))]
-                after = _after(domain, rules, objects, values, action.name, chosen, rng)
+                after = drawn_after(domain, rules, objects, values, action.name, chosen, rng)
                 yield Transition(action.name, chosen, objects, values, after)
                 values = after
 
 
-def _after(
+def drawn_after(
     domain: Domain,
     rules: LiftedRules,
     objects: tuple[Object, ...],

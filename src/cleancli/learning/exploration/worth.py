@@ -60,7 +60,7 @@ def tries(
 ) -> Iterator[Try]:
     """All that can be tried in a state, with what it is worth."""
     for action in found.domain.actions:
-        arguments = _arguments(found.domain, action, objects, rng)
+        arguments = arguments_of(found.domain, action, objects, rng)
         if not arguments:
             continue
         known = found.actions.get(action.name)
@@ -71,9 +71,10 @@ def tries(
         )
 
 
-def _arguments(
+def arguments_of(
     domain: Domain, action: Action, objects: Sequence[Object], rng: np.random.Generator
 ) -> list[tuple[str, ...]]:
+    """What an action can be done on; where that is more than MOST_PAIRS, as many that are drawn."""
     everything = (*domain.constants, *objects)
     among = [[o.name for o in everything if domain.is_a(o.type, p.type)] for p in action.parameters]
     number = math.prod(map(len, among))
