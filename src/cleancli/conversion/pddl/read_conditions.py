@@ -97,13 +97,19 @@ class Reader:
         place = 0
         while place < len(items):
             item = items[place]
-            if isinstance(item, Word) and item.text == "-" and waiting:
-                if place + 1 == len(items):
+            if isinstance(item, Word) and item.text.startswith("-") and waiting:
+                place += 1
+                if item.text != "-":
+                    self.mended(f"no blank stands behind `-` in `{item.text}`", item, "taken as a type")
+                    node: Node = Word(item.text[1:], item.start + 1)
+                elif place < len(items):
+                    node = items[place]
+                    place += 1
+                else:
                     raise Unreadable("no type stands behind this", self.span(item))
-                types = self._types(items[place + 1])
+                types = self._types(node)
                 found += [Typed(name, types, span=name.span) for name in waiting]
                 waiting = []
-                place += 2
                 continue
             name = self.name(item, "a variable" if variables else "a name")
             if name.is_variable != variables:

@@ -53,6 +53,9 @@ def effect_of(node: Node, reader: Reader) -> EffectNode:
             return _pay(node, reader)
         case _ if head in _CONDITIONS:
             raise Unreadable(f"`{head}` is no effect", span)
+        case "oneof":
+            message = "`oneof` does not say how likely each effect is"
+            raise Unreadable(message, span, "write `(probabilistic 1/2 ... 1/2 ...)`", code="E917")
         case _ if head in _ASSIGNS:
             raise Unreadable(f"`{head}` is not converted: numbers can only be costs here", span, code="E917")
     return SetNode(reader.atom(node), True, span=span)
