@@ -17,6 +17,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Domain, Horizon, Problem, RewardKind, Unlimited
 from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.printer import print_cost
 
 TIDY = Path(__file__).parent / "tidy"
 
@@ -129,6 +130,27 @@ def test_what_costs_depend_on_makes_several_actions() -> None:
     costs = {action.name: action.cost for action in domain.actions if action.name.startswith("move")}
     assert costs == {"move_wet": 1, "move_not_wet": 0}
     assert "# what these cost depends on conditions, so each cost has an action: move" in made.domain
+
+
+def test_a_function_of_objects_says_what_an_action_costs() -> None:
+    """In whole numbers of halves; where it is not known it has no cost, and cannot be done."""
+    made = tidy(
+        declared="(:functions (total-cost)) => (:functions (total-cost) (far-off ?p ?q - place))",
+        cost="(increase (total-cost) 1) => (increase (total-cost) (far-off ?from ?to))",
+        values="(:init => (:init (= (far-off a1 a2) 1.5) (= (far-off a2 a2) 4)",
+    )
+    domain, problem = models(made)
+    assert made.diagnostics == ()
+    (move,) = [action for action in domain.actions if action.name.startswith("move")]
+    assert (move.name, print_cost(move)) == ("move", "0.5 * far_off(?from, ?to)")
+    assert (
+        "# `far_off` counts parts of 1/2 and has a value in PDDL where `far_off_known` holds" in made.domain
+    )
+    values = {fact.objects: fact.value for fact in problem.state if fact.symbol == "far_off"}
+    assert {objects for objects, value in values.items() if value} == {("a1", "a2"), ("a2", "a2")}
+    assert (values["a1", "a2"], values["a2", "a2"], values["bin", "a1"]) == (3, 8, 0)
+    known = {fact.objects for fact in problem.state if fact.symbol == "far_off_known"}
+    assert known == {("a1", "a2"), ("a2", "a2")}
 
 
 def test_untyped_files_have_one_type() -> None:
