@@ -60,7 +60,7 @@ def learned(domain: str, experience: Sequence[Path]) -> Iterator[tuple[str, Doma
 
 def transitions_of(folders: Sequence[Path], domain: Domain) -> list[Transition]:
     """What was recorded in run folders."""
-    files = experience_files(folders)
+    files, _ = experience_files(folders, domain)
     return [each for file in files for each in read_experience(file.path, domain)]
 
 

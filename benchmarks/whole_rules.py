@@ -68,7 +68,7 @@ def of_folder(folder: Path, rng: np.random.Generator) -> Iterator[Hidden]:
     for path in sorted(folder.glob("*.nid")):
         domain = load_domain(read_source(path))
         if not path.with_name(f"{path.stem}.train.jsonl.gz").exists():
-            yield _drawn(domain, *(_starts(domain, rng) for _ in range(2)), rng)
+            yield _drawn(domain, _starts(domain, rng), _starts(domain, rng), rng)
             continue
         train, test = (
             list(_read(path.with_name(f"{path.stem}.{part}.jsonl.gz"), domain)) for part in ("train", "test")
