@@ -3,6 +3,7 @@ wrong."""
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -10,6 +11,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import pytest
 
 import cleancli
@@ -203,3 +205,49 @@ def test_studies_are_of_simulated_robots(
     Path("s.nid").write_text("study s { scene = lab  runs = 1 }")
     assert run(["experiment", "s.nid"]) == 1
     assert "the robot of this one is elsewhere" in capsys.readouterr().err
+
+
+def test_a_dry_run_draws_the_first_stroke_and_moves_nothing(
+    driver: ScriptedDriver, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begun: list[str] = []
+    driver.start = lambda path: begun.append("start")  # type: ignore[method-assign]
+    driver.withdraw = lambda: begun.append("withdraw")  # type: ignore[method-assign]
+    picture = tmp_path / "stroke.png"
+    with scene_of(driver, tmp_path) as (scene, _):
+        words = ["execute", "cleaning", str(scene), "--strategy", "reactive", "--dry-run", str(picture)]
+        assert run([*words, "--runs", str(tmp_path / "runs")]) == 0
+        told = capsys.readouterr().out
+        assert told.startswith("it would begin with moveToContainerFast(a1): from (-2")
+        assert not begun
+        assert not (tmp_path / "runs").exists()
+        bare = cv2.cvtColor(Scripted.observe(driver).colour, cv2.COLOR_RGB2BGR)
+        drawn = cv2.imread(str(picture))
+        assert drawn is not None
+        assert (drawn[-len(bare) :] != bare).any(axis=2).sum() > 500, "ellipses, names and a way"
+        driver.strokes = 2
+        assert run(words) == 0
+    assert "nothing seems worth doing" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("answers", "strokes", "code"), [("", 0, 130), ("n\n", 0, 130), ("y\ny\nn\n", 1, 130), ("y\n" * 9, 2, 0)]
+)
+def test_a_person_is_asked_before_each_motion(
+    driver: ScriptedDriver,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    answers: str,
+    strokes: int,
+    code: int,
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+    with scene_of(driver, tmp_path) as (scene, _):
+        words = ["execute", "cleaning", str(scene), "--strategy", "reactive", "--confirm"]
+        assert run([*words, "--runs", str(tmp_path / "runs")]) == code
+    asked = capsys.readouterr().err
+    assert driver.strokes == strokes
+    assert "the arm leaves the camera's view; may it? [y/N]" in asked
+    assert ("1. moveToContainerFast(a1): from (" in asked) == (answers[:2] == "y\n")
+    assert ("go on with: cleancli execute --resume" in asked) == (code == 130)

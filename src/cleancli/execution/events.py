@@ -56,6 +56,11 @@ class Started:
 
 
 @dataclass(frozen=True, slots=True)
+class Leaving:
+    """The arm sets off to leave the camera's view."""
+
+
+@dataclass(frozen=True, slots=True)
 class Moved:
     """One control period has passed; `clock` in seconds of robot time."""
 
@@ -127,4 +132,6 @@ class Ended:
     loading: float
 
 
-Event = Looked | Decided | Started | Moved | StrokeEnded | Failed | Acted | Learned | Checkpoint | Ended
+Event = (
+    Looked | Decided | Started | Leaving | Moved | StrokeEnded | Failed | Acted | Learned | Checkpoint | Ended
+)

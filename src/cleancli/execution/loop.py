@@ -42,14 +42,15 @@ from cleancli.execution.events import (
     Event,
     Failed,
     Learned,
+    Leaving,
     Looked,
     Purpose,
     Started,
 )
 from cleancli.execution.foreseen import Foreseen, foreseen
-from cleancli.execution.setup import DecisionContext, EpisodeSetup
+from cleancli.execution.setup import Decision, DecisionContext, EpisodeSetup
 from cleancli.execution.strategies import STRATEGIES
-from cleancli.execution.workcell import Motions, Workcell
+from cleancli.execution.workcell import LookResult, Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.learning.experience import Transition, milliseconds
 from cleancli.perception.surface import NoSurface
@@ -158,8 +159,26 @@ def _decide(
     setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Belief
 ) -> Steps:
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
-    options = setup.options
     started = time.perf_counter()
+    decision = _decision(setup, cell, state, situation, believed)
+    # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
+    seconds = time.perf_counter() - started - decision.loading
+    spent = replace(state.spent, planning=state.spent.planning + seconds)
+    state = replace(state, queue=decision.moves, rest=decision.rest, spent=spent)
+    state = replace(state, loading=state.loading + decision.loading)
+    yield Decided(situation, decision.moves, decision.plan, seconds)
+    if decision.moves:
+        return state
+    if state.clear_looks:
+        return replace(state, reason=_idle(state))
+    return (yield from _clear_look(cell, state, Purpose.EXTRA))
+
+
+def _decision(
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Belief
+) -> Decision:
+    """What the strategy does as things stand."""
+    options = setup.options
     problem = cell.problem(situation)
     now = DecisionContext(
         planned_with(setup, state, believed.domain, problem),
@@ -176,18 +195,19 @@ def _decide(
         expected_seconds(believed, partial(cell.seconds, situation)),
         believed.explored,
     )
-    decision = STRATEGIES[options.strategy].decide(now, options)
-    # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
-    seconds = time.perf_counter() - started - decision.loading
-    spent = replace(state.spent, planning=state.spent.planning + seconds)
-    state = replace(state, queue=decision.moves, rest=decision.rest, spent=spent)
-    state = replace(state, loading=state.loading + decision.loading)
-    yield Decided(situation, decision.moves, decision.plan, seconds)
-    if decision.moves:
-        return state
-    if state.clear_looks:
-        return replace(state, reason=_idle(state))
-    return (yield from _clear_look(cell, state, Purpose.EXTRA))
+    return STRATEGIES[options.strategy].decide(now, options)
+
+
+def rehearsed(setup: EpisodeSetup, cell: Workcell) -> tuple[LookResult, Started | None]:
+    """What an episode would do first, by one look from where the arm is, and what is seen in that; nothing
+    moves. None where nothing seems worth doing. Raises NoSurface."""
+    state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
+    sight = cell.look(None, None, state.looks, state.named)
+    now = belief(setup, state.evidence)
+    moves = _decision(setup, cell, replace(state, situation=sight.situation), sight.situation, now).moves
+    if not moves:
+        return sight, None
+    return sight, Started(1, moves[0], cell.path(moves[0], sight.situation))
 
 
 def _idle(state: EpisodeState) -> str:
@@ -199,6 +219,7 @@ def _idle(state: EpisodeState) -> str:
 
 def _clear_look(cell: Workcell, state: EpisodeState, purpose: Purpose, stroke: Stroke | None = None) -> Steps:
     """Move the arm out of view, and look. A look that has found nothing is taken again where the arm is."""
+    yield Leaving()
     motions = yield from cell.withdraw()
     if motions.failure:
         return replace(state, reason=f"the arm cannot leave the camera's view: {motions.failure}")

@@ -22,6 +22,7 @@ from cleancli.execution.events import (
     Event,
     Failed,
     Learned,
+    Leaving,
     Looked,
     Moved,
     Started,
@@ -95,7 +96,7 @@ class RunStream:
                 self._stream.flush()
             case Ended(reason, clean):
                 self._say(f"{'clean' if clean else 'not clean'}: {reason}")
-            case StrokeEnded() | Learned():
+            case StrokeEnded() | Learned() | Leaving():
                 pass
 
     def _log(self, entity: str, what: Any, *more: Any, static: bool = False) -> None:

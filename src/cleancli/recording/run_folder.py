@@ -25,6 +25,7 @@ from cleancli.execution.events import (
     Event,
     Failed,
     Learned,
+    Leaving,
     Looked,
     Moved,
     Started,
@@ -134,7 +135,7 @@ class Recorder:
             case Checkpoint(state):
                 self._checkpoint(state)
                 self._spent, self._told = state.spent, self._clock
-            case Decided() | Learned():
+            case Decided() | Learned() | Leaving():
                 pass
 
     def note(self, record: journal.Record) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -14,6 +14,7 @@ from click.core import ParameterSource
 
 from cleancli.api.checks import DISCOUNTING
 from cleancli.api.lessons import Counting, is_own_file
+from cleancli.api.run_session import Inputs, open_session
 from cleancli.api.runs import (
     OpenedRun,
     RunResult,
@@ -33,17 +34,22 @@ from cleancli.cli.progress import working
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
-from cleancli.execution.events import Event
-from cleancli.execution.loop import seconds_reached
+from cleancli.execution.events import Event, Leaving, Started
+from cleancli.execution.loop import rehearsed, seconds_reached
 from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.load import located_in
 from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
 from cleancli.learning.optimism import OPTIMISM
+from cleancli.motion.path import ToolPath
+from cleancli.perception.frame_source import BadRecording
+from cleancli.perception.surface import NoSurface
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import PAGE, RUN
+from cleancli.recording.pictures import step_picture, write_png
 from cleancli.recording.rerun_run import RunStream
 from cleancli.recording.series import MOST_EPISODES
 from cleancli.report.page import write_page
@@ -157,6 +163,18 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
 @click.option(
     "--rrd", type=options.FILE, metavar="FILE", help="Write the run for the Rerun viewer, as it goes on."
 )
+@click.option(
+    "--dry-run",
+    "rehearsal",
+    type=options.FILE,
+    metavar="FILE",
+    help="Only look and decide: draw the first stroke over the camera's picture (PNG), and move nothing.",
+)
+@click.option(
+    "--confirm",
+    is_flag=True,
+    help="Ask before each motion of the robot, and end the run where the answer is no.",
+)
 @options.as_json("Print the summary as JSON, and nothing else.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors; the run's folder tells all.")
 @usage_errors()
@@ -188,6 +206,8 @@ def command(
     runs: Path,
     video: bool,
     rrd: Path | None,
+    rehearsal: Path | None,
+    confirm: bool,
     as_data: bool,
     quiet: bool,
 ) -> int:
@@ -198,7 +218,7 @@ def command(
     Exit code 3 if something is left at the end; the summary says where every lentil truly is and how much
     ink is left, apart from what perception believed.
     """
-    said = _Said(as_data, quiet, rrd)
+    said = _Said(as_data, quiet, rrd, confirm)
     if resume is not None:
         _refuse_beside_resume()
         results = resumed(resume, _note, lambda opened: _carry_out(opened, said))
@@ -230,6 +250,8 @@ def command(
     )
     acting = None if world is None else open_loaded(world)
     inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
+    if rehearsal is not None:
+        return _rehearse(inputs, rehearsal)
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
@@ -260,11 +282,13 @@ def _known(known: int | None, epsilon: float | None, delta: float | None) -> int
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """How the run is told: as data, or not at all; and in which file for the Rerun viewer, if in any."""
+    """How the run is told: as data, or not at all; in which file for the Rerun viewer, if in any; and whether
+    a person is asked before each motion, who then needs the terminal."""
 
     as_data: bool
     quiet: bool
     rrd: Path | None
+    asks: bool
 
     @property
     def silently(self) -> bool:
@@ -277,7 +301,12 @@ def _refuse_beside_resume() -> None:
     context = click.get_current_context()
     for name in context.params:
         source = context.get_parameter_source(name)
-        given = source not in (ParameterSource.DEFAULT, None) and name not in ("resume", "as_data", "quiet")
+        given = source not in (ParameterSource.DEFAULT, None) and name not in (
+            "resume",
+            "confirm",
+            "as_data",
+            "quiet",
+        )
         if given:
             what = name.upper() if name in ("domain", "problem") else f"--{name.replace('_', '-')}"
             raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
@@ -296,12 +325,14 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     limit = setup.options.max_actions
     try:
         with (
-            show(said.silently, setup.scene, lambda: cell.tool, limit, told=told) as view,
+            show(said.silently or said.asks, setup.scene, lambda: cell.tool, limit, told=told) as view,
             nullcontext() if said.rrd is None else _streamed(said.rrd, opened) as stream,
         ):
 
             def follow(event: Event) -> None:
                 view.write(event)
+                if said.asks:
+                    _ask(event)
                 if stream is not None:
                     stream.write(event)
 
@@ -317,6 +348,51 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     with working(f"writing {PAGE}", said.silently):
         write_page(opened.folder)
     return result
+
+
+def _ask(event: Event) -> None:
+    """Before a motion whether it may begin. A no ends the run as Ctrl-C does."""
+    match event:
+        case Leaving():
+            what = "the arm leaves the camera's view"
+        case Started(number, move, path) if path is not None:
+            what = f"{number}. {move}: {_told(path)}"
+        case _:
+            return
+    try:
+        may_begin = click.confirm(f"{what}; may it?", default=False, err=True)
+    except click.Abort:  # nobody can answer
+        may_begin = False
+    if not may_begin:
+        raise KeyboardInterrupt
+
+
+def _told(path: ToolPath) -> str:
+    """Where a path leads, in centimetres."""
+    first, last, fastest = path.waypoints[0], path.waypoints[-1], max(w.speed for w in path.waypoints)
+    ends = [f"({100 * w.x:.1f}, {100 * w.y:.1f})" for w in (first, last)]
+    return f"from {ends[0]} cm to {ends[1]} cm at up to {fastest:g} m/s"
+
+
+def _rehearse(inputs: Inputs, file: Path) -> int:
+    """The first stroke over the camera's picture, and nothing moves. Raises UsageError where there is no
+    table, BadRecording where none is seen, and what opening a session does."""
+    if isinstance(inputs.given, Problem):
+        raise click.UsageError("--dry-run is for scenes: a list of facts has no table to look at")
+    if not file.resolve().parent.is_dir():
+        raise click.BadParameter(f"there is no folder `{file.parent}`", param_hint="--dry-run")
+    with closing(open_session(inputs)) as session, located_in(*inputs.sources):
+        try:
+            sight, begun = rehearsed(session.setup, session.cell)
+        except NoSurface as error:
+            raise BadRecording(f"the camera: {error}") from error
+    assert sight.frame is not None, "a table has a camera"
+    write_png(file, step_picture(sight.frame, sight.situation, begun, None))
+    if begun is None or begun.path is None:
+        echo(f"nothing seems worth doing; {file} shows what is seen")
+    else:
+        echo(f"it would begin with {begun.move}: {_told(begun.path)}; {file} shows it, and nothing has moved")
+    return ExitCode.DONE
 
 
 def _streamed(path: Path, opened: OpenedRun) -> RunStream:
