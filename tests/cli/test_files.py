@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import shlex
 import stat
 import sys
 from pathlib import Path
@@ -221,17 +222,20 @@ def test_rename_leaves_shipped_files(folder: Path, capsys: pytest.CaptureFixture
 # ---- init
 
 
-def test_what_init_writes_is_right(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["init", "new/start"]) == 0
+@pytest.mark.parametrize(("about", "action"), [([], "wipe("), (["--about", "delivery"], "drive(")])
+def test_what_init_writes_is_right(
+    about: list[str], action: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["init", "new/start", *about]) == 0
     told = capsys.readouterr().out
-    commands = [line.split() for line in told.splitlines() if line.startswith("  cleancli")]
+    commands = [shlex.split(line) for line in told.splitlines() if line.startswith("  cleancli")]
     assert len(commands) == 3
     for _, *words in commands:
-        assert run([word.strip('"') for word in words]) == 0
+        assert run(words) == 0
     assert run(["fmt", "--check", "new"]) == 0
     shown = capsys.readouterr().out
     assert "0 mistakes in 2 files" in shown
-    assert "wipe(" in shown
+    assert action in shown
 
 
 def test_init_never_replaces(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
