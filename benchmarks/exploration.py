@@ -32,10 +32,10 @@ from pathlib import Path
 
 import numpy as np
 
-from cleancli.compiler.fluents import Values
+from cleancli.compiler.fluents import Fluent, Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.load import load_domain, read_source
-from cleancli.language.model import Domain, Fact, Object, Problem
+from cleancli.language.model import Domain, Fact, Object, Problem, Value
 from cleancli.learning.experience import Transition
 from cleancli.learning.exploration.explored import explored
 from cleancli.learning.exploration.seeking import next_try
@@ -86,7 +86,7 @@ def glasses(seed: int) -> Hidden:
 def _floor(rng: np.random.Generator) -> Start:
     places = [f"p{number}" for number in range(1, int(rng.integers(4, 7)))]
     things = [f"g{number}" for number in range(1, int(rng.integers(3, 5)))]
-    values: Values = {("robot_at", (str(rng.choice(places)),)): True}
+    values: dict[Fluent, Value] = {("robot_at", (str(rng.choice(places)),)): True}
     values |= {("glass_at", (thing, str(rng.choice(places)))): True for thing in things}
     values |= {("icy", (place,)): True for place in places if rng.random() < 0.3}
     values |= {("broken", (thing,)): True for thing in things if rng.random() < 0.2}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,8 @@ import pytest
 
 from cleancli.api.executions import execute_series, resume_series
 from cleancli.api.series import SeriesResult
+from cleancli.cli.exit_codes import ExitCode
+from cleancli.cli.main import run
 from cleancli.execution.events import Acted, Ended, Event
 from cleancli.language.load import load_domain, read_source
 from cleancli.language.model import Domain
@@ -18,6 +21,7 @@ from cleancli.learning.exploration.explored import explored
 from cleancli.learning.variation import variation
 from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE
+from cleancli.recording.journal import Planned, read_journal
 
 VOCABULARY = """\
 domain doors {
@@ -74,7 +78,7 @@ def carried_out(**asked: Any) -> SeriesResult:
 
 def experience(result: SeriesResult) -> list[Transition]:
     domain = load_domain(read_source(Path("own.nid")))
-    return [each for run in result.runs for each in read_experience(run.folder / EXPERIENCE, domain)]
+    return [each for done in result.runs for each in read_experience(done.folder / EXPERIENCE, domain)]
 
 
 def true() -> Domain:
@@ -93,7 +97,7 @@ def test_rules_are_learned_from_a_vocabulary_and_then_the_goal_is_reached() -> N
 
 def test_what_one_episode_has_shown_the_next_one_knows() -> None:
     """Where all was seen often enough, nothing is tried any more: the shortest way is taken."""
-    first, *_, last = (run.actions for run in carried_out(episodes=4).runs)
+    first, *_, last = (done.actions for done in carried_out(episodes=4).runs)
     assert last < first
 
 
@@ -140,11 +144,51 @@ def test_plans_go_by_whole_rules_that_are_learned_meanwhile() -> None:
     assert {rule.action for rule in learned.rules} == {"push", "unlock", "bolt"}
 
 
+def demonstrated(result: SeriesResult) -> list[int]:
+    """How many demonstrations each episode has had."""
+    journals = (read_journal(done.folder).records for done in result.runs)
+    return [sum(isinstance(r, Planned) and r.planner == "teacher" for r in records) for records in journals]
+
+
+def test_a_teacher_is_asked_where_no_plan_reaches_the_goal_and_less_and_less() -> None:
+    """One demonstration of each action that is needed, at most; then the goal is reached alone."""
+    result = carried_out(episodes=4, teacher="true.nid", max_actions=40)
+    first, *others = demonstrated(result)
+    assert 1 <= first <= 3
+    assert not any(others)
+    assert all(done.clean for done in result.runs)
+
+
+def test_a_run_with_a_teacher_goes_on_after_a_kill(tmp_path: Path) -> None:
+    asked: dict[str, Any] = {"teacher": "true.nid", "max_actions": 40}
+    undisturbed = experience(carried_out(runs=tmp_path / "whole", **asked))
+    with pytest.raises(Killed):
+        carried_out(runs=tmp_path / "cut", on_event=_killing(Acted, 1), **asked)
+    (folder,) = (tmp_path / "cut").iterdir()
+    Path("true.nid").unlink()
+    assert experience(resume_series(folder)) == undisturbed
+
+
+def test_a_person_is_asked_and_told_of_bad_input(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The first answer is none; after a door that is locked was pushed in vain nothing more is shown."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("opne(a)\npush(a)\n\n"))
+    words = "execute own.nid p.nid --world true.nid --strategy explore --learn --no-video --seed 4"
+    assert run([*words.split(), "--teacher", "ask", "--max-actions", "30"]) == ExitCode.NOT_CLEAN
+    told = "".join(capsys.readouterr())
+    assert "no plan is believed to reach the goal; known least: push (never tried)" in told
+    assert "unknown action `opne`" in told
+    assert "shown: push(a)" in told
+    assert "push (1 try, 0 changed something)" in told
+
+
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
         ({"learn": False}, "the strategy explore learns rules while it works: ask for learning"),
         ({"strategy": "plan-1", "learn": False, "structure": True}, "ask for learning as well"),
+        ({"strategy": "plan-1", "teacher": "true.nid"}, "plan-1 asks nobody"),
         ({"optimism": "rmax"}, "the strategy explore hopes"),
         ({"write": True}, "cleancli learn --structure DOMAIN RUNS --write"),
     ],

@@ -46,6 +46,7 @@ def execute(
     robot: Robot | None = None,
     learn: bool = False,
     structure: bool = False,
+    teacher: GivenDomain | None = None,
     estimator: str | None = None,
     m: float | None = None,
     match: str | None = None,
@@ -60,7 +61,8 @@ def execute(
     simulated table, or by a `robot` of yours (docs/your_own_robot.md), any other problem in the symbolic
     world, by the rules of `world` or else of the domain. Leaves a folder in `runs`. Where it is to `learn`,
     plans go by what was learned so far (§5); how, where it is not said, the domain's `learned` block says, or
-    is as usual. With `structure`, whole rules are learned, and not their probabilities alone (§7.1).
+    is as usual. With `structure`, whole rules are learned, and not their probabilities alone (§7.1). The
+    strategy explore asks a `teacher`, a domain whose rules it does not see, where no plan reaches the goal.
 
     Ctrl-C ends it in good order with a KeyboardInterrupt that says how to go on. Raises Refused for mistakes
     in the texts and for what cannot be planned, ValueError for options that make no sense, OSError where the
@@ -82,6 +84,7 @@ def execute(
         robot=robot,
         learn=learn,
         structure=structure,
+        teacher=teacher,
         estimator=estimator,
         m=m,
         match=match,
@@ -112,6 +115,7 @@ def execute_series(
     robot: Robot | None = None,
     learn: bool = False,
     structure: bool = False,
+    teacher: GivenDomain | None = None,
     estimator: str | None = None,
     m: float | None = None,
     match: str | None = None,
@@ -155,8 +159,17 @@ def execute_series(
         structure=structure,
     )
     acting = None if world is None else load_domain(world)
+    shown_by = None if teacher is None else load_domain(teacher)
     inputs = inputs_of(
-        given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, robot=robot
+        given,
+        asked,
+        seed=seed,
+        objective=objective,
+        job=job,
+        known=known,
+        world=acting,
+        robot=robot,
+        teacher=shown_by,
     )
     series = Series(given, inputs, episodes, Path(runs), video, is_writable, write)
     *_, done = carried_out(series, lambda run: _followed(run, on_event))

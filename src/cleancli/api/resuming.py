@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -36,7 +36,7 @@ from cleancli.recording.checkpoint import Saved
 from cleancli.recording.fitting import check_fits
 from cleancli.recording.folder import RUN, checkpoints, read_text, refuse_other_names
 from cleancli.recording.journal import Count, Seconds, Started
-from cleancli.report.run import LARGEST_HEADER, Header, Run, read_run
+from cleancli.report.run import LARGEST_HEADER, Header, InputFile, Run, read_run
 from cleancli.report.texts import copy_of, domain_of, text_of
 from cleancli.scene.check import load_scene
 
@@ -58,6 +58,7 @@ class _Options(msgspec.Struct):
     forgetting: Annotated[float, Meta(ge=0, le=MOST_FORGETTING)] = 0.0
     optimism: str = OPTIMISM[0]
     structure: bool = False
+    taught: bool = False
 
 
 class _Begun(msgspec.Struct):
@@ -182,9 +183,15 @@ def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:
     domain, last = domain_of(sources), sources[-1]
     if kind_of(last) == "scene":
         return Inputs(domain, load_scene(last, lambda _: _calibration(run)), sources, options, job)
-    acting = tuple(text_of(run, file) for file in run.header.world)
-    world = World(domain_of(acting), acting) if acting else None
-    return Inputs(domain, load_problem(last, domain), sources, options, job, world=world)
+    problem = load_problem(last, domain)
+    world, teacher = _rules(run, run.header.world), _rules(run, run.header.teacher)
+    return Inputs(domain, problem, sources, options, job, world=world, teacher=teacher)
+
+
+def _rules(run: Run, files: Sequence[InputFile]) -> World | None:
+    """Those that these copies hold, if there are any."""
+    texts = tuple(text_of(run, file) for file in files)
+    return World(domain_of(texts), texts) if texts else None
 
 
 def _calibration(run: Run) -> bytes:
@@ -218,6 +225,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         None if given.estimator is None else _method(given.estimator, given),
         given.optimism,
         given.structure,
+        given.taught,
     )
 
 

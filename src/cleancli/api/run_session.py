@@ -51,7 +51,8 @@ class Inputs:
     """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last.
     `evidence`: what earlier runs have seen, to learn from. `world` has the rules by which the symbolic world
     acts, where they are not those of the domain. `robot` works on the table in place of the simulated one.
-    `experience`: the transitions of earlier runs, where whole rules are learned."""
+    `experience`: the transitions of earlier runs, where whole rules are learned. `teacher` has the rules of a
+    teacher, where a file is one."""
 
     domain: Domain
     given: Problem | Scene
@@ -62,6 +63,7 @@ class Inputs:
     world: World | None = None
     robot: Robot | None = None
     experience: tuple[Transition, ...] = ()
+    teacher: World | None = None
 
 
 class OtherWorld(ValueError):
@@ -111,6 +113,10 @@ def refuse_impossible(inputs: Inputs) -> None:
         raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
     if inputs.world is not None:
         _check_world(inputs, inputs.world)
+    if inputs.teacher is not None and isinstance(given, Problem):
+        refuse_unlike(inputs.domain, inputs.teacher.domain, given, inputs.sources, inputs.teacher.sources)
+    if isinstance(given, Scene) and options.is_taught:
+        raise BadOption("a teacher is for problems: nobody shows a robot at a table what to do yet")
     if isinstance(given, Problem) and inputs.robot is not None:
         raise BadOption("`robot` is for scenes: a list of facts is carried out in the symbolic world")
     if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):

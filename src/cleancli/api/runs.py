@@ -32,6 +32,7 @@ from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, discounts_time
 from cleancli.execution.strategies import STRATEGIES
+from cleancli.execution.teaching import Teacher, of_rules
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
@@ -197,8 +198,8 @@ def resumed_run(
             yield OpenedRun(begun.inputs, session, folder, begun.header, begun.video, resumed, episode)
 
 
-def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
-    """The loop to its end, recorded and followed.
+def carry_out(run: OpenedRun, follow: Callable[[Event], object], person: Teacher | None = None) -> RunResult:
+    """The loop to its end, recorded and followed; a `person` is asked where no file teaches.
 
     Raises RunStopped on Ctrl-C, TERM and HUP, Refused for what cannot be planned, and OSError with a note
     where the record cannot be written; in each case the run can go on from its folder.
@@ -206,6 +207,7 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     inputs, cell, folder, again = run.inputs, run.session.cell, run.folder, to_go_on_from(run.folder)
     told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
     last, event, evidence = "", None, inputs.evidence
+    teacher = _teacher(inputs, person)
     entries = Entries(inputs.domain, lambda: cell.clock, None if run.saved is None else run.saved.spent)
     with (
         located_in(*inputs.sources),
@@ -216,7 +218,7 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object]) -> RunResult:
     ):
         try:
             with interruptions() as pressed:
-                for event in clean(run.session.setup, cell, run.saved):
+                for event in clean(run.session.setup, cell, run.saved, teacher):
                     recorder.write(event)
                     follow(event)
                     if told is not None and isinstance(event, Looked):
@@ -252,6 +254,17 @@ def _stop(session: Session) -> None:
         session.stop()
 
 
+def _teacher(inputs: Inputs, person: Teacher | None) -> Teacher | None:
+    """Raises BadOption where a person is to be asked, and nobody can."""
+    if not inputs.options.is_taught:
+        return None
+    if inputs.teacher is not None:
+        return of_rules(inputs.teacher.domain, inputs.options.samples)
+    if person is None:
+        raise BadOption("a person is asked by `cleancli execute` alone: name a file of rules as the teacher")
+    return person
+
+
 def inputs_of(
     given: LoadedProblem,
     asked: EpisodeOptions,
@@ -262,6 +275,7 @@ def inputs_of(
     known: int | None = None,
     world: LoadedDomain | None = None,
     robot: Robot | None = None,
+    teacher: LoadedDomain | None = None,
 ) -> Inputs:
     """What goes into a run: where it is not asked for, the problem's seed, time as the objective if the
     domain says how long each action takes, and as many examples as make a rule known where one learns (§6.3).
@@ -272,6 +286,8 @@ def inputs_of(
         refuse_learning_pddl(given.domain)
     if STRATEGIES[asked.strategy].learns_rules and asked.learning is not None:
         asked = replace(asked, structure=True)
+    if teacher is not None:
+        asked = replace(asked, is_taught=True)
     _check_structure(asked)
     _check_optimism(asked)
     _check_horizon(given.model, asked.optimism, objective)
@@ -287,6 +303,7 @@ def inputs_of(
         None if job is None else Job(job),
         world=None if world is None else World(world.model, world.sources),
         robot=robot,
+        teacher=None if teacher is None else World(teacher.model, teacher.sources),
     )
 
 
@@ -295,6 +312,8 @@ def _check_structure(asked: EpisodeOptions) -> None:
         raise BadOption(f"the strategy {asked.strategy} learns rules while it works: ask for learning")
     if asked.structure and asked.learning is None:
         raise BadOption("structure is what of the rules is learned: ask for learning as well")
+    if asked.is_taught and not STRATEGIES[asked.strategy].learns_rules:
+        raise BadOption(f"a teacher is for the strategy explore, and {asked.strategy} asks nobody")
     if asked.structure and asked.optimism != "prior":
         raise BadOption(
             f"optimism {asked.optimism} is about the probabilities of rules; where whole rules are learned,"
@@ -347,12 +366,18 @@ def _copied(inputs: Inputs, folder: Path) -> dict[str, object]:
     """Copy what went in into the folder, and say which is which."""
     (folder / FILES).mkdir()
     of_world = () if inputs.world is None else inputs.world.sources
-    texts = [(source.path, source.text) for source in (*inputs.sources, *of_world)]
+    of_teacher = () if inputs.teacher is None else inputs.teacher.sources
+    texts = [(source.path, source.text) for source in (*inputs.sources, *of_world, *of_teacher)]
     copies = [_copy(*each, number, folder) for number, each in enumerate(texts)]
-    entries, world = copies[: len(inputs.sources)], copies[len(inputs.sources) :]
+    entries, others = copies[: len(inputs.sources)], copies[len(inputs.sources) :]
+    world, teacher = others[: len(of_world)], others[len(of_world) :]
     given = inputs.given
     if isinstance(given, Problem) or given.calibration is None:
-        return {"files": entries, **({"world": world} if world else {})}
+        return {
+            "files": entries,
+            **({"world": world} if world else {}),
+            **({"teacher": teacher} if teacher else {}),
+        }
     path = Path(inputs.sources[-1].path).parent / given.calibration.path
     return {
         "files": entries,
@@ -388,6 +413,7 @@ def _header(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> 
             "known": options.known,
             "optimism": options.optimism,
             "structure": options.structure,
+            "taught": options.is_taught,
             "estimator": learning.estimator if learning else None,
             "m": learning.m if learning else 0,
             "match": learning.match if learning else "shared",

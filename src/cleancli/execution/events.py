@@ -38,12 +38,14 @@ class Looked:
 @dataclass(frozen=True, slots=True)
 class Decided:
     """The strategy chose `moves` for `situation`; `seconds` of grounding and planning, loading the kernel
-    aside. `plan` is the whole plan of strategies that plan, of which the moves are the beginning."""
+    aside. `plan` is the whole plan of strategies that plan, of which the moves are the beginning.
+    `is_taught`: a teacher has shown what to do."""
 
     situation: Situation
     moves: tuple[Move, ...]
     plan: Plan | None
     seconds: float
+    is_taught: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,8 +48,9 @@ from cleancli.execution.events import (
     Started,
 )
 from cleancli.execution.foreseen import Foreseen, foreseen
-from cleancli.execution.setup import Decision, DecisionContext, EpisodeSetup
+from cleancli.execution.setup import DecisionContext, EpisodeSetup
 from cleancli.execution.strategies import STRATEGIES
+from cleancli.execution.teaching import Teacher, question
 from cleancli.execution.workcell import LookResult, Motions, Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.learning.experience import Transition, milliseconds
@@ -66,12 +67,15 @@ CLEAR_LOOKS = 2
 Steps = Generator[Event, None, EpisodeState]
 
 
-def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None) -> Generator[Event]:
+def clean(
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None, teacher: Teacher | None = None
+) -> Generator[Event]:
     """Act until nothing is left to do: from a fresh start, or from where another run was in `state`.
 
     Ends, always with `Ended`: when two looks in a row with the tool out of view find nothing left; when the
-    strategy finds nothing worth doing; when the camera shows no table, or the arm cannot leave its view; at
-    the limits on actions and time. An episode that goes on takes a look first, wherever the arm is.
+    strategy finds nothing worth doing, and a `teacher` neither; when the camera shows no table, or the arm
+    cannot leave its view; at the limits on actions and time. An episode that goes on takes a look first,
+    wherever the arm is.
     """
     if state is None:
         state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
@@ -82,7 +86,7 @@ def clean(setup: EpisodeSetup, cell: Workcell, state: EpisodeState | None = None
     while not (reason := _over(setup, cell, state)):
         yield Checkpoint(state)
         before = len(seen)
-        state = yield from _remembered(_step(setup, cell, state, now), seen)
+        state = yield from _remembered(_step(setup, cell, state, now, teacher), seen)
         if state.evidence != now.evidence or (setup.options.structure and len(seen) > before):
             now = yield from _learned(belief(setup, state.evidence, seen, now.explored))
     state = replace(state, reason=reason)
@@ -143,7 +147,9 @@ def seconds_reached(limit: float) -> str:
     return f"the limit of {limit:g} seconds is reached"
 
 
-def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief) -> Steps:
+def _step(
+    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief, teacher: Teacher | None
+) -> Steps:
     """Whatever is due: a look, a decision by what is believed now, or a move."""
     if state.situation is None:
         return (yield from _clear_look(cell, state, Purpose.FIRST))
@@ -152,20 +158,30 @@ def _step(setup: EpisodeSetup, cell: Workcell, state: EpisodeState, now: Belief)
         return (yield from _clear_look(cell, replace(state, queue=()), Purpose.EXTRA))
     if state.queue:
         return (yield from _carry_out(setup, cell, state, state.situation, now))
-    return (yield from _decide(setup, cell, state, state.situation, now))
+    return (yield from _decide(setup, cell, state, state.situation, now, teacher))
 
 
 def _decide(
-    setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Belief
+    setup: EpisodeSetup,
+    cell: Workcell,
+    state: EpisodeState,
+    situation: Situation,
+    believed: Belief,
+    teacher: Teacher | None,
 ) -> Steps:
     """Ask the strategy. Where it finds nothing to do while the arm may hide something, look again first."""
     started = time.perf_counter()
-    decision = _decision(setup, cell, state, situation, believed)
+    now = _context(setup, cell, state, situation, believed)
+    decision = STRATEGIES[setup.options.strategy].decide(now, setup.options)
     # Loading the kernel is no planning: it happens once, and takes long on the very first run only.
     seconds = time.perf_counter() - started - decision.loading
     spent = replace(state.spent, planning=state.spent.planning + seconds)
     state = replace(state, queue=decision.moves, rest=decision.rest, spent=spent)
     state = replace(state, loading=state.loading + decision.loading)
+    shown = None if decision.moves or teacher is None else _shown(teacher, believed, now)
+    if shown is not None:
+        yield Decided(situation, (shown,), None, seconds, is_taught=True)
+        return replace(state, queue=(shown,))
     yield Decided(situation, decision.moves, decision.plan, seconds)
     if decision.moves:
         return state
@@ -174,13 +190,13 @@ def _decide(
     return (yield from _clear_look(cell, state, Purpose.EXTRA))
 
 
-def _decision(
+def _context(
     setup: EpisodeSetup, cell: Workcell, state: EpisodeState, situation: Situation, believed: Belief
-) -> Decision:
-    """What the strategy does as things stand."""
+) -> DecisionContext:
+    """What the strategy may know as things stand."""
     options = setup.options
     problem = cell.problem(situation)
-    now = DecisionContext(
+    return DecisionContext(
         planned_with(setup, state, believed.domain, problem),
         problem,
         setup.scene,
@@ -195,7 +211,6 @@ def _decision(
         expected_seconds(believed, partial(cell.seconds, situation)),
         believed.explored,
     )
-    return STRATEGIES[options.strategy].decide(now, options)
 
 
 def rehearsed(setup: EpisodeSetup, cell: Workcell) -> tuple[LookResult, Started | None]:
@@ -204,10 +219,17 @@ def rehearsed(setup: EpisodeSetup, cell: Workcell) -> tuple[LookResult, Started 
     state = EpisodeState(examples=_seen_before(setup), evidence=setup.evidence)
     sight = cell.look(None, None, state.looks, state.named)
     now = belief(setup, state.evidence)
-    moves = _decision(setup, cell, replace(state, situation=sight.situation), sight.situation, now).moves
+    context = _context(setup, cell, replace(state, situation=sight.situation), sight.situation, now)
+    moves = STRATEGIES[setup.options.strategy].decide(context, setup.options).moves
     if not moves:
         return sight, None
     return sight, Started(1, moves[0], cell.path(moves[0], sight.situation))
+
+
+def _shown(teacher: Teacher, believed: Belief, now: DecisionContext) -> Move | None:
+    """What a teacher shows of what is to be learned."""
+    assert believed.explored is not None, "a teacher is asked where whole rules are learned"
+    return teacher(question(believed.explored, now.domain, now.problem, now.seed))
 
 
 def _idle(state: EpisodeState) -> str:

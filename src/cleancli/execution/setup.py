@@ -73,7 +73,8 @@ class EpisodeOptions:
     `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
     view to learn from it (§5.2). `learning`: how probabilities are learned from each action; None: they stay.
     `optimism`: what plans hope of rules that are not known yet, of `optimism.OPTIMISM`. `structure`: whole
-    rules are learned, and not their probabilities alone (§7.1).
+    rules are learned, and not their probabilities alone (§7.1). `is_taught`: where no plan reaches the goal
+    a teacher is asked, and nothing is tried for its own sake.
     """
 
     strategy: str = usual_strategy(is_scene=True)
@@ -87,6 +88,7 @@ class EpisodeOptions:
     learning: Method | None = None
     optimism: str = "prior"
     structure: bool = False
+    is_taught: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,8 +50,11 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
 
 
 def _explore(now: DecisionContext, options: EpisodeOptions) -> Decision:
-    """Try what is not known, or go where it can be tried; towards the goal where all on the way is known."""
+    """Try what is not known, or go where it can be tried; towards the goal where all on the way is known, or
+    where a teacher is asked if there is no way."""
     assert now.explored is not None, "asking for it asks for learning whole rules"
+    if options.is_taught:
+        return _plan(now, options, DEFAULT, 1)
     feasible = replace(now.explored, domain=now.domain)
     planner, asked = PLANNERS[options.planner or DEFAULT], Options(options.samples, now.seed)
     chosen = next_try(feasible, now.problem, options.known, planner, asked, now.excluded)

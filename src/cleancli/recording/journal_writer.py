@@ -93,7 +93,7 @@ class Entries:
         if plan is None:
             calls = tuple((move.action, move.objects) for move in event.moves)
             steps = tuple(StepEntry(*call, Expected(None, ())) for call in calls)
-            return journal.Planned("", event.seconds, 0.0, "", None, steps)
+            return journal.Planned("teacher" if event.is_taught else "", event.seconds, 0.0, "", None, steps)
         calls = tuple((action.name, action.objects) for action in plan.actions)
         before = event.situation
         course = course_of(self._domain, before.objects, before.state, calls, plan.results)

@@ -71,7 +71,8 @@ class Truth:
 class Header:
     """run.json, as far as a report tells it; `episode` and `truth` are None until the run has ended.
     `calibration` is what the scene's camera was calibrated with, if it was; `world` are the texts of the
-    rules by which a symbolic world acted, where they were not the domain's."""
+    rules by which a symbolic world acted, where they were not the domain's, and `teacher` those of a
+    teacher."""
 
     versions: Mapping[str, str]
     seed: Annotated[int, Meta(ge=0)]
@@ -79,6 +80,7 @@ class Header:
     files: tuple[InputFile, ...]
     calibration: InputFile | None = None
     world: tuple[InputFile, ...] = ()
+    teacher: tuple[InputFile, ...] = ()
     episode: Episode | None = None
     truth: Truth | None = None
 

@@ -34,10 +34,12 @@ from cleancli.cli.progress import working
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
+from cleancli.cli.views.teacher import ask
 from cleancli.execution.events import Event, Leaving, Started
 from cleancli.execution.loop import rehearsed, seconds_reached
 from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
+from cleancli.execution.teaching import ASK
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Problem
@@ -130,6 +132,12 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     is_flag=True,
     help="With --learn, learn whole rules and not their probabilities alone (§7.1).",
 )
+@click.option(
+    "--teacher",
+    metavar="FILE",
+    help="Asked by --strategy explore where no plan is believed to reach the goal: rules in FILE that answer;"
+    f" `{ASK}` is a person at the terminal.",
+)
 @options.learning()
 @click.option(
     "--episodes",
@@ -195,6 +203,7 @@ def command(
     world: str | None,
     learn: bool,
     structure: bool,
+    teacher: str | None,
     estimator: str | None,
     m: float | None,
     match: str | None,
@@ -247,11 +256,17 @@ def command(
         learning=method,
         optimism=optimism,
         structure=structure,
+        is_taught=teacher is not None,
     )
     acting = None if world is None else open_loaded(world)
-    inputs = inputs_of(given, asked, seed=seed, objective=objective, job=job, known=known, world=acting)
+    shown_by = None if teacher in (None, ASK) else open_loaded(teacher)
+    inputs = inputs_of(
+        given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, teacher=shown_by
+    )
     if rehearsal is not None:
         return _rehearse(inputs, rehearsal)
+    if teacher == ASK and said.silently:
+        raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
@@ -323,9 +338,12 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
     setup, cell, given = opened.session.setup, opened.session.cell, opened.inputs.given
     told = told_of(opened.inputs.domain, given) if isinstance(given, Problem) else None
     limit = setup.options.max_actions
+    asks = setup.options.is_taught and opened.inputs.teacher is None
     try:
         with (
-            show(said.silently or said.asks, setup.scene, lambda: cell.tool, limit, told=told) as view,
+            show(
+                said.silently or said.asks, setup.scene, lambda: cell.tool, limit, told=told, plain=asks
+            ) as view,
             nullcontext() if said.rrd is None else _streamed(said.rrd, opened) as stream,
         ):
 
@@ -336,7 +354,7 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
                 if stream is not None:
                     stream.write(event)
 
-            result = carry_out(opened, follow)
+            result = carry_out(opened, follow, None if said.silently else ask)
     except RunStopped as stopped:
         raise Stopped(str(stopped)) from None
     except OSError as error:

@@ -48,8 +48,9 @@ def show(
     limit: int = 0,
     console: Console | None = None,
     told: Told | None = None,
+    plain: bool = False,
 ) -> Iterator[View]:
-    """A view on standard error: live in a terminal, plain lines elsewhere, silent if `quiet`.
+    """A view on standard error: live in a terminal, lines elsewhere or if `plain`, silent if `quiet`.
 
     `scene` is drawn as a map, with the tool where `tool()` says that it is; `limit`: the most actions.
     In the symbolic world `told` says what there is to say of a situation.
@@ -58,7 +59,7 @@ def show(
         yield _Silent()
         return
     console = Console(stderr=True, highlight=False) if console is None else console
-    if not console.is_terminal:
+    if plain or not console.is_terminal:
         yield _Lines(console, told)
         return
     view = _Live(console, scene, tool, limit, told)
@@ -141,7 +142,8 @@ class _Lines:
         self._gave_up = not event.moves
         chosen = ", ".join(map(str, event.moves)) or "nothing"
         value = "" if plan is None else f"; value {plan.value:.2f}, {plural(len(plan.actions), 'action')}"
-        self._line(f"decided: {chosen}{value} ({event.seconds:.2f} s)")
+        how = "shown" if event.is_taught else "decided"
+        self._line(f"{how}: {chosen}{value} ({event.seconds:.2f} s)")
         if plan is not None and (loading := plan.seconds.get("compile", 0.0)) > SLOW:
             self._line(f"(and {loading:.0f} s for {how_loaded()})")
 
