@@ -110,6 +110,7 @@ TRANSCRIPTS = {
         "convert tidy.rddl --out out4",
         "convert tower.nid two.nid --to ppddl --out written",
         "convert tower.nid two.nid --to rddl --out written --json",
+        "convert tower.nid two.nid --to libprada --out written",
         "convert tower.nid --out written",
     ),
     "rename": (

@@ -341,7 +341,7 @@ problem trip {
 def test_what_makes_no_sense_is_told(tmp_path: Path) -> None:
     path = tmp_path / "lamps.nid"
     path.write_text(LAMPS)
-    with pytest.raises(BadOption, match=r"these are .nid files: say what to write, to=ppddl"):
+    with pytest.raises(BadOption, match=r"these are .nid files: say what to write: ppddl"):
         cleancli.convert(path)
     with pytest.raises(BadOption, match="give one domain, and any number of its problems: none of these"):
         cleancli.convert("three_areas", to="ppddl")

@@ -20,7 +20,7 @@ from cleancli.language.load import read_source
 from cleancli.planning.plan import BadOption
 
 FORMATS = ("nid", "pddl", "libprada")
-TARGETS = ("nid", "ppddl", "rddl")
+TARGETS = ("nid", "ppddl", "rddl", "libprada")
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
 
 
@@ -39,9 +39,9 @@ def convert(
     state and symbols, by path or by that of their folder. `format` is told by names where it is not given.
 
     With `to="ppddl"` a domain and its problems, .nid or PPDDL, are written as PPDDL: names of shipped files,
-    paths or texts; with `to="rddl"` a domain and one problem as RDDL. `noise` says what becomes of noise
-    there. `reward`, `discount` and `predicates` are for
-    libPRADA. Raises Refused with every mistake in the files, or with all that can't be said, and BadOption.
+    paths or texts; with `to="rddl"` or `to="libprada"` a domain and one problem so. `noise` says what becomes
+    of noise there. `reward`, `discount` and `predicates` are for libPRADA's files. Raises Refused with every
+    mistake in the files, or with all that can't be said, and BadOption.
     """
     wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
     return converted([str(file) for file in files], wanted)
@@ -83,7 +83,7 @@ def converted(
         raise BadOption("noise has a word of its own in .nid files: `noise` is for what is written of them")
     format = wanted.format or _format_of(files)
     if format == "nid":
-        raise BadOption(f"these are .nid files: say what to write, to={' or '.join(TARGETS[1:])}")
+        raise BadOption(f"these are .nid files: say what to write: {', '.join(TARGETS[1:])}")
     if format == "pddl":
         if of_libprada:
             raise BadOption("reward, discount and predicates are for libPRADA's files")

@@ -9,6 +9,7 @@ from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.compiler.lifted_state import StateView
+from cleancli.conversion.export.libprada import libprada
 from cleancli.conversion.export.ppddl import NOISE, Written, ppddl
 from cleancli.conversion.export.rddl import rddl
 from cleancli.conversion.export.unsaid import Unsaid
@@ -30,11 +31,21 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     if to == "ppddl":
         return _result(domain, problems, ppddl(domain.model, models, noise, Unsaid("PPDDL", domain.sources)))
     if len(models) != 1:
-        raise BadOption("give one problem: the domain of RDDL has its goal and constants")
+        raise BadOption("give one problem: only in PPDDL a domain stands for itself")
     (problem,) = models
+    if to == "libprada":
+        files_of = libprada(domain.model, problem, noise, Unsaid("libPRADA", domain.sources))
+        return _of_libprada(domain, problem, files_of)
     unsaid = Unsaid("RDDL", domain.sources)
     made = rddl(domain.model, problem, _steps(domain.model, problem), noise, unsaid)
     return _result(domain, problems, made)
+
+
+def _of_libprada(domain: LoadedDomain, problem: Problem, made: Written) -> ConversionResult:
+    """The rules stand for the domain, and the state for the problem."""
+    texts = {problem.name: made.texts["state.dat"]}
+    rules = made.texts["rules.dat"]
+    return ConversionResult(domain.name, rules, texts, {}, made.notes, (), (), made.texts, made.names)
 
 
 def _steps(domain: Domain, problem: Problem) -> int:

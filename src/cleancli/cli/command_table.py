@@ -153,7 +153,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             ),
         ),
         "convert": CommandRow(
-            "Files of PDDL, PPDDL and libPRADA as .nid files, and these as PPDDL or RDDL.",
+            "Files of PDDL, PPDDL and libPRADA as .nid files, and the other way; RDDL too.",
             (Argument("files", None, -1, {"metavar": "FILE... | FOLDER"}),),
         ),
         "robot": CommandRow(

@@ -72,7 +72,7 @@ def _named(context: click.Context, option: click.Parameter, name: str | None) ->
     type=click.Choice(NOISE),
     default=NOISE[0],
     show_default=True,
-    help="PPDDL, RDDL: what noise becomes: it changes nothing, or makes `noise` true.",
+    help="With --to: noise changes nothing there, or makes `noise` true.",
 )
 @options.as_json("Say what was converted as JSON.")
 def command(

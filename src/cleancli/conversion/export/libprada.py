@@ -1,0 +1,367 @@
+"""A .nid domain and one problem of it as libPRADA's rules.dat, symbols.dat and state.dat.
+
+The library has rules over literals alone: what a condition leaves open, or an effect depends on, becomes a
+rule for each case, and these exclude each other. It has no types, no values with names and no equality: a
+type is a predicate, a function a predicate for each value, and `same` holds of each object and itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+
+from cleancli.conversion.export.changes import Change, changes_of
+from cleancli.conversion.export.formulas import Formulas, NotSaid
+from cleancli.conversion.export.names import Naming, Predicates
+from cleancli.conversion.export.ppddl import Written, closure_of, counted
+from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.formula import (
+    ALWAYS,
+    NEVER,
+    Both,
+    Either,
+    Formula,
+    Quantified,
+    assuming,
+    both,
+    negated,
+)
+from cleancli.language.model import (
+    Count,
+    Domain,
+    Equality,
+    Literal,
+    Object,
+    Outcome,
+    OutcomeKind,
+    Problem,
+    Rule,
+    Term,
+    Variable,
+)
+
+MOST_CASES = 64
+"""Rules that one rule may become. Chosen: far more than people read."""
+
+_DIGITS = 15
+"""Digits of a probability that is no decimal."""
+
+_SAME = "same"
+
+Known = tuple[Literal | Equality, ...]
+"""A case: literals and equalities that all hold."""
+
+
+def libprada(domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> Written:
+    """The three files; `noise` is one of `NOISE`.
+
+    What can't be said is told to `unsaid`, and then Refused raised with all of it (E919).
+    """
+    writer = _Writer(domain, problem, noise, unsaid)
+    texts = {"rules.dat": writer.rules(), "symbols.dat": writer.symbols(), "state.dat": writer.state()}
+    unsaid.refuse()
+    return Written(texts, writer.notes(), writer.changed_names())
+
+
+class _Writer:
+    """Writes the files of a domain and a problem, with the same names in all of them."""
+
+    def __init__(self, domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> None:
+        self._domain, self._problem, self._unsaid = domain, problem, unsaid
+        self._noise = "noise" if noise == "predicate" else None
+        self._names = Naming(["default", "noise", _SAME], folded=False)
+        self._given: dict[tuple[str, str], str] = {}
+        self._predicates = Predicates(Naming((), folded=False), lambda symbol, value: f"{symbol}_{value}")
+        self._formulas = Formulas(domain, self._predicates, [counted(domain, problem)])
+        things = (*domain.constants, *problem.objects)
+        self._numbers = _numbers([thing.name for thing in things])
+        self._things = things
+        self._typed = len(domain.types) > 1
+        self._uses_same = False
+        self._counts_left_out: list[str] = []
+
+    def _name(self, name: str, kind: str = "symbol") -> str:
+        """What a symbol is called: libPRADA's begin with a small letter."""
+        if (kind, name) not in self._given:
+            self._given[kind, name] = self._names.fresh(name[:1].lower() + name[1:])
+        return self._given[kind, name]
+
+    # ---- rules.dat
+
+    def rules(self) -> str:
+        """The rules, the default first."""
+        default = [(each.probability, _KINDS[each.kind]) for each in self._domain.default]
+        found = [_rule("default()", "--", default or [(Fraction(1), _KINDS[OutcomeKind.NOTHING])])]
+        for rule in self._domain.rules:
+            with self._unsaid.of(rule.span):
+                found += self._cases(rule)
+        return f"#rules = {len(found)}\n" + "\n".join(found)
+
+    def _cases(self, rule: Rule) -> list[str]:
+        """The rules that a rule becomes."""
+        referred, again = _referred(rule)
+        asked = [rule.condition, *(reference.condition for reference in rule.references)]
+        known = both(self._formulas.condition(condition) for condition in asked)
+        known = self._formulas.renamed(known, again)
+        # What is referred to is as good as a parameter: the library finds the one binding itself.
+        plain = replace(rule, references=(), variables=(*rule.variables, *referred))
+        outcomes = [outcome for outcome in rule.outcomes if outcome.probability]
+        done = [(o, changes_of(o, plain, known, self._formulas, self._noise)) for o in outcomes]
+        for _, changes in done:
+            if any(change.variables for change in changes):
+                raise NotSaid("an effect is on all objects that a condition holds of")
+        names = Naming((), folded=False)
+        variables = {each: names.fresh(each.name.upper()) for each in plain.variables}
+        found = []
+        for case in self._split(known, [change.guard for _, changes in done for change in changes]):
+            found.append(self._case(rule, case, done, variables))
+        return found
+
+    def _split(self, known: Formula, guards: Sequence[Formula]) -> list[Known]:
+        """The cases in which a condition holds and each guard is decided."""
+        found: list[Known] = []
+        undecided: list[tuple[Formula, Known]] = [(known, ())]
+        while undecided:
+            formula, case = undecided.pop(0)
+            if formula == NEVER:
+                continue
+            parts = formula.parts if isinstance(formula, Both) else (formula,)
+            plain = tuple(part for part in parts if isinstance(part, Literal | Equality))
+            others = [part for part in parts if not isinstance(part, Literal | Equality)]
+            here = (*case, *(part for part in plain if part not in case))
+            if _contradicts(here, self._formulas):
+                continue
+            question = _question(others, here, guards, self._formulas)
+            if question is None:
+                found.append(here)
+            else:
+                rest = both(assuming(part, [*here]) for part in others)
+                for chosen in (question, negated(question)):
+                    undecided.append((both([chosen, assuming(rest, [chosen])]), here))
+            if len(found) + len(undecided) > MOST_CASES:
+                raise NotSaid(f"the rule has more than {MOST_CASES} cases")
+        return found
+
+    def _case(
+        self,
+        rule: Rule,
+        case: Known,
+        done: Sequence[tuple[Outcome, tuple[Change, ...]]],
+        variables: Mapping[Variable, str],
+    ) -> str:
+        typed = [*rule.variables, *_referred(rule)[0]]
+        kinds = [f"{self._name(v.type, 'type')}({variables[v]})" for v in typed] if self._typed else []
+        context = [*kinds, *(self._said(part, variables) for part in case)]
+        lines: dict[str, Fraction] = {}
+        for outcome, changes in done:
+            effects = [
+                self._atom(change.symbol, change.terms, change.value, variables)
+                for change in changes
+                if assuming(change.guard, case) == ALWAYS
+            ]
+            text = " ".join(dict.fromkeys(effects)) or _KINDS[_kind(outcome)]
+            lines[text] = lines.get(text, Fraction(0)) + outcome.probability
+        head = f"{self._name(rule.action, 'action')}({' '.join(variables[v] for v in rule.variables)})"
+        return _rule(head, " ".join(context) or "--", [(chance, text) for text, chance in lines.items()])
+
+    def _said(self, part: Literal | Equality, variables: Mapping[Variable, str]) -> str:
+        if isinstance(part, Equality):
+            self._uses_same = True
+            terms = f"{self._term(part.left, variables)} {self._term(part.right, variables)}"
+            return f"{'' if part.equal else '-'}{_SAME}({terms})"
+        return self._atom(part.symbol, part.terms, True in part.values, variables)
+
+    def _atom(
+        self, symbol: str, terms: Sequence[Term], value: bool, variables: Mapping[Variable, str]
+    ) -> str:
+        said = " ".join(self._term(term, variables) for term in terms)
+        name = symbol if symbol == self._noise else self._name(symbol)
+        return f"{'' if value else '-'}{name}({said})"
+
+    def _term(self, term: Term, variables: Mapping[Variable, str]) -> str:
+        return self._numbers[term.name] if isinstance(term, Object) else variables[term]
+
+    # ---- symbols.dat
+
+    def symbols(self) -> str:
+        """Actions, predicates and counts."""
+        lines = [
+            f"{self._name(a.name, 'action')} {len(a.parameters)} action binary" for a in self._domain.actions
+        ]
+        if self._typed:
+            lines += [f"{self._name(kind.name, 'type')} 1 primitive binary" for kind in self._domain.types]
+        # Values of one function come first: who reads the files may find that they exclude each other.
+        for symbol in sorted(self._domain.symbols, key=lambda symbol: symbol.is_predicate):
+            for value in [None] if symbol.is_predicate else symbol.values:
+                name = self._name(self._predicates.of(symbol.name, value))
+                lines.append(f"{name} {len(symbol.parameters)} primitive binary")
+        lines += [f"{self._name(name)} 2 primitive binary" for name in self._formulas.closures]
+        if self._noise is not None:
+            lines.append(f"{self._noise} 0 primitive binary")
+        counts = [line for count in self._domain.counts for line in self._count(count)]
+        if self._uses_same:
+            lines.append(f"{_SAME} 2 primitive binary")
+        return "\n".join([*lines, *counts]) + "\n"
+
+    def _count(self, count: Count) -> Iterator[str]:
+        """A count of what literals hold of; others are left out, and a note says so."""
+        names = Naming((), folded=False)
+        variables = {each: names.fresh(each.name.upper()) for each in count.variables}
+        try:
+            formula = self._formulas.condition(count.condition)
+        except NotSaid:
+            formula = NEVER
+        parts = formula.parts if isinstance(formula, Both) else (formula,)
+        plain = [part for part in parts if isinstance(part, Literal | Equality)]
+        if len(plain) < len(parts) or not variables:
+            self._counts_left_out.append(count.name)
+            return
+        bound = list(variables.items()) if self._typed else []
+        kinds = [f"{self._name(variable.type, 'type')}({name})" for variable, name in bound]
+        said = " ".join([*kinds, *(self._said(part, variables) for part in plain)])
+        yield f"{self._name(count.name)} 0 count integers <-- Num {' '.join(variables.values())} {said}"
+
+    # ---- state.dat
+
+    def state(self) -> str:
+        """The facts that hold, a symbol's on a line of their own."""
+        found: dict[str, list[str]] = {}
+
+        def holds(name: str, objects: Sequence[str]) -> None:
+            found.setdefault(name, []).append(f"{name}({' '.join(self._numbers[each] for each in objects)})")
+
+        for kind in self._domain.types if self._typed else ():
+            for thing in self._things:
+                if self._domain.is_a(thing.type, kind.name):
+                    holds(self._name(kind.name, "type"), [thing.name])
+        for fact in sorted(self._problem.state, key=lambda f: (f.symbol, f.objects)):
+            symbol = self._formulas.symbols[fact.symbol]
+            name = self._name(self._predicates.of(fact.symbol, None if symbol.is_predicate else fact.value))
+            ways = {fact.objects, fact.objects[::-1]} if symbol.symmetric else {fact.objects}
+            for objects in sorted(ways):
+                holds(name, objects)
+        for closure in self._formulas.closures.values():
+            base = self._formulas.symbols[closure.closure or ""]
+            for pair in sorted(closure_of(self._problem.state, base.name, base.symmetric)):
+                holds(self._name(closure.name), pair)
+        if self._uses_same:
+            for thing in self._things:
+                holds(_SAME, [thing.name, thing.name])
+        return "\n".join(" ".join(facts) for facts in found.values()) + "\n"
+
+    # ---- what has to be told
+
+    def notes(self) -> tuple[str, ...]:
+        """What the files do not say as the .nid files do."""
+        found = ["left out: rewards, costs, durations, the goal, the horizon and the discount"]
+        if self._counts_left_out:
+            found.append(
+                f"left out: counts that ask for more than literals: {', '.join(self._counts_left_out)}"
+            )
+        if self._typed:
+            found.append("types are predicates")
+        if self._uses_same:
+            found.append(f"`{_SAME}` holds of each object and itself: libPRADA has no equality")
+        return tuple(found)
+
+    def changed_names(self) -> Mapping[str, str]:
+        """The names that could not stay, with what they have become."""
+        told = {old: new for (_, old), new in self._given.items() if old != new}
+        return told | {old: new for old, new in self._numbers.items() if old != new}
+
+
+_KINDS = {OutcomeKind.NOTHING: "<no-change>", OutcomeKind.NOISE: "<noise>"}
+
+
+def _kind(outcome: Outcome) -> OutcomeKind:
+    """What an outcome without effects is."""
+    return OutcomeKind.NOISE if outcome.kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
+
+
+def _referred(rule: Rule) -> tuple[tuple[Variable, ...], Mapping[Term, Term]]:
+    """The variables of the first reference, and what those of later ones are that ask again of what was
+    found. Raises `NotSaid` for others: each has one binding by itself, and in the library all have one."""
+    if not rule.references:
+        return (), {}
+    first, *later = rule.references
+    again: dict[Term, Term] = {}
+    for reference in later:
+        for part in reference.condition:
+            if isinstance(part, Equality) and part.equal and part.left in reference.variables:
+                again[part.left] = again.get(part.right, part.right)
+        if not set(reference.variables) <= again.keys():
+            raise NotSaid("a rule has several references, each of which has to be the only one")
+    return first.variables, again
+
+
+def _numbers(names: Sequence[str]) -> dict[str, str]:
+    """Objects as numbers, which libPRADA's are: `o10` is 10, others begin with 10."""
+    taken = {name[1:] for name in names if name[0] == "o" and name[1:].isdecimal()}
+    found: dict[str, str] = {}
+    number = 10
+    for name in names:
+        if name[1:] in taken and name[0] == "o":
+            found[name] = name[1:]
+            continue
+        while str(number) in taken:
+            number += 1
+        found[name] = str(number)
+        number += 1
+    return found
+
+
+def _question(
+    others: Sequence[Formula], case: Known, guards: Sequence[Formula], formulas: Formulas
+) -> Literal | Equality | None:
+    """A literal to decide next: of what a condition leaves open, then of what effects depend on. What cannot
+    hold in the case needs no decision there."""
+    for formula in others:
+        return next(_basic(formula))
+    for guard in guards:
+        for part in _basic(assuming(guard, case)):
+            if not _contradicts((*case, part), formulas):
+                return part
+    return None
+
+
+def _basic(formula: Formula) -> Iterator[Literal | Equality]:
+    """The literals of a formula; raises `NotSaid` for quantifiers."""
+    match formula:
+        case Literal() | Equality():
+            yield formula
+        case Both(parts) | Either(parts):
+            for part in parts:
+                yield from _basic(part)
+        case Quantified():
+            raise NotSaid("a condition asks whether some object, or each, is of a kind")
+
+
+def _contradicts(case: Known, formulas: Formulas) -> bool:
+    """Whether literals cannot all hold: also where a function has two values, or none."""
+    if any(negated(part) in case for part in case):
+        return True
+    held = [(part.symbol, part.terms) for part in case if isinstance(part, Literal) and True in part.values]
+    fails = [(part.symbol, part.terms) for part in case if isinstance(part, Literal) and False in part.values]
+    for symbol in formulas.symbols.values():
+        if symbol.is_predicate:
+            continue
+        names = [formulas.predicates.of(symbol.name, value) for value in symbol.values]
+        for terms in {terms for name, terms in (*held, *fails) if name in names}:
+            if sum((name, terms) in held for name in names) > 1 or all(
+                (name, terms) in fails for name in names
+            ):
+                return True
+    return False
+
+
+def _rule(action: str, context: str, outcomes: Sequence[tuple[Fraction, str]]) -> str:
+    lines = [f"  {_number(chance)} {text}" for chance, text in outcomes]
+    return "\n".join(["ACTION:", f"  {action}", "CONTEXT:", f"  {context}", "OUTCOMES:", *lines, ""])
+
+
+def _number(value: Fraction) -> str:
+    """A decimal, rounded where there is no exact one."""
+    exact = Decimal(value.numerator) / Decimal(value.denominator)
+    return format(round(exact, _DIGITS).normalize(), "f")

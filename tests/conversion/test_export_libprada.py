@@ -1,0 +1,211 @@
+"""Domains and problems written for libPRADA: what the files do, what they look like, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cleancli
+from cleancli.cli.main import run
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.load import load_domain, load_problem
+from cleancli.language.model import Assign
+from cleancli.planning.plan import BadOption
+from support.export_texts import LAMPS
+from support.exported_libprada import disagreements
+
+PEER = Path(__file__).parents[2] / "benchmarks" / "libprada"
+
+CASES = """
+domain cases {
+  types      { thing; box - thing; shelf - thing }
+  constants  { top - shelf }
+  predicates { on(?b - box, ?s - shelf)  wet(?t - thing)  near(?a ?b - thing) [symmetric]  alarm() }
+  functions  { load(?b - box): 0..3  size(?t - thing): small < medium < big < huge }
+  derived    { dry(?t - thing) := not wet(?t), size(?t) != huge  wets := count ?t - thing: wet(?t) }
+  actions    { lift(?b - box, ?s - shelf) dry_off(?t - thing) }
+  rule lift_it: lift(?b, ?s) {
+    when not alarm(), load(?b) < 2, ?s != top
+    with ?o - thing: near(?b, ?o), ?o != ?b
+    then 0.5: on(?b, ?s), load(?b) += 1, if wet(?o) => wet(?b)
+         0.25: not near(?b, ?o), size(?o) := big
+         rest: noise
+  }
+  rule lift_to_top: lift(?b, ?s) {
+    when not alarm(), ?s = top, size(?b) <= medium
+    then 0.4: on(?b, top)
+         rest: alarm(), load(?b) -= 2
+  }
+  rule dry_it: dry_off(?t) {
+    when not dry(?t)
+    then 1: not wet(?t)
+  }
+  default { 0.9: nothing  0.1: noise }
+  reward  { decrease(wets) }
+}
+"""
+
+SOME = """
+problem some {
+  domain  = cases
+  objects { b1 b2 - box  low - shelf }
+  init    { load(b1) = 0, load(b2) = 3, near(b1, b2), size(b1) = small, size(b2) = huge, size(low) = big,
+            size(top) = big, wet(b2) }
+  horizon = 3
+}
+"""
+
+
+def test_each_case_does_there_what_it_does_here() -> None:
+    domain = load_domain(Source("cases.nid", CASES))
+    problem = load_problem(Source("some.nid", SOME), domain)
+    assert list(disagreements(domain, problem, 150, np.random.default_rng(2))) == []
+
+
+def test_the_librarys_own_rules_come_back_as_they_were(tmp_path: Path) -> None:
+    """Cleaning rules in its files become .nid files, its files and .nid files again, and say the same."""
+    for name, given in (("rules", "rules"), ("symbols", "symbols"), ("state", "d4.state")):
+        text = (PEER / f"{given}.dat").read_text(encoding="utf-8")
+        (tmp_path / f"{name}.dat").write_text(text, encoding="utf-8")
+    first = cleancli.convert(tmp_path)
+    out = cleancli.convert(first.domain, first.problems["problem"], to="libprada")
+    assert list(out.texts) == ["rules.dat", "symbols.dat", "state.dat"]
+    assert out.write(tmp_path / "out")
+    again = cleancli.convert(tmp_path / "out")
+    one, other = (load_domain(Source("domain.nid", each.domain)) for each in (first, again))
+    assert one.default == other.default
+    assert [rule.condition for rule in one.rules] == [rule.condition for rule in other.rules]
+    assert [rule.references for rule in one.rules] == [rule.references for rule in other.rules]
+    for before, after in zip(one.rules, other.rules, strict=True):
+        assert [each.probability for each in before.outcomes] == [each.probability for each in after.outcomes]
+        # That an object has no size was a value, which is a predicate now.
+        done = [
+            {e for e in each.effects if isinstance(e, Assign) and e.symbol != "size_none"}
+            for each in after.outcomes
+        ]
+        assert [set(each.effects) for each in before.outcomes] == done
+    start, again_start = (
+        load_problem(Source("problem.nid", each.problems["problem"]), domain).state
+        for each, domain in ((first, one), (again, other))
+    )
+    assert start == {fact for fact in again_start if fact.symbol != "size_none"}
+
+
+LAMPS_RULES = """\
+#rules = 4
+ACTION:
+  default()
+CONTEXT:
+  --
+OUTCOMES:
+  1 <no-change>
+
+ACTION:
+  press(L)
+CONTEXT:
+  -heat_2(L) -on(L) heat_0(L)
+OUTCOMES:
+  0.75 on(L) -heat_0(L) heat_1(L)
+  0.25 <noise>
+
+ACTION:
+  press(L)
+CONTEXT:
+  -heat_2(L) -on(L) -heat_0(L) heat_1(L)
+OUTCOMES:
+  0.75 on(L) -heat_1(L) heat_2(L)
+  0.25 <noise>
+
+ACTION:
+  press(L)
+CONTEXT:
+  heat_2(L)
+OUTCOMES:
+  1 -on(L) heat_0(L) -heat_2(L)
+"""
+
+
+def test_what_is_written_is_what_a_person_would_write() -> None:
+    lamps = LAMPS.replace(", forall ?o - lamp: beside(?l, ?o) => not on(?o)", "")
+    problem = "problem two { domain = lamps objects { l1 l2 - lamp } init { on(l1), beside(l1, l2) "
+    problem += "heat(l1) = 0, heat(l2) = 2 } horizon = 3 }"
+    made = cleancli.convert(lamps, problem, to="libprada")
+    assert made.domain == LAMPS_RULES
+    assert made.texts["symbols.dat"] == (
+        "press 1 action binary\n"
+        "heat_0 1 primitive binary\n"
+        "heat_1 1 primitive binary\n"
+        "heat_2 1 primitive binary\n"
+        "on 1 primitive binary\n"
+        "beside 2 primitive binary\n"
+        "dark 0 count integers <-- Num L -on(L)\n"
+    )
+    assert made.problems["two"] == "beside(10 11) beside(11 10)\nheat_0(10)\nheat_2(11)\non(10)\n"
+    assert made.names == {"l1": "10", "l2": "11"}
+
+
+def test_what_the_library_cannot_say_is_told_at_once_with_its_place() -> None:
+    with pytest.raises(Refused, match=r"an effect is on all objects that a condition holds of"):
+        cleancli.convert("cleaning", "three_areas", to="libprada")
+    text = """
+    domain d {
+      types { box }
+      predicates { on(?x ?y - box)  in(?x ?y - box) }
+      derived { ons := count ?x ?y - box: on(?x, ?y) }
+      actions { lift(?x - box) drop(?x - box) }
+      rule lift_it: lift(?x) { when not exists ?y - box: on(?y, ?x) then 1: on(?x, ?x) }
+      rule drop_it: drop(?x) {
+        when on(?x, ?x)
+        with ?y - box: on(?x, ?y), ?y != ?x
+        with ?z - box: in(?y, ?z)
+        then 1: not on(?x, ?y), in(?x, ?z)
+      }
+      reward { ons }
+    }
+    """
+    problem = "problem p { domain = d objects { b - box } horizon = 2 }"
+    with pytest.raises(Refused) as refused:
+        cleancli.convert(text, problem, to="libprada")
+    assert [each.message.split(": ")[1] for each in refused.value.diagnostics] == [
+        "a condition asks whether some object, or each, is of a kind",
+        "a rule has several references, each of which has to be the only one",
+    ]
+    assert "<text 1>:7:" in str(refused.value)
+    assert "<text 1>:8:" in str(refused.value)
+    with pytest.raises(BadOption, match="give one problem"):
+        cleancli.convert(text, to="libprada")
+
+
+def test_a_rule_of_too_many_cases_is_refused() -> None:
+    effects = ", ".join(f"if p{n}(?x) => q{n}(?x)" for n in range(7))
+    symbols = " ".join(f"p{n}(?x - box) q{n}(?x - box)" for n in range(7))
+    text = f"""
+    domain d {{
+      types {{ box }}
+      predicates {{ {symbols} }}
+      derived {{ ons := count ?x - box: q0(?x) }}
+      actions {{ act(?x - box) }}
+      rule act_it: act(?x) {{ then 1: {effects} }}
+      reward {{ ons }}
+    }}
+    """
+    problem = "problem p { domain = d objects { b - box } horizon = 2 }"
+    with pytest.raises(Refused, match="the rule has more than 64 cases"):
+        cleancli.convert(text, problem, to="libprada")
+
+
+def test_the_command_writes_a_folder_that_it_reads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, text in (("cases.nid", CASES), ("some.nid", SOME)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    files = [str(tmp_path / "cases.nid"), str(tmp_path / "some.nid")]
+    assert run(["convert", *files, "--to", "libprada", "--out", str(tmp_path / "out")]) == 0
+    out = capsys.readouterr().out
+    assert "types are predicates" in out
+    assert "`b1` is called `11` there" in out
+    back = ["convert", str(tmp_path / "out"), "--out", str(tmp_path / "back"), "--reward", "decrease(wets)"]
+    assert run(back) == 0
