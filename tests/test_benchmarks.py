@@ -613,6 +613,22 @@ def test_a_study_killed_at_random_moments_gives_the_same_rows(tmp_path: Path) ->
     assert re.search(r"^3 kills in \d+ tries: the same rows$", result.stdout, re.M)
 
 
+@pytest.mark.needs_pybullet
+def test_a_robot_at_the_end_of_a_socket_is_as_one_in_process(tmp_path: Path) -> None:
+    result = _run("remote_robot.py", "--part", "same", "frames", "--quick", cwd=tmp_path)
+    assert re.search(r"^two_groups: [1-9]\d\d events and places of the tool, the same$", result.stdout, re.M)
+    assert re.search(r"^30 pairs in [\d.]+ s, \d+ late; [\d.]+ ms each", result.stdout, re.M)
+    assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.needs_pybullet
+def test_kills_trip_a_robot_at_the_end_of_a_socket(tmp_path: Path) -> None:
+    """How long the tool moves on is for a quiet machine to say."""
+    result = _run("remote_robot.py", "--part", "kills", "--quick", cwd=tmp_path)
+    told = re.findall(r"^(.*): 1 times, told and survived 1;", result.stdout, re.M)
+    assert told == ["client KILL", "client STOP", "silent"], result.stderr
+
+
 def test_what_a_cluster_costs_an_episode_is_measured(tmp_path: Path) -> None:
     result = _run("cluster.py", "--quick", "--part", "sleeping", cwd=tmp_path)
     assert "48 episodes of 0.05 s on 8 workers" in result.stdout

@@ -144,6 +144,17 @@ def test_a_client_that_hangs_trips_the_robot(client: Client, toy: Toy) -> None:
     assert answer.failure == client.state.trip != ""
 
 
+def test_a_client_that_hangs_keeps_no_control(server: Server, client: Client) -> None:
+    begun(client)
+    time.sleep(TOY.lease + 0.1)
+    with Client(server.address) as other:
+        other.rearm()
+        begun(other)
+        other.stop()
+        with pytest.raises(RobotError, match="takes control"):
+            client.stop()
+
+
 def test_a_cut_connection_is_told_in_time(server: Server, client: Client) -> None:
     begun(client)
     server.close()

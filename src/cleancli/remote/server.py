@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import socket
 import threading
+import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import MappingProxyType
@@ -23,6 +24,8 @@ MOST_CLIENTS = 8
 """Connections at a time."""
 LARGEST_REQUEST = messages.MOST_WAYPOINTS * 5 * 8
 """Bytes of all arrays of a request."""
+RETRY = 0.05
+"""Seconds until connections are accepted again after that failed."""
 PATIENCE = 5.0
 """Seconds that the rest of a message may take once it has begun, and that a client may take to accept a
 reply."""
@@ -58,8 +61,9 @@ class Server:
         while self._is_open:
             try:
                 connection, _ = self._listener.accept()
-            except OSError:
-                break
+            except OSError:  # closed, or for the moment out of what connections take
+                time.sleep(RETRY)
+                continue
             client = Transport(connection)
             with self._guarding:
                 is_one_too_many = len(self._clients) >= MOST_CLIENTS
@@ -141,7 +145,9 @@ class Server:
         if version != messages.VERSION:
             return messages.error(f"this driver speaks version {messages.VERSION} of the protocol")
         with self._guarding:
-            if wants_control and self._controller not in (None, client):
+            # Who has let a lease run out may hang for ever, or sit behind a cable that is cut.
+            has_control = self._controller not in (None, client) and not self.guard.state.trip
+            if wants_control and has_control:
                 return messages.error("another client has control")
             self._controller = client if wants_control else self._controller
         if wants_control:

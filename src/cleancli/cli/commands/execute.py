@@ -235,11 +235,7 @@ def command(
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     if rrd is not None:
-        refuse_without_rerun()
-        if not rrd.resolve().parent.is_dir():
-            raise click.BadParameter(f"there is no folder `{rrd.parent}`", param_hint="--rrd")
-        if episodes > 1:
-            raise click.UsageError("--rrd writes one run, and --episodes carries out several: ask for one")
+        _check_rrd(rrd, episodes)
     if write and not learn:
         raise click.UsageError("--write writes what --learn has learned: ask for both")
     given = open_given(domain, problem)
@@ -270,6 +266,15 @@ def command(
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
+
+
+def _check_rrd(rrd: Path, episodes: int) -> None:
+    """Raises MissingPart without Rerun, BadParameter and UsageError where the file cannot be written."""
+    refuse_without_rerun()
+    if not rrd.resolve().parent.is_dir():
+        raise click.BadParameter(f"there is no folder `{rrd.parent}`", param_hint="--rrd")
+    if episodes > 1:
+        raise click.UsageError("--rrd writes one run, and --episodes carries out several: ask for one")
 
 
 def _shown(results: Iterable[SeriesResult], said: _Said) -> SeriesResult:
