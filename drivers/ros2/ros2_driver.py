@@ -4,7 +4,7 @@ It speaks the protocol of cleancli (docs/protocol.md) at a port of this machine,
 The camera's driver, MoveIt and a joint trajectory controller run already. It needs the environment of ROS 2,
 and cleancli without its dependencies: docs/cell.md says how it is installed and tried.
 
-It is no emergency stop. Begin with a low --speed and without the rag.
+It is no emergency stop. Begin with --pace 0.1 and without the rag.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import argparse
 import json
 import signal
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from ros2_arm import Arm
 from ros2_camera import Camera
 
 from cleancli.array_types import Floats
-from cleancli.motion.path import ToolPath, Waypoint, pressed
+from cleancli.motion.path import ToolPath, Waypoint
 from cleancli.remote.messages import Description, FramePair, Limits
 from cleancli.remote.server import Server
 from cleancli.scene.address import PORT, Address
@@ -43,7 +44,8 @@ class Ros2Driver:
         self._began = node.get_clock().now().nanoseconds
         camera, table = poses(options.cell)
         x, y, z, yaw = options.rest
-        self._rest, self._press = Waypoint(x, y, z, yaw, options.speed), options.press
+        self._rest = Waypoint(x, y, z, yaw, options.speed)
+        self._press, self._pace = options.press, options.pace
         self._camera = Camera(node, options.colour, options.depth, options.info, camera, self._seconds)
         self.arm = Arm(node, table, options.group, options.base, options.tool, options.controller)
 
@@ -68,18 +70,17 @@ class Ros2Driver:
 
     def can_follow(self, path: ToolPath, errors: float = 2.0) -> bool:
         """By planning it, whatever the errors."""
-        return self.arm.can_follow(pressed(path, self._press).waypoints)
+        return self.arm.can_follow(self._truly(path.waypoints))
 
     def start(self, path: ToolPath) -> None:
-        """Plan, and set off, with the rag pressed. What may go as is shortest for the arm goes straight as
-        well."""
-        self.arm.start(pressed(path, self._press).waypoints)
+        """Plan, and set off. What may go as is shortest for the arm goes straight as well."""
+        self.arm.start(self._truly(path.waypoints))
 
     def withdraw(self) -> None:
         """Up to the resting place's height, and there."""
         x, y, _ = self.arm.place
         above = Waypoint(x, y, self._rest.z, self._rest.yaw, self._rest.speed)
-        self.arm.start([above, self._rest])
+        self.arm.start(self._truly((above, self._rest)))
 
     def poll(self) -> Status:
         """Wait for a period, or for the motion's end."""
@@ -88,6 +89,14 @@ class Ros2Driver:
     def stop(self) -> None:
         """Cancel, and raise the tool."""
         self.arm.stop()
+
+    def _truly(self, waypoints: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
+        """Where the tool goes, and how fast: pressed where it is told to be on the surface, at the driver's
+        own pace."""
+        return tuple(
+            replace(each, z=each.z - self._press * (each.z <= 0), speed=self._pace * each.speed)
+            for each in waypoints
+        )
 
     def _seconds(self, stamp: Any) -> float:
         return 1e-9 * float(stamp.sec * 10**9 + stamp.nanosec - self._began)
@@ -120,6 +129,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--surface", type=float, nargs=2, required=True, metavar=("WIDTH", "DEPTH"))
     made.add_argument("--rest", type=float, nargs=4, required=True, metavar=("X", "Y", "Z", "YAW"))
     made.add_argument("--speed", type=float, default=0.25, help="of the tool, m/s, at most")
+    made.add_argument("--pace", type=_share, default=1.0, help="share of the speeds asked for that it goes")
     made.add_argument("--deepest", type=float, default=0.005, help="metres below the surface, at most")
     made.add_argument("--press", type=float, default=0.002, help="metres below that strokes are pressed")
     made.add_argument("--lease", type=float, default=1.0, help="seconds without a poll until it stops")
@@ -133,6 +143,13 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--info", default="/camera/camera/color/camera_info")
     made.add_argument("--port", type=int, default=PORT)
     return made
+
+
+def _share(text: str) -> float:
+    share = float(text)
+    if not 0 < share <= 1:
+        raise argparse.ArgumentTypeError("a share is above 0 and at most 1")
+    return share
 
 
 def main() -> None:

@@ -20,6 +20,7 @@ from ros2_timing import NoWay, in_base, in_scene, length_of, quaternion, timed
 
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint, pressed
 from cleancli.remote.client import Client
+from cleancli.remote.conformance import conformance
 from cleancli.remote.guard import Guard
 from cleancli.remote.server import Server
 from cleancli.scene.address import Address
@@ -142,6 +143,23 @@ def test_strokes_are_pressed_and_no_deeper_than_is_allowed(
     heights = in_the_scene(cell.trajectories[0])[:, 2]
     assert heights.min() == pytest.approx(-0.005)
     assert heights[-1] == pytest.approx(0.05), "what is above the surface stays"
+
+
+def test_a_driver_may_go_at_a_pace_of_its_own(
+    modules: SimpleNamespace, options: argparse.Namespace, cell: Cell
+) -> None:
+    """The same way at a fifth of the speed, so that nothing is refused while a lab tries it."""
+    options.pace = 0.2
+    driver = modules.driver.Ros2Driver(cell, options)
+    assert modules.driver.description(options).limits.speed == 0.5
+    driver.start(STROKE)
+    places, times = in_the_scene(cell.trajectories[0]), times_of(cell.trajectories[0])
+    speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
+    assert 0.9 * 0.2 * 0.3 < speeds.max() <= 0.2 * 0.5 * 1.001
+    driver.stop()
+    for wrong in ("0", "1.5", "fast"):
+        with pytest.raises(SystemExit):
+            modules.driver.parser().parse_args(["--pace", wrong])
 
 
 def test_withdrawing_goes_up_and_then_to_rest(guard: Guard, cell: Cell) -> None:
@@ -446,3 +464,32 @@ def test_the_camera_listens_to_ros_where_it_is_installed(monkeypatch: pytest.Mon
     assert (pair.colour == COLOUR).all()
     assert pair.depth == pytest.approx(DEPTH / 1000)
     assert min(pair.colour_stamp, pair.depth_stamp) > asked
+
+
+def test_it_keeps_to_the_protocol(
+    driver: Any, modules: SimpleNamespace, options: argparse.Namespace, cell: Cell
+) -> None:
+    """What `cleancli robot check` asks of any driver, with a camera that takes twenty pairs a second."""
+    server = Server(driver, modules.driver.description(options), Address("127.0.0.1", 0))
+    threading.Thread(target=server.serve, daemon=True).start()
+    cell.subscribed["i"](INFO)
+    over = threading.Event()
+
+    def publish() -> None:
+        shown = 0
+        while not over.wait(0.05):
+            shown += 1
+            header = stamped(driver.clock, driver._began)
+            cell.subscribed["c"](image(COLOUR + np.uint8(shown), "rgb8", header))
+            cell.subscribed["d"](image(DEPTH, "16UC1", header))
+
+    camera = threading.Thread(target=publish)
+    camera.start()
+    try:
+        with closing(server):
+            found = list(conformance(server.address))
+    finally:
+        over.set()
+        camera.join()
+    assert len(found) > 5
+    assert [finding for finding in found if finding.fault] == []
