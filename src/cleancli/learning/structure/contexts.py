@@ -277,6 +277,10 @@ def _inside(domain: Domain, known: Sequence[Term], variable: Variable) -> Iterat
             yield literal
 
 
+MOST_PAIRED = 60
+"""Literals about an object without a name of which pairs are asked for, the ones that hold of most objects;
+chosen."""
+
 _NAMES = "zyxwvutsrqponmlkjihgfedcba"
 """Of objects that nothing else names."""
 
@@ -300,6 +304,7 @@ def _of_others(arrays: Arrays, known: Named) -> Iterator[tuple[Question, Bools]]
             fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
             if fits.any():
                 fitting.append((literal, fits))
+        fitting.sort(key=lambda each: -int(each[1].sum()))
         for parts, fits in _conjunctions(arrays, fitting):
             yield Question(Quantified(True, (variable,), parts)), some(fits, 1)
 
@@ -310,10 +315,10 @@ def _conjunctions(
     """Each literal; and each that relates an object to a term with another one, or with its opposite."""
     for literal, fits in fitting:
         yield (literal,), fits
-    for one, fits in fitting:
+    for one, fits in fitting[:MOST_PAIRED]:
         if len(one.terms) < 2:
             continue
-        for other, more in fitting:
+        for other, more in fitting[:MOST_PAIRED]:
             if other != one and len(other.terms) < 3:
                 if len(other.terms) < 2 or str(other) > str(one):
                     yield (one, other), fits & more

@@ -6,9 +6,11 @@ changed and that nothing names yet, and the one that names most of them is taken
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from cleancli.array_types import Bools, Longs
 from cleancli.language.model import (
     Assign,
     Domain,
+    Equality,
     ForAll,
     Literal,
     Reference,
@@ -44,7 +47,7 @@ chosen."""
 LEAST_COVERED = 0.02
 """The share of the objects that nothing names which a condition has to tell of; what flickers has fewer.
 Chosen."""
-MOST_PARTS = 60
+MOST_PARTS = 40
 """Literals of which pairs are tried as such a condition, the ones that hold of most objects that changed;
 chosen."""
 
@@ -119,12 +122,18 @@ def _reference(
     variable = fresh(known, type_name)
     rows = np.array([row for row, _, _ in holes])
     places = np.array([place for _, place, _ in holes])
+    least = max(1.0, LEAST_COVERED * len(rows))
     best: tuple[tuple[int, int, int], Parts, Bools] | None = None
-    for parts, fits in _conditions(arrays, known, variable, rows, places):
+
+    def enough(satisfied: float) -> bool:
+        return satisfied > least if best is None else satisfied >= best[0][0]
+
+    sought = _Open(rows, places, lambda satisfied: satisfied, enough)
+    for parts, fits in _conditions(arrays, known, variable, sought):
         count = fits.sum(axis=1)
         covered = int((fits[rows, places] & (count[rows] == 1)).sum())
         rank = covered, -len(parts), int((count == 1).sum())
-        if covered > max(1.0, LEAST_COVERED * len(rows)) and (best is None or rank > best[0]):
+        if covered > least and (best is None or rank > best[0]):
             best = rank, parts, fits
     if best is None:
         return None
@@ -147,39 +156,73 @@ def fresh(known: Named, type_name: str) -> Variable:
     return Variable(f"{type_name}_{len(taken)}", type_name)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Open:
+    """Objects that nothing names, by their rows and places, of which a condition is looked for.
+
+    `whole` says of which units a condition tells wholly that satisfies these of the objects, (conditions,
+    objects) to (conditions, units); `enough`, whether so many of them may be the best so far.
+    """
+
+    rows: Longs
+    places: Longs
+    whole: Callable[[Bools], Bools]
+    enough: Callable[[float], bool]
+
+
 def _conditions(
-    arrays: Arrays, known: Named, variable: Variable, rows: Longs, places: Longs
+    arrays: Arrays, known: Named, variable: Variable, sought: _Open
 ) -> Iterator[tuple[Parts, Bools]]:
     """Conditions of one or two parts on an object, one of two being positive, and which places satisfy them
-    in each transition, (n, N); only those that hold for some of the objects at these rows and places."""
+    in each transition, (n, N); only those that hold for some of the objects that are sought, and of two parts
+    those that may be the best."""
     terms = tuple(known.columns)
+    rows, places = sought.rows, sought.places
     index, typed = ranging(arrays, index_of_terms(known), (variable,))
-    listed = [*literals(arrays.domain, (*terms, variable), variable)]
     candidates = []
-    for literal in listed:
+    for literal in literals(arrays.domain, (*terms, variable), variable):
         if not _isdefined(literal, known):
             continue
         fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
         fits = fits & defined(literal, known)[:, None]
         candidates.append((int(fits[rows, places].sum()), literal, fits))
     candidates.sort(key=lambda each: -each[0])
-    positive = [each for each in candidates if each[0] > 0][:MOST_PARTS]
-    for _, literal, fits in positive:
+    listed = [(literal, fits) for _, literal, fits in candidates[:MOST_PARTS]]
+    positive = [(literal, fits) for count, literal, fits in candidates[:MOST_PARTS] if count > 0]
+    for literal, fits in positive:
         yield (literal,), fits
-    for _, literal, fits in candidates[:MOST_PARTS]:
+    denied: list[tuple[Literal | Equality, Bools, str]] = []
+    for literal, fits in listed:
         if (typed & ~fits)[rows, places].any():
-            yield (negated(arrays.domain, literal),), typed & ~fits & defined(literal, known)[:, None]
-    for number, (_, one, fits) in enumerate(positive):
-        for _, other, more in positive[number + 1 :]:
-            if one.symbol != other.symbol or one.terms != other.terms:
+            opposite = negated(arrays.domain, literal)
+            denied.append((opposite, ~fits, literal.symbol))
+            yield (opposite,), typed & ~fits & defined(literal, known)[:, None]
+    for equality in equalities(arrays.domain, (*terms, variable), variable):
+        same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
+        denied.append((replace(equality, equal=False), ~same, ""))
+    both, apart = (_whole(sought, positive, others) for others in (positive, denied))
+    for number, (one, fits) in enumerate(positive):
+        for place, (other, more) in enumerate(positive[number + 1 :], number + 1):
+            differ = one.symbol != other.symbol or one.terms != other.terms
+            if differ and sought.enough(both[number][place]):
                 yield (one, other), fits & more
-        for _, other, more in candidates[:MOST_PARTS]:
-            if other.symbol != one.symbol and (typed & ~more)[rows, places].any():
-                opposite = negated(arrays.domain, other)
-                yield (one, opposite), fits & ~more
-        for equality in equalities(arrays.domain, (*terms, variable), variable):
-            same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
-            yield (one, replace(equality, equal=False)), fits & ~same
+        for place, (part, without, symbol) in enumerate(denied):
+            if symbol != one.symbol and sought.enough(apart[number][place]):
+                yield (one, part), fits & without
+
+
+def _whole(
+    sought: _Open, one: Sequence[tuple[Literal, Bools]], other: Sequence[tuple[Any, ...]]
+) -> list[list[float]]:
+    """Of how many units two conditions together tell wholly, for each pair."""
+    if not one or not other:
+        return []
+    first, second = (
+        sought.whole(np.array([each[1][sought.rows, sought.places] for each in parts])).astype(np.float32)
+        for parts in (one, other)
+    )
+    found: list[list[float]] = (first @ second.T).tolist()
+    return found
 
 
 def _isdefined(literal: Literal, known: Named) -> bool:
@@ -288,13 +331,25 @@ def _guard(
     would, right = every.applies & every.moves, every.right
     has = open_places.any(axis=1)
     best: tuple[tuple[int, int], ForAll] | None = None
-    rows, places = np.array(holes).T
+    rows, places = np.array(sorted(holes)).T
+    least = max(1.0, LEAST_COVERED * len(rows))
+
+    def whole(satisfied: Bools) -> Bools:
+        ends = np.flatnonzero(np.diff(rows, prepend=-1))
+        found: Bools = np.logical_and.reduceat(satisfied, ends, axis=1)
+        return found
+
+    def enough(satisfied: float) -> bool:
+        return satisfied > least if best is None else satisfied >= best[0][0]
+
+    sought = _Open(rows, places, whole, enough)
     all_of_them: tuple[Parts, Bools] = (), np.ones(would.shape, dtype=bool)
-    for parts, fits in (all_of_them, *_conditions(arrays, known, variable, rows, places)):
+    conditions = _conditions(arrays, known, variable, sought)
+    for parts, fits in itertools.chain([all_of_them], conditions):
         wanted = fits & would
         covered = int((has & (~wanted | right).all(axis=1) & (~open_places | wanted).all(axis=1)).sum())
         rank = covered, -2 * len(parts) + (parts in guards)
-        if covered > max(1.0, LEAST_COVERED * len(rows)) and (best is None or rank > best[0]):
+        if covered > least and (best is None or rank > best[0]):
             best = rank, ForAll((variable,), parts, (effect,))
     return best
 

@@ -72,8 +72,8 @@ def induced(
     do not do, or the other way round: as is shorter.
     """
     given = left_by(kept, given) if kept else given
-    if not given.arrays.size:
-        return Induced(action.name, (), kept, 0, 0)
+    if not given.arrays.changed.any():
+        return Induced(action.name, (), kept, given.arrays.size, 0)
     changes = changes_of(given.arrays)
     known = named(given, action.parameters)
     names = [with_foralls(given, with_references(given, known, changes), changes)]
