@@ -350,6 +350,12 @@ def test_no_changed_pddl_file_crashes_or_stalls(tmp_path: Path) -> None:
     assert result.stdout.startswith("0 failures in 300 files")
 
 
+def test_changed_files_of_libprada_crash_nothing(tmp_path: Path) -> None:
+    result = _run("fuzz_libprada.py", "120", cwd=tmp_path)
+    assert result.returncode == 0, result.stdout
+    assert result.stdout.startswith("0 failures in 120 files")
+
+
 def test_generated_files_read_as_printed(tmp_path: Path) -> None:
     result = _run("roundtrip.py", "90", cwd=tmp_path)
     assert result.returncode == 0, result.stdout
