@@ -223,7 +223,7 @@ def kill(kind: str, driver: subprocess.Popen[str], address: Address, delay: floa
                 relay.is_silent = True
         if whom is driver:
             # A client is told at once, or when its patience is over.
-            ended = process.wait(timeout=30) != 0
+            ended = process.wait(timeout=60) != 0
             driver.send_signal(signal.SIGCONT)
             if kind == "driver KILL":
                 return 0.0, ended

@@ -25,8 +25,9 @@ _Read = TypeVar("_Read")
 
 CONNECTING = 5.0
 """Seconds that a driver may take to accept a connection."""
-ANSWERING = 10.0
-"""Seconds until a driver must begin to answer. Planning a stroke takes an arm a second or two."""
+ANSWERING = 30.0
+"""Seconds until a driver must begin to answer. Planning a stroke takes an arm a second or two, and longer on
+a busy machine that does it for the first time."""
 PATIENCE = 5.0
 """Seconds that the rest of a message may take."""
 
