@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -12,12 +13,23 @@ import pytest
 from cleancli.compiler.fluents import Values, values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import checked_domain, load_domain
-from cleancli.language.model import Domain, Object
+from cleancli.language.model import (
+    Assign,
+    Domain,
+    Equality,
+    ForAll,
+    Object,
+    Outcome,
+    OutcomeKind,
+    Rule,
+    Variable,
+)
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.printer import print_domain, print_result, print_rule, symbols_of
 from cleancli.learning.experience import Transition
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import revised
+from cleancli.learning.structure.rules import apart
 from cleancli.learning.variation import variation
 from support.hidden_rules import TEXTS, domain_of, starts
 from support.random_domains import Generator
@@ -342,3 +354,23 @@ def test_what_happened_once_is_no_reason_to_give_up_a_rule() -> None:
     odd = transitions[0]._replace(after={**transitions[0].before, ("broken", ("l0",)): True})
     found = revised(domain, compiled(domain, [odd, *transitions[1:20]]), ["press"])
     assert found.kept == ("press",)
+
+
+def test_what_keeps_objects_apart_is_said_once() -> None:
+    """The guard of the `forall` says it already, the other way round."""
+    ports = Variable("p", "port"), Variable("q", "port")
+    text = """domain ports {
+  types      { port }
+  predicates { storm(?p - port) }
+  derived    { calm := count ?p - port: not storm(?p) }
+  actions    { watch(?p - port) }
+  reward     { decrease(calm) }
+}
+"""
+    domain = load_domain(Source("ports.nid", text))
+    for left, right in (ports, ports[::-1]):
+        guard = (Equality(left, right, False),)
+        spread = ForAll((ports[1],), guard, (Assign("storm", (ports[1],), True),))
+        outcome = Outcome(Fraction(1), OutcomeKind.CHANGE, (Assign("storm", (ports[0],), False), spread))
+        rule = Rule("watch", "watch", (ports[0],), (), (outcome,))
+        assert apart(domain, rule) == rule

@@ -289,7 +289,7 @@ def _narrowed(
     for inner, other in itertools.product(effect.effects, others):
         if not isinstance(other, ForAll):
             part = _different(domain, inner, other)
-            if part is not None and part not in effect.condition:
+            if part is not None and not _keeps_apart(effect.condition, part):
                 effect = replace(effect, condition=(*effect.condition, part))
     return effect
 
@@ -307,6 +307,12 @@ def _different(domain: Domain, one: Assign | Shift, other: Assign | Shift) -> Eq
     return Equality(*pairs[0], False)
 
 
+def _keeps_apart(condition: Condition, part: Equality) -> bool:
+    """Whether a condition asks already for the two terms to differ, in either order."""
+    both = {part.left, part.right}
+    return any(isinstance(p, Equality) and {p.left, p.right} == both and not p.equal for p in condition)
+
+
 def _may_be_one(domain: Domain, one: Term, other: Term) -> bool:
     """Whether two terms may stand for one object."""
     is_named = isinstance(one, Object) and isinstance(other, Object)
@@ -316,8 +322,7 @@ def _may_be_one(domain: Domain, one: Term, other: Term) -> bool:
 def _with_part(rule: Rule, part: Equality) -> Rule:
     """The rule with one more equality, where it does not have it."""
     both = {part.left, part.right}
-    everything = (*rule.condition, *(p for each in rule.references for p in each.condition))
-    if any(isinstance(p, Equality) and {p.left, p.right} == both and not p.equal for p in everything):
+    if _keeps_apart((*rule.condition, *(p for each in rule.references for p in each.condition)), part):
         return rule
     for number in reversed(range(len(rule.references))):
         reference = rule.references[number]
