@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cleancli.array_types import Floats
+from cleancli.learning.structure import mixture
 from cleancli.learning.structure.mixture import fitted, log_likelihoods
 
 
@@ -52,3 +53,18 @@ def test_what_is_impossible_at_first_stays_so_and_an_empty_set_keeps_its_start()
     found = fitted(np.vstack([counts, np.zeros((1, 6))]), likelihoods, start)
     assert not found[:, 1].any()
     assert found[-1].tolist() == start.tolist()
+
+
+def test_many_sets_are_fitted_as_each_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the sets are divided, so that no multiplication is large."""
+    rng = np.random.default_rng(5)
+    counts, likelihoods = rng.integers(0, 9, (7, 5)).astype(float), rng.random((5, 3))
+    start = np.full(3, 1 / 3)
+    alone = np.concatenate([fitted(each[None], likelihoods, start, 30) for each in counts])
+    monkeypatch.setattr(mixture, "MOST_PRODUCTS", 2 * likelihoods.size)
+    together = fitted(counts, likelihoods, start, 30)
+    assert together == pytest.approx(alone, abs=1e-6)
+    assert log_likelihoods(counts, likelihoods, together) == pytest.approx(
+        [log_likelihoods(c[None], likelihoods, b[None])[0] for c, b in zip(counts, alone, strict=True)],
+        abs=1e-4,
+    )

@@ -18,6 +18,10 @@ SOME_ROUNDS = 40
 ROUNDS = 400
 TOLERANCE = 1e-7
 _NEVER = 1e-300
+MOST_PRODUCTS = 1 << 18
+"""Products of numbers in one multiplication of matrices up to which OpenBLAS computes it in one thread.
+Larger ones are many small ones here: threads that wait for each other on a busy machine take ten times the
+CPU, and how many there are decides the rounding."""
 
 
 def fitted(counts: Floats, likelihoods: Floats, start: Floats, rounds: int = ROUNDS) -> Floats:
@@ -29,8 +33,8 @@ def fitted(counts: Floats, likelihoods: Floats, start: Floats, rounds: int = ROU
     totals = counts.sum(axis=1, keepdims=True)
     beliefs = np.broadcast_to(start, (len(counts), likelihoods.shape[1])).astype(float)
     for _ in range(rounds):
-        expected = np.maximum(beliefs @ likelihoods.T, _NEVER)
-        shares = beliefs * ((counts / expected) @ likelihoods)
+        expected = np.maximum(_product(beliefs, likelihoods.T), _NEVER)
+        shares = beliefs * _product(counts / expected, likelihoods)
         after = np.where(totals > 0, shares / np.maximum(totals, _NEVER), beliefs)
         moved = float(np.abs(after - beliefs).max(initial=0.0))
         beliefs = after
@@ -41,6 +45,13 @@ def fitted(counts: Floats, likelihoods: Floats, start: Floats, rounds: int = ROU
 
 def log_likelihoods(counts: Floats, likelihoods: Floats, beliefs: Floats) -> Floats:
     """How likely sets of transitions are by probabilities of outcomes, as logarithms (b,)."""
-    logs = np.log(np.maximum(beliefs @ likelihoods.T, _NEVER))
+    logs = np.log(np.maximum(_product(np.atleast_2d(beliefs), likelihoods.T), _NEVER))
     found: Floats = (counts * logs).sum(axis=1)
     return found
+
+
+def _product(one: Floats, other: Floats) -> Floats:
+    """The product of two matrices, so many rows at a time that one thread computes them."""
+    rows = max(1, MOST_PRODUCTS // max(other.size, 1))
+    parts = [one[start : start + rows] @ other for start in range(0, max(len(one), 1), rows)]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
