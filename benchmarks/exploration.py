@@ -70,9 +70,10 @@ class Hidden:
     test: Sequence[Transition]
 
 
-def of_files(folder: Path) -> dict[str, Hidden]:
+def of_files(folder: Path, seed: int) -> dict[str, Hidden]:
     """The domains of a folder that are tried."""
-    found = {each.domain.name: each for each in of_folder(folder) if each.domain.name in ACTIONS}
+    every = of_folder(folder, np.random.default_rng(seed))
+    found = {each.domain.name: each for each in every if each.domain.name in ACTIONS}
     return {name: Hidden(each.domain, each.starts[::STEPS], each.test) for name, each in found.items()}
 
 
@@ -195,7 +196,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="60 actions by two seeds in glasses")
     options = parser.parse_args()
     seeds = range(options.seed, options.seed + (2 if options.quick else options.seeds))
-    every = {} if options.folder is None or options.quick else of_files(options.folder)
+    every = {} if options.folder is None or options.quick else of_files(options.folder, options.seed)
     every["glasses"] = glasses(options.seed)
     heads = (
         "domain",
