@@ -260,8 +260,9 @@ def test_too_many_outcomes_are_refused() -> None:
     places = " ".join(f"m{n}" for n in range(10))
     text = TEXT.replace("bin - container", f"bin - container {places} - area", 1)
     draws = " ".join(f"(probabilistic 0.5 (dirt {place}))" for place in places.split())
-    with pytest.raises(Refused, match="`push` has more than 512 outcomes"):
+    with pytest.raises(Refused, match="`push` has more than 512 outcomes") as caught:
         converted(text.replace("(not (dirt ?a)) (inc", f"{draws} (inc"))
+    assert "divide the draws among several actions" in caught.value.diagnostics[0].help
 
 
 def test_mistakes_are_told_at_once() -> None:

@@ -29,6 +29,11 @@ from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Action, Outcome, Rule
 
+_FEWER_OUTCOMES = (
+    "what is drawn for itself multiplies them, so that ten draws of two results have 1,024:"
+    " divide the draws among several actions, one after the other"
+)
+
 _LONGEST_TITLE = 48
 """Characters up to which a rule is called by the conditions that it is for. Chosen."""
 
@@ -86,7 +91,7 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
         cases = cases_of(precondition, tree, words.types)
     except TooMany:
         message = f"`{node.name.text}` has more than {MOST_OUTCOMES} outcomes"
-        findings.error("E917", message, node.name.span, help="what is drawn for itself multiplies outcomes")
+        findings.error("E917", message, node.name.span, help=_FEWER_OUTCOMES)
         return
     except UnevenCost:
         message = f"what `{node.name.text}` costs depends on more conditions than rules are made for"
