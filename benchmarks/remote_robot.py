@@ -357,6 +357,7 @@ def main() -> int:
     parts = ("same", "real", "kills", "frames")
     parser.add_argument("--part", nargs="*", choices=parts, default=parts)
     parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--kind", nargs="*", choices=KINDS, default=KINDS)
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--max-actions", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
@@ -371,7 +372,7 @@ def main() -> int:
     if given.film:
         film(given.seed)
         return 0
-    scenes, kinds = (SCENES[:1], KINDS[:3]) if given.quick else (SCENES, KINDS)
+    scenes, kinds = (SCENES[:1], KINDS[:3]) if given.quick else (SCENES, given.kind)
     if given.quick:
         given.kills, given.seconds, given.max_actions = 1, 1.0, 1
     options = EpisodeOptions(strategy="reactive", max_actions=given.max_actions, seed=given.seed)

@@ -145,12 +145,13 @@ class Server:
         if version != messages.VERSION:
             return messages.error(f"this driver speaks version {messages.VERSION} of the protocol")
         with self._guarding:
-            # Who has let a lease run out may hang for ever, or sit behind a cable that is cut.
-            has_control = self._controller not in (None, client) and not self.guard.state.trip
-            if wants_control and has_control:
+            before = None if self._controller is client else self._controller
+            if wants_control and before is not None and not self.guard.state.trip:
                 return messages.error("another client has control")
             self._controller = client if wants_control else self._controller
         if wants_control:
+            if before is not None:  # it let its lease run out: it hangs, or sits behind a cable that is cut
+                before.close()
             self._told("a client has control")
         return messages.reply(self.guard.state, **messages.described(self.guard.description))
 
