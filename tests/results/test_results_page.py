@@ -124,6 +124,18 @@ def test_reasons_are_told_in_words(said: Comparison, runs: int, expected: str) -
     assert re.search(expected, reason(found))
 
 
+def test_enough_runs_without_a_ratio_are_not_called_too_few() -> None:
+    said = replace(against("reactive"), measure="clean", expect="more")
+    none = [replace(row, clean=False) for row in rows_of(8)]
+    one = [replace(row, clean=row.axes["strategy"] == "plan-2") for row in none]
+    for rows, expected in ((none, "both are 0 in every run"), (one, "the second is 0 in every run")):
+        (found,) = judged([said], rows)
+        assert found.verdict is Verdict.UNDECIDED
+        assert reason(found).startswith(expected)
+    (few,) = judged([said], [row for row in none if row.run < 5])
+    assert reason(few) == "4 runs are too few; at least 5 are needed"
+
+
 def test_where_nobody_ended_clean_nothing_is_decided_and_that_is_said_first() -> None:
     rows = [replace(row, clean=False) for row in rows_of(8)]
     limited = replace(against(""), second={}, limit=1.0)

@@ -20,6 +20,7 @@ from cleancli.scene.schema import NEEDED, TOP
 from cleancli.study import schema
 from cleancli.study.check import load_study
 from cleancli.study.kinds import Option, spelled
+from cleancli.study.row import MEASURES
 from cleancli.study.schema import AXES, COMPARED, INNER, OF_ROWS, OWN, keys_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "experiments.md"
@@ -111,3 +112,11 @@ def test_the_page_tells_every_key_its_values_and_what_it_is_unless_said() -> Non
                 assert known.example or f"`{value}`" in row, f"{key} = {value}"
             if known.default not in (None, NEEDED, ""):
                 assert f"| `{known.kind.write(known.default)}`" in row, key
+
+
+def test_the_page_tells_of_each_measure_what_it_means_and_which_worlds_have_it() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    table = text[text.index("| measure | what it means | of |") :].partition("\n\n")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (.+) \| (.+) \|$", table, re.M)
+    worlds = {True: "tables", False: "tables and problems"}
+    assert rows == [(name, each.meaning, worlds[each.of_tables]) for name, each in MEASURES.items()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,9 +24,9 @@ from cleancli.scene.calibration import as_text
 from cleancli.scene.model import Scene
 from cleancli.scene.robots import REMOTE
 from cleancli.study.check import load_study
-from cleancli.study.model import Study, Value
+from cleancli.study.model import Selection, Study, Value
 from cleancli.study.overrides import varied
-from cleancli.study.row import SYMBOLIC
+from cleancli.study.row import MEASURES, SYMBOLIC
 from cleancli.study.schema import AXES, NOTHING
 from cleancli.world.kinematic import refuse_without_stand_in
 
@@ -78,9 +78,15 @@ def open_studies(
     chosen = replace(
         chosen, runs=chosen.runs if runs is None else runs, seed=chosen.seed if seed is None else seed
     )
-    own = (OpenedStudy(chosen, source, tuple(_cells(chosen, source))),) if chosen.parts else ()
+    own = (_opened(chosen, source),) if chosen.parts else ()
     inner = (_inner(name, study, source) for name in study.studies)
     return (*own, *(each for text in inner for each in open_studies(text, quick, runs, seed)))
+
+
+def _opened(study: Study, source: Source) -> OpenedStudy:
+    cells = tuple(_cells(study, source))
+    _refuse_measures_of_tables(study, cells, source)
+    return OpenedStudy(study, source, cells)
 
 
 def _inner(name: str, study: Study, source: Source) -> Source:
@@ -218,6 +224,35 @@ def _refuse_impossible(study: Study, cell: Cell, source: Source) -> None:
             told = ", ".join(f"{axis} {cell.axes[axis]}" for axis in ("scene", "strategy", "simulator"))
             message = f"a cell cannot be carried out ({told}): {error}"
             raise Refused([Diagnostic("E523", message, None)]) from None
+
+
+def _refuse_measures_of_tables(study: Study, cells: Sequence[Cell], source: Source) -> None:
+    """E523 for a measure that would be 0 throughout, where it is asked for of problems that are no scenes."""
+    written = study.written.get("measure", {}).get(study.measure)
+    asked: list[tuple[str, SettingValue | None, list[tuple[Selection, ...]]]] = [
+        (study.measure, written, [()])
+    ]
+    for each in study.comparisons:
+        sides = [each.first] if each.limit is not None else [each.first, each.second]
+        asked.append((each.measure, each.node or written, [(each.where, side) for side in sides]))
+    symbolic = [cell for cell in cells if cell.axes["simulator"] == SYMBOLIC]
+    for measure, node, meant in asked:
+        named = [cell.axes["scene"] for cell in symbolic if any(_is_of(cell, each) for each in meant)]
+        if named and MEASURES[measure].of_tables:
+            message = f"`{measure}` is told of tables alone, and `{named[0]}` is a problem without one"
+            others = ", ".join(f"`{name}`" for name, each in MEASURES.items() if not each.of_tables)
+            with _located(source, node):
+                raise Refused([Diagnostic("E523", message, None, help=f"of problems are told {others}")])
+
+
+def _is_of(cell: Cell, selections: Iterable[Selection]) -> bool:
+    """Whether all selections mean rows of a cell, whichever their episodes."""
+    own = {"part": cell.part, **cell.axes}
+    return all(
+        axis == "episode" or own.get(axis) in values
+        for selection in selections
+        for axis, values in selection.items()
+    )
 
 
 def _series(study: Study, cell: Cell, run: int) -> Series:

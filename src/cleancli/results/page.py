@@ -259,6 +259,8 @@ def _by_numbers(each: Judged, words: Words) -> str:
             return f"none of the interval lies {within}{_by_failures(each, words)}{failed}"
     if not each.estimate.count:
         return "there are no rows to compare"
+    if not each.estimate.known and each.estimate.count >= FEWEST:
+        return f"{_without_ratio(each)}{failed}"
     if not each.estimate.known:
         few = plural(each.estimate.count, "run is", "runs are")
         return f"{few} too few; at least {FEWEST} are needed{failed}"
@@ -267,6 +269,13 @@ def _by_numbers(each: Judged, words: Words) -> str:
     else:
         more = f"about {plural(each.more, 'more run')} would decide it"
     return f"only a part of the interval lies {within}, and {more}{failed}"
+
+
+def _without_ratio(each: Judged) -> str:
+    """That enough runs have no ratio, as all of the second is 0."""
+    if each.sides is not None and each.sides.paired.lesser == 0.5:  # nothing is less than 0: all pairs tie
+        return "both are 0 in every run, and there is no ratio of nothing to nothing"
+    return "the second is 0 in every run, and there is no ratio to that: compare each with a `limit`"
 
 
 def _by_failures(each: Judged, words: Words) -> str:

@@ -149,7 +149,8 @@ def _comparison(
         help = "`first` is compared with rows that `second` selects, or with a number, the `limit`"
         findings.error("E522", f"`{name}` has {has}", section.name.span, help=help)
     where = _selection({key: stated for key, stated in settings.items() if key not in COMPARED})
-    return Comparison(name, first=first, second=second, where=where, **once)
+    node = settings["measure"].nodes[0] if "measure" in settings else None
+    return Comparison(name, first=first, second=second, where=where, node=node, **once)
 
 
 def _selection(settings: _Settings) -> Selection:

@@ -37,6 +37,7 @@ class Comparison:
     too it is `expect` ("less", "more", "equal") than `factor` times that of those that are `second`; where
     there is no second, than `limit`. `margin`: up to which share of the second both are equal. `claim`: the
     number of the paper's claim (1 to 9) that it tests, if any; `says`: in words.
+    `node`: how the text names the measure, if it does, for messages.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Comparison:
     factor: float = 1.0
     limit: float | None = None
     margin: float = 0.0
+    node: SettingValue | None = field(default=None, repr=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

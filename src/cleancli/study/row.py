@@ -61,12 +61,14 @@ class Row:
 @dataclass(frozen=True, slots=True)
 class Measure:
     """A number that a row tells, and what it means. `is_real`: it holds real time. `always`: it says
-    something also of an episode that did not end clean, and is not of the way there."""
+    something also of an episode that did not end clean, and is not of the way there. `of_tables`: it says
+    nothing of problems that are no scenes."""
 
     of: Callable[[Row], float]
     meaning: str
     is_real: bool = False
     always: bool = False
+    of_tables: bool = False
 
 
 def moving(row: Row) -> float:
@@ -74,8 +76,8 @@ def moving(row: Row) -> float:
     return row.seconds["transits"] + row.seconds["actions"]
 
 
-def _kind(name: str, meaning: str) -> Measure:
-    return Measure(lambda row: row.seconds[name], meaning, name in REAL)
+def _kind(name: str, meaning: str, of_tables: bool = False) -> Measure:
+    return Measure(lambda row: row.seconds[name], meaning, name in REAL, of_tables=of_tables)
 
 
 def _thinking(row: Row) -> float:
@@ -92,7 +94,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "planning": _kind("planning", "seconds of planning"),
         "perceiving": _kind("perceiving", "seconds of looking"),
         "extra_perceptions": _kind("extra_perceptions", "seconds of looking with the arm moved away"),
-        "transits": _kind("transits", "seconds on the way to where an action begins"),
+        "transits": _kind("transits", "seconds on the way to where an action begins", of_tables=True),
         "acting": Measure(lambda row: row.seconds["actions"], "seconds of actions themselves"),
         "learning": _kind("learning", "seconds of looking in order to learn"),
         "thinking": Measure(_thinking, "the share of all seconds that planning and looking take", True, True),
@@ -100,9 +102,13 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             lambda row: 0.0 if row.score is None else row.score,
             "the share of dirt that is where it belongs",
             always=True,
+            of_tables=True,
         ),
         "left": Measure(
-            lambda row: float(row.left + row.on_floor), "pieces of dirt that are left or lost", always=True
+            lambda row: float(row.left + row.on_floor),
+            "pieces of dirt that are left or lost",
+            always=True,
+            of_tables=True,
         ),
         "clean": Measure(
             lambda row: float(row.clean), "1 where the episode ended clean, else 0", always=True
