@@ -67,6 +67,40 @@ def test_a_simulation_says_so_where_planners_give_up(
     assert HINT not in told(tmp_path, capsys, "simulate", GOAL)
 
 
+def test_a_run_says_so_where_nothing_seems_worth_doing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ferry.nid").write_text(DOMAIN.replace("LANDS", "1"), encoding="utf-8")
+    goal = "goal { over(a), over(b), ready(s), ready(t) }"
+    for more, hinted in (("", True), ("horizon = 9", False)):
+        problem = (
+            f"problem cars {{ domain = ferry objects {{ a b - car s t - boat }} init {{ }} {goal} {more} }}"
+        )
+        (tmp_path / "cars.nid").write_text(problem, encoding="utf-8")
+        code = run(["execute", "ferry.nid", "cars.nid", "--planner", "exact"])
+        assert code == (3 if hinted else 0)
+        out = capsys.readouterr().out
+        assert (f"{HINT} 3 actions may be too few: write for example `horizon = 10`" in out) == hinted
+
+
+def test_a_run_warns_of_a_goal_that_nothing_reaches(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """W403, as `check`, `plan` and `simulate` say it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ferry.nid").write_text(DOMAIN.replace("LANDS", "1"), encoding="utf-8")
+    goal = "goal { over(a), not on(a), not over(a) } horizon = 9"
+    problem = f"problem cars {{ domain = ferry objects {{ a - car s - boat }} init {{ on(a) }} {goal} }}"
+    (tmp_path / "cars.nid").write_text(problem, encoding="utf-8")
+    said = {}
+    for command in (["plan"], ["execute", "--quiet"]):
+        run([command[0], "ferry.nid", "cars.nid", *command[1:]])
+        said[command[0]] = capsys.readouterr().err
+    assert "W403" in said["execute"]
+    assert said["execute"] == said["plan"]
+
+
 def test_what_a_problem_says_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["plan", "cleaning", "three_areas", "--horizon", "5"]) == 2
     assert "'--horizon'. The problem's file says it: `horizon = 10`." in capsys.readouterr().err

@@ -39,7 +39,9 @@ _NOTHING = {
 _WITH_MARGIN = ("prada", "aprada")
 """Planners that ask a plan to be worth so much more than nothing (`--option margin`)."""
 
-TOO_FEW = "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
+_TOO_FEW = (
+    "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
+)
 """Beside what the usual horizon may have cut short."""
 
 _SHORT = (
@@ -130,7 +132,7 @@ class PlanResult:
             more = f" (for prada and aprada, {self.margin:g} more)" if self.planner in _WITH_MARGIN else ""
             yield _NOTHING[self.empty_because].format(more=more, within=within)
             if self.empty_because == "margin" and not self.horizon_stated:
-                yield TOO_FEW.format(within=within, longer=longer_horizon(steps))
+                yield too_few(steps)
         elif self.goal_reached:
             yield "the goal holds already; this is worth doing all the same:"
 
@@ -302,6 +304,11 @@ def plan_result(
         horizon_stated=job.problem.horizon is not None,
         course_chance=_course_chance(job, found),
     )
+
+
+def too_few(steps: int) -> str:
+    """What helps where the usual horizon, of so many steps, may be too short for a problem's goal."""
+    return _TOO_FEW.format(within=plural(steps, "action"), longer=longer_horizon(steps))
 
 
 def longer_horizon(steps: int) -> int:

@@ -13,6 +13,7 @@ from typing import Any
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, refuse_learning_pddl
 from cleancli.api.plain import plain
+from cleancli.api.plans import too_few
 from cleancli.api.resuming import Note, last_checkpoint, reopened, unfinished
 from cleancli.api.run_session import (
     Inputs,
@@ -25,10 +26,11 @@ from cleancli.api.run_session import (
 )
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
+from cleancli.compiler.ground import ground
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
-from cleancli.execution.loop import clean
+from cleancli.execution.loop import IDLE, clean
 from cleancli.execution.session import Session
 from cleancli.execution.setup import EpisodeOptions, EpisodeSetup, Job, discounts_time
 from cleancli.execution.strategies import STRATEGIES
@@ -88,7 +90,8 @@ class OpenedRun:
 @dataclass(frozen=True, slots=True)
 class RunResult:
     """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world.
-    `evidence`: what it and the runs before it have seen, to learn from."""
+    `evidence`: what it and the runs before it have seen, to learn from. `short_horizon`: that of the first
+    plan, where the problem states none and no plan was believed to reach its goal."""
 
     folder: Path
     clean: bool
@@ -100,6 +103,7 @@ class RunResult:
     video: bool
     record: Mapping[str, object]
     evidence: Evidence = field(default=NO_EVIDENCE, repr=False)
+    short_horizon: int | None = None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""
@@ -120,6 +124,8 @@ class RunResult:
         yield (f"{'' if self.clean else 'not '}{done}: {self.reason}, after {plural(self.actions, 'action')}")
         if self.told:
             yield f"in the end: {self.told}"
+        if self.short_horizon is not None:
+            yield too_few(self.short_horizon)
         if kinds:
             spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
             yield f"seconds: {sum(self.seconds.values()):.1f} ({spent})"
@@ -153,7 +159,15 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
         filmed,
         record,
         saved.evidence,
+        _short_horizon(inputs, ended.clean, ended.reason),
     )
+
+
+def _short_horizon(inputs: Inputs, done: bool, reason: str) -> int | None:
+    given = inputs.given
+    if done or not isinstance(given, Problem) or given.horizon is not None or not given.goal:
+        return None
+    return ground(inputs.domain, given).horizon if reason.startswith(IDLE) else None
 
 
 @contextmanager
@@ -351,6 +365,7 @@ def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str
         told,
         filmed,
         record,
+        short_horizon=_short_horizon(run.inputs, ended.clean, ended.reason),
     )
 
 

@@ -18,7 +18,7 @@ from cleancli.api.inputs import (
     load_problem,
 )
 from cleancli.api.plain import fields_of, plain
-from cleancli.api.plans import TOO_FEW, longer_horizon
+from cleancli.api.plans import too_few
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
@@ -104,9 +104,7 @@ class SimulationResult:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
         if self.short_horizon is not None:
-            yield TOO_FEW.format(
-                within=plural(self.short_horizon, "action"), longer=longer_horizon(self.short_horizon)
-            )
+            yield too_few(self.short_horizon)
 
 
 def simulate(

@@ -32,6 +32,7 @@ from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.progress import working
 from cleancli.cli.recordings import refuse_without_rerun
+from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
 from cleancli.cli.views.teacher import ask
@@ -263,6 +264,8 @@ def command(
         return _rehearse(inputs, rehearsal)
     if teacher == ASK and said.silently:
         raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
+    if isinstance(inputs.given, Problem) and not structure:
+        tell_unreached(inputs.sources, inputs.domain, inputs.given)
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
