@@ -67,6 +67,16 @@ def test_a_simulation_says_so_where_planners_give_up(
     assert HINT not in told(tmp_path, capsys, "simulate", GOAL)
 
 
+def test_a_simulation_says_where_episodes_are_longer_than_a_plan(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/simulation.md: then the mean return may be more than the value of a plan."""
+    fixed = "the horizon is fixed: each plan looks 3 actions ahead again"
+    assert fixed in told(tmp_path, capsys, "simulate", f"{GOAL} horizon = 3", "0.3")
+    assert fixed not in told(tmp_path, capsys, "simulate", f"{GOAL} horizon = 3", "1")
+    assert fixed not in told(tmp_path, capsys, "simulate", f"{GOAL} horizon = 1 + left", "0.3")
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

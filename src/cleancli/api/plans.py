@@ -356,7 +356,9 @@ def evaluation_result(
     )
 
 
-_OF_A_POLICY = "steps: of the sequence, each done once; the policy goes by what it sees, and tries again"
+_OF_A_POLICY = (
+    "steps and branches: of the sequence, each done once; the policy goes by what it sees, and tries again"
+)
 
 _TAKES = {
     Objective.PROBABILITY: "actions",

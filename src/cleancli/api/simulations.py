@@ -28,6 +28,7 @@ from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
+from cleancli.language.model import Horizon, Problem
 from cleancli.learning.experience import Transition, encode
 from cleancli.planning.choice import planner_named
 from cleancli.planning.refusal import planning_refused
@@ -43,7 +44,8 @@ from cleancli.simulation.symbolic_world import world_of
 class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
     those of all planners, and those of their own that these have. `short_horizon`: that of the first plan,
-    where the problem states none and episodes were given up."""
+    where the problem states none and episodes were given up. `fixed_horizon`: that of every plan, where the
+    problem states one that is the same in all states, and episodes took more actions."""
 
     problem: str
     domain: str
@@ -56,6 +58,7 @@ class SimulationResult:
     planners: tuple[Summary, ...]
     episodes: tuple[tuple[Episode, ...], ...]
     short_horizon: int | None
+    fixed_horizon: int | None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli simulate --json` prints."""
@@ -105,6 +108,11 @@ class SimulationResult:
             yield f"{summary.planner} ended: {reasons}"
         if self.short_horizon is not None:
             yield too_few(self.short_horizon)
+        if self.fixed_horizon is not None:
+            yield (
+                f"the horizon is fixed: each plan looks {plural(self.fixed_horizon, 'action')} ahead again,"
+                " so that the return may be more than the value of one plan"
+            )
 
 
 def simulate(
@@ -202,6 +210,7 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         planners=tuple(summaries),
         episodes=found,
         short_horizon=_short_horizon(setup, chain(*found)),
+        fixed_horizon=_fixed_horizon(setup.problem, chain(*found)),
     )
 
 
@@ -210,6 +219,14 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> int | None:
     given_up = any(each.reason is Reason.IDLE and each.success is False for each in played)
     unstated = setup.problem.horizon is None
     return ground(setup.domain, setup.problem).horizon if given_up and unstated else None
+
+
+def _fixed_horizon(problem: Problem, played: Iterable[Episode]) -> int | None:
+    """How far each plan looks ahead, where that does not depend on the state and episodes were longer."""
+    horizon = problem.horizon
+    if not isinstance(horizon, Horizon) or horizon.count is not None:
+        return None
+    return horizon.constant if any(len(each.actions) > horizon.constant for each in played) else None
 
 
 def experience_of(setup: Batch, planner: str, played: Iterable[Episode]) -> Iterator[str]:
