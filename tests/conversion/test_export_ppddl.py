@@ -361,3 +361,25 @@ def test_what_makes_no_sense_is_told(tmp_path: Path) -> None:
         cleancli.convert("cleaning", "two_groups", to="ppddl")
     with pytest.raises(Refused, match="E001"):
         cleancli.convert("cleanin", to="ppddl")
+
+
+@pytest.mark.parametrize("to", ["ppddl", "rddl", "libprada"])
+def test_what_costs_by_its_objects_is_refused_and_not_dropped(to: str) -> None:
+    """libPRADA alone has no costs at all, and its notes say so."""
+    text = """
+    domain d {
+      types { place }
+      predicates { at(?p - place) }
+      functions { far(?p ?q - place): 0..5 [static] }
+      actions { go(?p ?q - place) [cost = 1 + far(?p, ?q)] }
+      rule go_it: go(?p, ?q) { when at(?p) then 1: not at(?p), at(?q) }
+      reward { goal }
+    }
+    """
+    init = "init { at(a), far(a, a) = 2 } goal { at(a) } horizon = 3"
+    problem = f"problem p {{ domain = d objects {{ a - place }} {init} }}"
+    if to == "libprada":
+        assert "costs" in cleancli.convert(text, problem, to=to).notes[0]
+        return
+    with pytest.raises(Refused, match="what `go` costs depends on its objects"):
+        cleancli.convert(text, problem, to=to)

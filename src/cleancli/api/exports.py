@@ -21,6 +21,11 @@ from cleancli.language.load import kind_of, read_source
 from cleancli.language.model import Domain, Horizon, Problem, Unlimited, wanted_decreased
 from cleancli.planning.plan import BadOption
 
+_LANGUAGES = {"ppddl": "PPDDL", "libprada": "libPRADA", "rddl": "RDDL"}
+"""What messages call them."""
+
+_ONE_COST = "give it one cost, as `[cost = 3]`; costs by functions are not written yet"
+
 
 def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -> ConversionResult:
     """The files of another language, `to`, that a domain and its problems become: names of shipped files,
@@ -28,15 +33,17 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     check_one_of("noise", noise, NOISE)
     domain, problems = _opened(files, include_outside)
     models = [each.model for each in problems if isinstance(each.model, Problem)]
+    unsaid = Unsaid(_LANGUAGES[to], domain.sources)
+    for action in domain.model.actions:
+        if action.cost_parts and to != "libprada":  # which has no costs at all, as its notes say
+            unsaid.note(f"what `{action.name}` costs depends on its objects", help=_ONE_COST)
     if to == "ppddl":
-        return _result(domain, problems, ppddl(domain.model, models, noise, Unsaid("PPDDL", domain.sources)))
+        return _result(domain, problems, ppddl(domain.model, models, noise, unsaid))
     if len(models) != 1:
         raise BadOption("give one problem: only in PPDDL a domain stands for itself")
     (problem,) = models
     if to == "libprada":
-        files_of = libprada(domain.model, problem, noise, Unsaid("libPRADA", domain.sources))
-        return _of_libprada(domain, problem, files_of)
-    unsaid = Unsaid("RDDL", domain.sources)
+        return _of_libprada(domain, problem, libprada(domain.model, problem, noise, unsaid))
     made = rddl(domain.model, problem, _steps(domain.model, problem), noise, unsaid)
     return _result(domain, problems, made)
 
