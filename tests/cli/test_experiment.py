@@ -45,7 +45,7 @@ def test_it_leaves_rows_and_the_study_and_says_what_it_came_to(
     assert sorted(path.name for path in folder.iterdir()) == [LINES, CSV, PARQUET, "symbolic.nid"]
     assert (folder / "symbolic.nid").read_text(encoding="utf-8") == SMALL
     assert tuple(map(comparable, read_rows(folder / PARQUET))) == rows_here(opened(SMALL))
-    assert "estimator     episodes  clean" in printed
+    assert "estimator     episodes  finished" in printed
     assert printed.endswith("4 rows, 4 episodes carried out: experiments/small/\n")
 
 

@@ -185,3 +185,13 @@ def test_a_line_a_cell_tells_what_the_study_came_to() -> None:
     assert cells_table(score.study, rows_of).rows == (("0.08", "2", "1", "0.75"), ("0.12", "1", "0", "0.25"))
     in_parts = [replace(row, part=part) for row, part in zip(rows_of, "aab", strict=True)]
     assert cells_table(study.study, in_parts).rows[1][:2] == ("b", "0.12")
+
+
+def test_of_problems_the_table_tells_what_finished_and_no_two_columns_have_one_name() -> None:
+    (study,) = opened("study s { scene = three_areas  measure = clean  runs = 1 }")
+    own = [replace(ALL[0], axes={"simulator": "symbolic"}, clean=done) for done in (True, True, False, True)]
+    for world, done in (("symbolic", "finished"), ("physics", "clean")):
+        table = cells_table(study.study, [replace(row, axes={"simulator": world}) for row in own])
+        assert table.heads == ("episodes", done, f"share {done}")
+        assert table.rows == (("4", "3", "0.75"),)
+    assert list(ending(study.study, own)) == [f"not finished: {own[2].reason} 1"]

@@ -255,3 +255,5 @@ def test_of_the_symbolic_world_nothing_is_called_clean() -> None:
     assert "of the second did not finish." in told
     assert "clean" not in told
     assert "dirt" not in told
+    (figure, *_) = results_of(replace(STUDY, measure="clean", comparisons=()), rows).figures[""]
+    assert figure.shows == "the share of episodes that finished"

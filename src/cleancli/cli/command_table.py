@@ -99,7 +99,7 @@ COMMANDS: Mapping[str, CommandRow] = MappingProxyType(
             "How well planners do in the symbolic world, over many episodes.", (_DOMAIN, _PROBLEM)
         ),
         "execute": CommandRow(
-            "Clean a simulated table: look, plan, act, until it is clean.",
+            "Clean a simulated table, or carry out a problem by its rules: look, plan, act.",
             (Argument("domain", domains, settings=_MAYBE), Argument("problem", problems, settings=_MAYBE)),
         ),
         "experiment": CommandRow(

@@ -8,12 +8,12 @@ from statistics import mean
 from cleancli.api.tables import TextTable
 from cleancli.execution.loop import seconds_reached
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row, endings
+from cleancli.study.row import MEASURES, Row, endings, words_for
 
 
 def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
     """Of each cell its part, the values that differ between cells, episodes, how many of them ended clean,
-    and the mean of the study's measure over those, or over all where it tells something of each."""
+    or finished, and the mean of the study's measure over those, or over all where it tells something of each."""
     by_cell: dict[tuple[str, ...], list[Row]] = {}
     axes = [axis for axis in dict.fromkeys(a for row in rows for a in row.axes) if _differs(axis, rows)]
     has_parts = any(row.part for row in rows)
@@ -25,7 +25,9 @@ def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
         counts = [measure.of(row) for row in own if row.clean or measure.always]
         clean = str(sum(row.clean for row in own))
         lines.append((*cell, str(len(own)), clean, f"{mean(counts):.4g}" if counts else ""))
-    heads = (*(("part",) if has_parts else ()), *axes, "episodes", "clean", study.measure)
+    done = words_for(rows).done
+    shown = f"share {done}" if study.measure == "clean" else study.measure
+    heads = (*(("part",) if has_parts else ()), *axes, "episodes", done, shown)
     return TextTable(heads, tuple(lines), range(len(heads) - 3))
 
 
@@ -36,7 +38,9 @@ def ending(study: Study, rows: Sequence[Row]) -> Iterator[str]:
     if reasons:
         reached = seconds_reached(study.limits.max_seconds)
         raised = any(row.reason == reached for row in rows)
-        yield f"not clean: {reasons}" + ("; `max_seconds` of the study raises the limit" if raised else "")
+        yield f"{words_for(rows).other}: {reasons}" + (
+            "; `max_seconds` of the study raises the limit" if raised else ""
+        )
 
 
 def _differs(axis: str, rows: Sequence[Row]) -> bool:

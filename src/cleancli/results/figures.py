@@ -18,7 +18,7 @@ import numpy as np
 
 from cleancli.report.timeline import in_order
 from cleancli.results.layout import Grid, grid_of
-from cleancli.study.row import MEASURES, Row
+from cleancli.study.row import Row, meaning_of, words_for
 
 _COLOURS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#f0e442", "#000000")
 _HATCHES = ("", "////", "....", "xxxx")
@@ -91,7 +91,7 @@ def figures_of(name: str, rows: Sequence[Row], measure: str) -> tuple[Figure, ..
 
 def _means(name: str, rows: Sequence[Row], measure: str) -> Figure:
     grid = grid_of(rows, measure)
-    shows = MEASURES[measure].meaning
+    shows = meaning_of(measure, words_for(rows))
     return _drawn(name, shows, [grid], _lines) if grid.is_line else _drawn(name, shows, _panels(grid), _bars)
 
 

@@ -30,6 +30,7 @@ from cleancli.study.row import (
     axes_of,
     endings,
     is_crowded,
+    meaning_of,
     words_for,
 )
 
@@ -187,7 +188,7 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
     measures = dict.fromkeys((study.measure, "actions", *(("left",) if words is CLEAN else ())))
     always = MEASURES[study.measure].always
     columns = [cells(rows, axes, measure, always) for measure in measures]
-    names = [*axes, "runs", f"episodes {words.other}", *(MEASURES[measure].meaning for measure in measures)]
+    names = [*axes, "runs", f"episodes {words.other}", *(meaning_of(measure, words) for measure in measures)]
     yield _table(names, (_cell(same) for same in zip(*columns, strict=True)))
 
 

@@ -60,7 +60,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A number that a row tells, and what it means. `is_real`: it holds real time. `always`: it says
+    """A number that a row tells, and what it means; `{ended}` in that is as in `Words`. `is_real`: it holds real time. `always`: it says
     something also of an episode that did not end clean, and is not of the way there. `of_tables`: it says
     nothing of problems that are no scenes."""
 
@@ -110,9 +110,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             always=True,
             of_tables=True,
         ),
-        "clean": Measure(
-            lambda row: float(row.clean), "1 where the episode ended clean, else 0", always=True
-        ),
+        "clean": Measure(lambda row: float(row.clean), "the share of episodes that {ended}", always=True),
     }
 )
 """By name."""
@@ -158,14 +156,24 @@ class Words(NamedTuple):
     ended: str
     failed: str
     never: str
-    other: str
+    done: str
+
+    @property
+    def other(self) -> str:
+        """What the others are."""
+        return f"not {self.done}"
 
 
-CLEAN = Words("ended clean", "did not end clean", "never ended clean", "not clean")
-FINISHED = Words("finished", "did not finish", "never finished", "not finished")
+CLEAN = Words("ended clean", "did not end clean", "never ended clean", "clean")
+FINISHED = Words("finished", "did not finish", "never finished", "finished")
 """In the symbolic world, where nothing is said to be dirty."""
 
 
 def words_for(rows: Iterable[Row]) -> Words:
     """The words for rows of which all are of the symbolic world, or some are of tables."""
     return FINISHED if {row.axes.get("simulator") for row in rows} == {SYMBOLIC} else CLEAN
+
+
+def meaning_of(measure: str, words: Words) -> str:
+    """What a measure means, in the words of the world that rows are of."""
+    return MEASURES[measure].meaning.format(ended=words.ended)
