@@ -177,6 +177,7 @@ def test_a_person_is_asked_and_told_of_bad_input(
     words = "execute own.nid p.nid --world true.nid --strategy explore --learn --no-video --seed 4"
     assert run([*words.split(), "--teacher", "ask", "--max-actions", "30"]) == ExitCode.NOT_CLEAN
     told = "".join(capsys.readouterr())
+    assert "W403" not in told, "what no rule reaches yet is what is to be learned"
     assert "no plan is believed to reach the goal; known least: push (never tried)" in told
     assert "unknown action `opne`" in told
     assert "shown: push(a)" in told

@@ -264,7 +264,7 @@ def command(
         return _rehearse(inputs, rehearsal)
     if teacher == ASK and said.silently:
         raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
-    if isinstance(inputs.given, Problem) and not structure:
+    if isinstance(inputs.given, Problem) and not inputs.options.structure:
         tell_unreached(inputs.sources, inputs.domain, inputs.given)
     is_own, may_include = is_own_file(domain), may_include_outside()
     series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
