@@ -136,6 +136,14 @@ def test_enough_runs_without_a_ratio_are_not_called_too_few() -> None:
     assert reason(few) == "4 runs are too few; at least 5 are needed"
 
 
+def test_the_table_counts_the_pairs_that_are_as_expected() -> None:
+    """`plan-2` takes half as long as `reactive` in each pair."""
+    said = against("reactive")
+    for expect, told in (("less", "less in 100%"), ("more", "more in 0%"), ("equal", "less in 100%")):
+        study = replace(STUDY, comparisons=(replace(said, expect=expect),))
+        assert f"| {told} |" in results_page([results_of(study, rows_of(8))])
+
+
 def test_where_nobody_ended_clean_nothing_is_decided_and_that_is_said_first() -> None:
     rows = [replace(row, clean=False) for row in rows_of(8)]
     limited = replace(against(""), second={}, limit=1.0)

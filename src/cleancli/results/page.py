@@ -137,7 +137,7 @@ Numbers of this page: `cleancli experiment`.
 
 _COMPARED = (
     *("comparison", "measure", "pairs", "first", "second", "ratio", "difference"),
-    *("first is less in", "effect", "p", "Holm", "verdict"),
+    *("the first is", "effect", "p", "Holm", "verdict"),
 )
 
 
@@ -223,10 +223,18 @@ def _compared(each: Judged) -> tuple[str, ...]:
         _interval(sides.second),
         _interval(sides.paired.ratio),
         f"{_interval(sides.difference)} in {sides.difference.count}" if sides.difference.count else "",
-        "" if isnan(sides.paired.lesser) else f"{sides.paired.lesser:.0%}",
+        _leaning(each.comparison.expect, sides.paired.lesser),
         _number(sides.paired.effect),
         *tests,
     )
+
+
+def _leaning(expect: str, lesser: float) -> str:
+    """In how many pairs the first is as it is expected to be; where both are to be equal, in how many it is
+    less. A tie is half a pair to either side."""
+    if isnan(lesser):
+        return ""
+    return f"more in {1 - lesser:.0%}" if expect == "more" else f"less in {lesser:.0%}"
 
 
 def _verdict(each: Judged, words: Words) -> str:
