@@ -10,6 +10,7 @@ from random import Random
 
 import pytest
 
+from cleancli.experiment.summary import cells_table
 from cleancli.results.claims import CLAIMS
 from cleancli.results.judged import judged
 from cleancli.results.page import PAGE, Results, reason, results_of, results_page, write_results
@@ -142,6 +143,17 @@ def test_the_table_counts_the_pairs_that_are_as_expected() -> None:
     for expect, told in (("less", "less in 100%"), ("more", "more in 0%"), ("equal", "less in 100%")):
         study = replace(STUDY, comparisons=(replace(said, expect=expect),))
         assert f"| {told} |" in results_page([results_of(study, rows_of(8))])
+
+
+def test_a_cell_that_a_planner_refused_has_no_mean() -> None:
+    study = replace(STUDY, measure="clean", comparisons=())
+    of_tsp = [replace(row, clean=False, reason="refused: no horizon") for row in rows_of(6)]
+    rows = [a if b.axes["strategy"] != "tsp" else b for a, b in zip(rows_of(6), of_tsp, strict=True)]
+    page = results_page([results_of(study, rows)])
+    assert page.count("| refused | refused | refused |") == 2
+    few = [*rows, replace(next(row for row in rows if row.axes["strategy"] == "tsp"), reason="nothing helps")]
+    assert results_page([results_of(study, few)]).count("| refused | refused | refused |") == 1
+    assert {line[-1] for line in cells_table(study, rows).rows} == {"1", "refused"}
 
 
 def test_where_nobody_ended_clean_nothing_is_decided_and_that_is_said_first() -> None:

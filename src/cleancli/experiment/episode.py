@@ -29,7 +29,7 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.scene.check import load_scene
 from cleancli.scene.model import Scene
 from cleancli.study.model import Limits, Value
-from cleancli.study.row import Row
+from cleancli.study.row import REFUSED, Row
 from cleancli.study.schema import NOTHING
 
 DECIDING = ("cleancli", "pybullet")
@@ -120,7 +120,7 @@ def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
                     elif isinstance(event, Ended):
                         ended = event
         except Refused as refused:  # by a planner: it has not cleaned the table
-            reason = f"refused: {refused.diagnostics[0].message}"
+            reason = f"{REFUSED}{refused.diagnostics[0].message}"
             ended = Ended(reason, False, state.actions, state.spent, session.cell.clock, 0.0)
         truth = session.truth()
     assert ended is not None, "an episode's last event closes it"

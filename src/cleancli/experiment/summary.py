@@ -8,12 +8,13 @@ from statistics import mean
 from cleancli.api.tables import TextTable
 from cleancli.execution.loop import seconds_reached
 from cleancli.study.model import Study
-from cleancli.study.row import MEASURES, Row, endings, words_for
+from cleancli.study.row import MEASURES, Row, all_refused, endings, words_for
 
 
 def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
-    """Of each cell its part, the values that differ between cells, episodes, how many of them ended clean,
-    or finished, and the mean of the study's measure over those, or over all where it tells something of each."""
+    """Of each cell its part, the values that differ between cells, episodes, how many of them ended clean (of
+    problems: finished), and the mean of the study's measure over those, or over all where it tells something
+    of each; "refused" where a planner refused all."""
     by_cell: dict[tuple[str, ...], list[Row]] = {}
     axes = [axis for axis in dict.fromkeys(a for row in rows for a in row.axes) if _differs(axis, rows)]
     has_parts = any(row.part for row in rows)
@@ -24,7 +25,8 @@ def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
     for cell, own in by_cell.items():
         counts = [measure.of(row) for row in own if row.clean or measure.always]
         clean = str(sum(row.clean for row in own))
-        lines.append((*cell, str(len(own)), clean, f"{mean(counts):.4g}" if counts else ""))
+        shown = "refused" if all_refused(own) else f"{mean(counts):.4g}" if counts else ""
+        lines.append((*cell, str(len(own)), clean, shown))
     done = words_for(rows).done
     shown = f"share {done}" if study.measure == "clean" else study.measure
     heads = (*(("part",) if has_parts else ()), *axes, "episodes", done, shown)

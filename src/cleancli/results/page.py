@@ -27,6 +27,7 @@ from cleancli.study.row import (
     MEASURES,
     Row,
     Words,
+    all_refused,
     axes_of,
     endings,
     is_crowded,
@@ -207,7 +208,9 @@ def _cell(same: Sequence[Cell]) -> tuple[str, ...]:
     """A row of the table of means: one cell by several measures."""
     values = ("" if value is None else str(value) for value in same[0].values)
     dirty = sum(not row.clean for row in same[0].rows)
-    return *values, str(same[0].runs), str(dirty), *(_interval(cell.mean) for cell in same)
+    refused = all_refused(same[0].rows)
+    told = ("refused" if refused else _interval(cell.mean) for cell in same)
+    return *values, str(same[0].runs), str(dirty), *told
 
 
 def _compared(each: Judged) -> tuple[str, ...]:

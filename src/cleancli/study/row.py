@@ -16,6 +16,9 @@ REAL = ("planning", "perceiving", "extra_perceptions", "learning")
 CROWDED = 0.9
 """With less of a processor than this share of its real time, an episode shared it with others. Chosen."""
 
+REFUSED = "refused: "
+"""What the reason of an episode begins with that its planner refused."""
+
 SYMBOLIC = "symbolic"
 """The simulator of a problem that is no scene, as rows name it."""
 
@@ -142,6 +145,11 @@ def endings(rows: Iterable[Row]) -> str:
     ended clean."""
     reasons = Counter(row.reason for row in rows if not row.clean)
     return ", ".join(f"{reason} {number}" for reason, number in reasons.most_common())
+
+
+def all_refused(rows: Iterable[Row]) -> bool:
+    """Whether a planner refused each of some episodes, so that nothing was measured."""
+    return all(row.reason.startswith(REFUSED) for row in rows)
 
 
 def comparable(row: Row) -> Row:
