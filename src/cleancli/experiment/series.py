@@ -106,7 +106,7 @@ def _path(name: str, source: Source, kind: str) -> Path:
     for path in beside:
         if name not in shipped_names(kind) or kind_of(read_source(path)) in _KINDS[kind]:
             return path
-    return find(name, kind)
+    return find(name, kind, folder=folder)
 
 
 @contextmanager

@@ -13,11 +13,12 @@ _ONE = {"domains": "domain", "problems": "problem", "studies": "study"}
 """What a file of each shipped folder is."""
 
 
-def find(name_or_path: str, *kinds: str) -> Path:
+def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
     """A file that exists as it is given, else the shipped file of that name, with or without `.nid`.
 
-    `kinds` are the folders to seek a bare name in, in order. A folder that happens to have the name of a
-    shipped file does not hide it. Raises Refused (E001) that lists near names and all shipped ones.
+    `kinds` are the folders to seek a bare name in, in order; what lies in `folder` goes by its name too, and
+    is suggested where it is near. A folder that happens to have the name of a shipped file does not hide it.
+    Raises Refused (E001) that lists near names and all shipped ones.
     """
     path = Path(name_or_path)
     if path.is_file():
@@ -29,7 +30,8 @@ def find(name_or_path: str, *kinds: str) -> Path:
     if path.exists():
         return path
     names = [name for kind in kinds for name in shipped_names(kind)]
-    near = difflib.get_close_matches(path.stem, names, n=3, cutoff=0.5)
+    own = [] if folder is None else sorted(each.stem for each in folder.glob("*.nid"))
+    near = difflib.get_close_matches(path.stem, dict.fromkeys([*own, *names]), n=3, cutoff=0.5)
     beside = Path(f"{name_or_path}.nid")
     if beside.is_file():  # a bare name is that of a shipped file, and one's own file goes by its path
         near = [str(beside)]

@@ -144,7 +144,8 @@ class Choice:
             return None
         if self.choices is not None and value.text not in self.choices:
             what = self.what or report.key
-            report.findings.unknown("E506", what, value.text, value.span, self.choices)
+            most = len(self.choices)  # a setting has these values and no others
+            report.findings.unknown("E506", what, value.text, value.span, self.choices, most=most)
             return None
         return value.text
 

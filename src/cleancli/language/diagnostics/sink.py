@@ -19,6 +19,9 @@ RESERVED = frozenset(
 """Words that the grammar expects where names stand too; as a name they could not be used."""
 
 _FIRST = frozenset({"E401"})
+FEW = 8
+"""Names that a help line lists all of. Chosen."""
+
 _MOST_COMPARED = 100_000
 """Names that spellings are compared with, of all mistakes in a file: about a second's work."""
 
@@ -66,18 +69,25 @@ class Findings:
         self._found.append(Diagnostic(code, message, span, label, help, Level.WARNING))
 
     def unknown(
-        self, code: str, what: str, name: str, span: Span, known: Iterable[str], where: str = ""
+        self,
+        code: str,
+        what: str,
+        name: str,
+        span: Span,
+        known: Iterable[str],
+        where: str = "",
+        most: int = FEW,
     ) -> None:
         """Note a name that is not declared, with the near ones, or all of them where they are few."""
-        self.error(code, f"unknown {what} `{name}`{where}", span, help=self.meant(name, known, what))
+        self.error(code, f"unknown {what} `{name}`{where}", span, help=self.meant(name, known, what, most))
 
-    def meant(self, name: str, known: Iterable[str], what: str) -> str:
+    def meant(self, name: str, known: Iterable[str], what: str, most: int = FEW) -> str:
         """As the function `meant`, until it has been asked so often that nobody reads the answers."""
         names = set(known)
         if self._compared + len(names) > _MOST_COMPARED:
             return ""
         self._compared += len(names)
-        return meant(name, names, what)
+        return meant(name, names, what, most)
 
     def use(self, kind: str, name: str) -> None:
         """Note that something refers to a declared name."""
@@ -123,12 +133,12 @@ class Findings:
             raise Refused(self.sorted, self.sources)
 
 
-def meant(name: str, known: Iterable[str], what: str) -> str:
-    """A help line: "did you mean" or the list of what there is."""
+def meant(name: str, known: Iterable[str], what: str, most: int = FEW) -> str:
+    """A help line: "did you mean" or the list of what there is, where that are `most` at most."""
     names = sorted(set(known))
     near = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
     if near:
         return f"did you mean {' or '.join(f'`{n}`' for n in near)}?"
-    if 0 < len(names) <= 8:
+    if 0 < len(names) <= most:
         return f"known here: {', '.join(f'`{n}`' for n in names)}"
     return "" if names else f"no {what} is declared"
