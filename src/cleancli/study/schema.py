@@ -18,7 +18,7 @@ from cleancli.scene.schema import NEEDED, SECTIONS, TOP, Key
 from cleancli.study.kinds import Named, Text, option
 from cleancli.study.row import MEASURES
 
-STRATEGIES = ("plan-1", "plan-2", "plan-3", "plan-all", "determinized", "reactive", "wipe", "tsp")
+STRATEGIES = ("plan-1", "plan-2", "plan-3", "plan-all", "determinized", "explore", "reactive", "wipe", "tsp")
 """Those of `execution.strategies`, which takes long to load: a test holds them equal, and what follows."""
 USUAL_STRATEGIES = ("plan-2", "plan-1")
 """Where a study names none: for scenes, and for problems that are none."""
