@@ -155,7 +155,8 @@ def prepare(bases: Path, kinds: list[str], tables: bool) -> None:
     """What folders and looks are made of: two runs without a table, one with if `tables` are wanted, and the
     frames of a look. Loads the planner too, which each input's process then has."""
     for name in COMMANDS:
-        importlib.import_module(f"cleancli.cli.commands.{name}")  # once, and not in each input's process
+        # Once, and not in each input's process.
+        importlib.import_module(f"cleancli.cli.commands.{name.replace('-', '_')}")
     inputs.pairs()
     words = ["--quiet", *FEW, "--no-video"]
     symbolic = ["execute", "cleaning", "three_areas", "--seed", "5", *words]

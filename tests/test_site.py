@@ -52,7 +52,7 @@ def test_the_front_page_is_the_readme_without_what_is_about_the_repository(site:
 
 def test_a_value_and_its_error_stay_on_one_line(site: Path) -> None:
     page = (site / "measurements" / "execution.html").read_text(encoding="utf-8")
-    assert "99.7\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}0.3" in page
+    assert "99.6\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}0.4" in page
 
 
 def test_texts_of_the_language_are_coloured(site: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from cleancli.api.checks import DISCOUNTING, check_between, check_one_of, check_seconds
@@ -132,11 +133,7 @@ def execute_series(
 
     Raises what `execute` does, and where it is to `write` what `LearningResult.write` does.
     """
-    check_one_of("strategy", strategy, tuple(STRATEGIES))
-    check_one_of("planner", planner, tuple(PLANNERS))
-    check_one_of("objective", objective, DISCOUNTING)
-    check_one_of("job", job, [each.value for each in Job])
-    check_one_of("optimism", optimism, OPTIMISM)
+    _check_named(strategy, planner, objective, job, optimism)
     check_between(0, MOST, seed=seed, known=known, max_actions=max_actions)
     check_between(1, MOST, samples=samples)
     check_between(1, MOST_EPISODES, episodes=episodes)
@@ -148,16 +145,9 @@ def execute_series(
     if write:
         check_writable(given.domain.sources[0], is_writable)
     method = counting.method(given.domain.model) if learn else None
-    asked = EpisodeOptions(
-        strategy or usual_strategy(given.is_scene),
-        planner,
-        samples,
-        max_actions,
-        max_seconds,
-        learning=method,
-        optimism=optimism,
-        structure=structure,
-    )
+    chosen = strategy or usual_strategy(given.is_scene)
+    asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
+    asked = replace(asked, optimism=optimism, structure=structure)
     acting = None if world is None else load_domain(world)
     shown_by = None if teacher is None else load_domain(teacher)
     inputs = inputs_of(
@@ -174,6 +164,16 @@ def execute_series(
     series = Series(given, inputs, episodes, Path(runs), video, is_writable, write)
     *_, done = carried_out(series, lambda run: _followed(run, on_event))
     return done
+
+
+def _check_named(
+    strategy: str | None, planner: str | None, objective: str | None, job: str | None, optimism: str
+) -> None:
+    check_one_of("strategy", strategy, tuple(STRATEGIES))
+    check_one_of("planner", planner, tuple(PLANNERS))
+    check_one_of("objective", objective, DISCOUNTING)
+    check_one_of("job", job, [each.value for each in Job])
+    check_one_of("optimism", optimism, OPTIMISM)
 
 
 def resume(folder: str | Path, *, on_event: Follow = _unfollowed) -> RunResult:

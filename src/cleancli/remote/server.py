@@ -26,6 +26,8 @@ LARGEST_REQUEST = messages.MOST_WAYPOINTS * 5 * 8
 """Bytes of all arrays of a request."""
 RETRY = 0.05
 """Seconds until connections are accepted again after that failed."""
+LEAVING = 1.0
+"""Seconds in which a client that has gone is noticed, before another one is told that it has control."""
 PATIENCE = 5.0
 """Seconds that the rest of a message may take once it has begun, and that a client may take to accept a
 reply."""
@@ -144,6 +146,8 @@ class Server:
         fields.end()
         if version != messages.VERSION:
             return messages.error(f"this driver speaks version {messages.VERSION} of the protocol")
+        if wants_control:
+            self._wait_for_who_leaves(client)
         with self._guarding:
             before = None if self._controller is client else self._controller
             if wants_control and before is not None and not self.guard.state.trip:
@@ -154,6 +158,14 @@ class Server:
                 before.close()
             self._told("a client has control")
         return messages.reply(self.guard.state, **messages.described(self.guard.description))
+
+    def _wait_for_who_leaves(self, client: Transport) -> None:
+        """A connection that was closed just now is read to its end by a thread that may not have run yet."""
+        patient_until = time.monotonic() + LEAVING
+        while self._controller not in (None, client) and time.monotonic() < patient_until:
+            if self.guard.state.trip:
+                return
+            time.sleep(RETRY / 5)
 
     def _rearmed(self, fields: Fields) -> Message:
         fields.end()

@@ -63,9 +63,9 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A number that a row tells, and what it means; `{ended}` in that is as in `Words`. `is_real`: it holds real time. `always`: it says
-    something also of an episode that did not end clean, and is not of the way there. `of_tables`: it says
-    nothing of problems that are no scenes."""
+    """A number that a row tells, and what it means; `{ended}` in that is as in `Words`. `is_real`: it holds
+    real time. `always`: it says something also of an episode that did not end clean, and is not of the way
+    there. `of_tables`: it says nothing of problems that are no scenes."""
 
     of: Callable[[Row], float]
     meaning: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from contextlib import closing, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan
 from pathlib import Path
 
@@ -13,6 +13,7 @@ import click
 from click.core import ParameterSource
 
 from cleancli.api.checks import DISCOUNTING
+from cleancli.api.inputs import LoadedDomain
 from cleancli.api.lessons import Counting, is_own_file
 from cleancli.api.run_session import Inputs, open_session
 from cleancli.api.runs import (
@@ -235,49 +236,46 @@ def command(
         return _tell(_shown(results, said), said)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
-    if rrd is not None:
-        _check_rrd(rrd, episodes)
-    if write and not learn:
-        raise click.UsageError("--write writes what --learn has learned: ask for both")
+    _check_together(rrd, episodes, write, learn)
     given = open_given(domain, problem)
     if write and not is_own_file(domain):
         raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
-    known = _known(known, epsilon, delta)
-    asked = EpisodeOptions(
-        strategy or usual_strategy(given.is_scene),
-        planner,
-        samples,
-        max_actions,
-        max_seconds,
-        learning=method,
-        optimism=optimism,
-        structure=structure,
-        is_taught=teacher is not None,
-    )
+    known, chosen = _known(known, epsilon, delta), strategy or usual_strategy(given.is_scene)
+    asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
+    asked = replace(asked, optimism=optimism, structure=structure, is_taught=teacher is not None)
     acting = None if world is None else open_loaded(world)
-    shown_by = None if teacher in (None, ASK) else open_loaded(teacher)
+    shown_by = _shown_by(teacher, said)
     inputs = inputs_of(
         given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, teacher=shown_by
     )
     if rehearsal is not None:
         return _rehearse(inputs, rehearsal)
-    if teacher == ASK and said.silently:
-        raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
     if isinstance(inputs.given, Problem) and not inputs.options.structure:
         tell_unreached(inputs.sources, inputs.domain, inputs.given)
-    is_own, may_include = is_own_file(domain), may_include_outside()
-    series = Series(given, inputs, episodes, runs, video, is_own, write, may_include)
+    series = Series(given, inputs, episodes, runs, video, is_own_file(domain), write, may_include_outside())
     return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
 
 
-def _check_rrd(rrd: Path, episodes: int) -> None:
-    """Raises MissingPart without Rerun, BadParameter and UsageError where the file cannot be written."""
+def _check_together(rrd: Path | None, episodes: int, write: bool, learn: bool) -> None:
+    """Raises UsageError for options that do not go together; MissingPart without Rerun, BadParameter where
+    its file cannot be written."""
+    if write and not learn:
+        raise click.UsageError("--write writes what --learn has learned: ask for both")
+    if rrd is None:
+        return
     refuse_without_rerun()
     if not rrd.resolve().parent.is_dir():
         raise click.BadParameter(f"there is no folder `{rrd.parent}`", param_hint="--rrd")
     if episodes > 1:
         raise click.UsageError("--rrd writes one run, and --episodes carries out several: ask for one")
+
+
+def _shown_by(teacher: str | None, said: _Said) -> LoadedDomain | None:
+    """The rules of a teacher that is a file. Raises UsageError where a person would be asked unseen."""
+    if teacher == ASK and said.silently:
+        raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
+    return None if teacher in (None, ASK) else open_loaded(teacher)
 
 
 def _shown(results: Iterable[SeriesResult], said: _Said) -> SeriesResult:
