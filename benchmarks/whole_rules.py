@@ -85,8 +85,8 @@ def _drawn(
     domain: Domain, first: Sequence[Start], others: Sequence[Start], rng: np.random.Generator
 ) -> Hidden:
     """Transitions to learn from, and others of the test from other states."""
-    train = list(itertools.islice(walks(domain, first, rng), SIZES[-1]))
-    return Hidden(domain, train, list(itertools.islice(walks(domain, others, rng), 300)), first)
+    train, test = (list(itertools.islice(walks(domain, each, rng), SIZES[-1])) for each in (first, others))
+    return Hidden(domain, train, test[:300], first)
 
 
 def _read(path: Path, domain: Domain) -> Iterator[Transition]:

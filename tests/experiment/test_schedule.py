@@ -162,7 +162,7 @@ def test_episodes_are_small_where_they_are_sent(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_line_a_cell_tells_what_the_study_came_to() -> None:
     (study,) = opened("study s { scene = three_areas measure = actions runs = 1 }")
-    (score,) = opened("study s { scene = three_areas measure = score runs = 1 }")
+    score = replace(study.study, measure="score")
     rows_of = [
         replace(row, axes={**row.axes, "rag.width": width}, actions=actions, clean=clean, score=share)
         for row, width, actions, clean, share in (
@@ -174,15 +174,15 @@ def test_a_line_a_cell_tells_what_the_study_came_to() -> None:
     given_up = replace(rows_of[2], reason="the limit of 1800 seconds is reached")
     told = [*rows_of[:1], replace(rows_of[1], reason="nothing helps"), given_up, given_up]
     assert list(ending(study.study, told)) == [
-        "not clean: the limit of 1800 seconds is reached 2, nothing helps 1"
+        "not finished: the limit of 1800 seconds is reached 2, nothing helps 1"
         "; `max_seconds` of the study raises the limit"
     ]
-    assert list(ending(study.study, told[:2])) == ["not clean: nothing helps 1"]
+    assert list(ending(study.study, told[:2])) == ["not finished: nothing helps 1"]
     assert not list(ending(study.study, rows_of[:1]))
     table = cells_table(study.study, rows_of)
-    assert table.heads == ("rag.width", "episodes", "clean", "actions")
+    assert table.heads == ("rag.width", "episodes", "finished", "actions")
     assert table.rows == (("0.08", "2", "1", "4"), ("0.12", "1", "0", ""))
-    assert cells_table(score.study, rows_of).rows == (("0.08", "2", "1", "0.75"), ("0.12", "1", "0", "0.25"))
+    assert cells_table(score, rows_of).rows == (("0.08", "2", "1", "0.75"), ("0.12", "1", "0", "0.25"))
     in_parts = [replace(row, part=part) for row, part in zip(rows_of, "aab", strict=True)]
     assert cells_table(study.study, in_parts).rows[1][:2] == ("b", "0.12")
 
