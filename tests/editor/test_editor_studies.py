@@ -48,7 +48,7 @@ TOP = {*OWN, *AXES, *INNER[""]}
         ("study s { domain = |", set(shipped_names("domains"))),
         (
             "study s { strategy = |",
-            {"plan_1", "plan_2", "plan_3", "plan_all", "determinized", "reactive", "wipe", "tsp"},
+            {"plan_1", "plan_2", "plan_3", "plan_all", "determinized", "explore", "reactive", "wipe", "tsp"},
         ),
         ("study s { estimator = none, |", {"none", "decreasing_m", "m", "fitted_m", "likelihood"}),
         ("study s { simulator = |", {"physics", "stand_in"}),
