@@ -84,6 +84,8 @@ def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.
         acting = [rule for rule in library.rules if rule.action.symbol == action]
         found = [_done(rule, arguments, world, objects) for rule in acting]
         actual = [each for each in found if each is not None]
+        if len(actual) > 1:  # where more than one rule covers, the default rule counts (Pasula et al. 2007)
+            actual = []
         if actual != wanted:
             yield f"{action}{names} in {sorted(world)}: {actual} and not {wanted}"
 
