@@ -196,6 +196,7 @@ def test_the_slider_shows_one_step_at_a_time(browser: Browser, tmp_path: Path) -
     page.keyboard.press("End")
     assert page.evaluate(SHOWN) == [False, False, False, True]
     page.locator(".time a[href='#step-2']").first.click()
+    page.wait_for_function("document.querySelector('#at').value === '2'")  # the address changes first
     assert page.evaluate(SHOWN) == [False, False, True, False]
     assert page.locator("#at").input_value() == "2"
     page.locator("#all").check()
