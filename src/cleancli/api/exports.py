@@ -8,7 +8,7 @@ from pathlib import Path
 from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
-from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.horizon import first_horizon
 from cleancli.conversion.export.libprada import libprada
 from cleancli.conversion.export.ppddl import NOISE, Written, ppddl
 from cleancli.conversion.export.rddl import rddl
@@ -18,7 +18,7 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import kind_of, read_source
-from cleancli.language.model import Domain, Horizon, Problem, Unlimited, wanted_decreased
+from cleancli.language.model import Problem
 from cleancli.planning.plan import BadOption
 
 _LANGUAGES = {"ppddl": "PPDDL", "libprada": "libPRADA", "rddl": "RDDL"}
@@ -44,7 +44,7 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     (problem,) = models
     if to == "libprada":
         return _of_libprada(domain, problem, libprada(domain.model, problem, noise, unsaid))
-    made = rddl(domain.model, problem, _steps(domain.model, problem), noise, unsaid)
+    made = rddl(domain.model, problem, first_horizon(domain.model, problem), noise, unsaid)
     return _result(domain, problems, made)
 
 
@@ -53,18 +53,6 @@ def _of_libprada(domain: LoadedDomain, problem: Problem, made: Written) -> Conve
     texts = {problem.name: made.texts["state.dat"]}
     rules = made.texts["rules.dat"]
     return ConversionResult(domain.name, rules, texts, {}, made.notes, (), (), made.texts, made.names)
-
-
-def _steps(domain: Domain, problem: Problem) -> int:
-    """The horizon that a problem has in its initial state (§4.2.2); 0 where there is none."""
-    horizon = problem.horizon or Horizon(1, wanted_decreased(domain))
-    if isinstance(horizon, Unlimited):
-        return 0
-    count = next((each for each in domain.counts if each.name == horizon.count), None)
-    if count is None:
-        return horizon.constant
-    view = StateView(domain, problem.objects, problem.state)
-    return horizon.constant + sum(1 for _ in view.extensions(count.variables, count.condition, {}))
 
 
 def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Written) -> ConversionResult:

@@ -26,7 +26,7 @@ from cleancli.api.run_session import (
 )
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.ground import ground
+from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
@@ -167,7 +167,7 @@ def _short_horizon(inputs: Inputs, done: bool, reason: str) -> int | None:
     given = inputs.given
     if done or not isinstance(given, Problem) or given.horizon is not None or not given.goal:
         return None
-    return ground(inputs.domain, given).horizon if reason.startswith(IDLE) else None
+    return first_horizon(inputs.domain, given) if reason.startswith(IDLE) else None
 
 
 @contextmanager

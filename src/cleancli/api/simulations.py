@@ -22,7 +22,7 @@ from cleancli.api.plans import too_few
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
-from cleancli.compiler.ground import ground
+from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
 from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
@@ -218,7 +218,7 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> int | None:
     """The horizon of the first plan, where the problem states none and planners gave episodes up."""
     given_up = any(each.reason is Reason.IDLE and each.success is False for each in played)
     unstated = setup.problem.horizon is None
-    return ground(setup.domain, setup.problem).horizon if given_up and unstated else None
+    return first_horizon(setup.domain, setup.problem) if given_up and unstated else None
 
 
 def _fixed_horizon(problem: Problem, played: Iterable[Episode]) -> int | None:
