@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from cleancli.conversion.export.formulas import Formulas, NotSaid
+from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,
@@ -43,18 +44,6 @@ from cleancli.language.model import (
 MOST_SHIFTS = 4
 """Shifts of one number, of which any may be of one thing, that one outcome may have. Chosen: there are
 changes for each of their subsets."""
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A predicate becomes `value` for some terms, for each binding of `variables` that `guard` holds for;
-    each of these variables is among the terms."""
-
-    variables: tuple[Variable, ...]
-    guard: Formula
-    symbol: str
-    terms: tuple[Term, ...]
-    value: bool
 
 
 @dataclass(frozen=True, slots=True)

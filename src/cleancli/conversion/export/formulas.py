@@ -149,6 +149,10 @@ class Formulas:
         """The formula with other terms in place of some."""
         return substituted(formula, terms, self.may_be_one)
 
+    def apart(self, formula: Formula, scope: Iterable[Variable]) -> Formula:
+        """The formula, no quantifier of which binds a variable of the scope anew."""
+        return self.renamed(formula, {variable: variable for variable in scope})
+
     def has_value(self, symbol: str, terms: tuple[Term, ...], values: Collection[Value]) -> Formula:
         """That a symbol's value is one of these; said by those that it is not where they are fewer."""
         declared = self.symbols[symbol]

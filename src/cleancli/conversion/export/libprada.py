@@ -12,11 +12,12 @@ from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import Change, changes_of
+from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.formulas import Formulas, NotSaid
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.ppddl import Written, closure_of, counted
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,

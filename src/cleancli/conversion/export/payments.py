@@ -11,8 +11,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import Change, hits
+from cleancli.conversion.export.changes import hits
 from cleancli.conversion.export.formulas import Formulas, NotSaid
+from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,

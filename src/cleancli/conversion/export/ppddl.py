@@ -10,12 +10,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import Change, changes_of
+from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.payments import Payment, payments_of
 from cleancli.conversion.export.s_expressions import Node, laid_out
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     Both,
@@ -240,7 +241,7 @@ class _Writer:
         yield self._typed(rule.variables)
         if known != ALWAYS:
             yield ":precondition"
-            yield self._formula(self._apart(known, rule.variables))
+            yield self._formula(self._formulas.apart(known, rule.variables))
         yield ":effect"
         yield _conjunction(effects)
 
@@ -259,7 +260,7 @@ class _Writer:
         acting = [(p, done) for p, done in branches if done != ("and",)]
         if len(branches) == 1:
             return [*(done for _, done in acting), *found]
-        chances = [part for p, done in acting for part in (_number(p), done)]
+        chances = [part for p, done in acting for part in (print_fraction(p), done)]
         return [*([("probabilistic", *chances)] if chances else []), *found]
 
     def _constant(self, action: Action) -> list[Node]:
@@ -270,7 +271,7 @@ class _Writer:
         if self._earned and price:
             found.append(_pay(price))
         if self._priced and action.cost:
-            found.append(("increase", ("total-cost",), _number(action.cost)))
+            found.append(("increase", ("total-cost",), print_fraction(action.cost)))
         return found
 
     def _payments(self, payments: Iterable[Payment], scope: tuple[Variable, ...]) -> Iterator[Node]:
@@ -301,14 +302,10 @@ class _Writer:
     ) -> Node:
         node = _conjunction(done)
         if guard != ALWAYS:
-            node = ("when", self._formula(self._apart(guard, (*scope, *variables))), node)
+            node = ("when", self._formula(self._formulas.apart(guard, (*scope, *variables))), node)
         return ("forall", self._typed(variables), node) if variables else node
 
     # ---- conditions
-
-    def _apart(self, formula: Formula, scope: Iterable[Variable]) -> Formula:
-        """The formula, no quantifier of which binds a variable of the scope anew."""
-        return self._formulas.renamed(formula, {variable: variable for variable in scope})
 
     def _formula(self, formula: Formula) -> Node:
         match formula:
@@ -381,7 +378,7 @@ class _Writer:
             return
         paid = weight_of(self._domain, RewardKind.GOAL)
         if problem.goal and paid:
-            yield (":goal-reward", _number(paid))
+            yield (":goal-reward", print_fraction(paid))
         yield (":metric", "maximize", ("reward",))
 
     # ---- what has to be told
@@ -467,11 +464,7 @@ def _conjunction(parts: Sequence[Node]) -> Node:
 
 
 def _pay(amount: Fraction) -> Node:
-    return ("increase" if amount > 0 else "decrease", ("reward",), _number(abs(amount)))
-
-
-def _number(value: Fraction) -> str:
-    return print_fraction(value)
+    return ("increase" if amount > 0 else "decrease", ("reward",), print_fraction(abs(amount)))
 
 
 def _text(node: Node, head: Sequence[str]) -> str:

@@ -13,11 +13,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import Change, changes_of, hits
+from cleancli.conversion.export.changes import changes_of, hits
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.ppddl import Written, closure_of, counted
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,
@@ -303,9 +304,6 @@ class _Writer:
     def _arguments(self, variables: Sequence[Variable]) -> str:
         return f"({', '.join(map(self._variable, variables))})" if variables else ""
 
-    def _apart(self, formula: Formula, scope: Sequence[Variable]) -> Formula:
-        return self._formulas.renamed(formula, {variable: variable for variable in scope})
-
     def _some(self, variables: Sequence[Variable], texts: Sequence[str]) -> str:
         """That all texts hold for some objects."""
         said = " ^ ".join(text for text in texts if text != "true") or "true"
@@ -383,7 +381,7 @@ class _Writer:
         """Where the rule applies, and which outcome it has."""
         rule = ruled.rule
         action = f"{self._name('action', rule.action)}{self._arguments(rule.variables)}"
-        known = self._formula(self._apart(ruled.known, rule.variables))
+        known = self._formula(self._formulas.apart(ruled.known, rule.variables))
         said = " ^ ".join([action, *self._fits(rule.variables), *([known] if ruled.known != ALWAYS else [])])
         yield f"{ruled.name}{self._arguments(rule.variables)} = {said};"
         if len(ruled.outcomes) > 1:
@@ -424,7 +422,9 @@ class _Writer:
                     hit = assuming(hits(change, terms, self._formulas), [ruled.known])
                     if hit != NEVER:
                         yield self._case(
-                            ruled, number, self._formula(self._apart(hit, [*terms, *ruled.rule.variables]))
+                            ruled,
+                            number,
+                            self._formula(self._formulas.apart(hit, [*terms, *ruled.rule.variables])),
                         )
 
     def _case(self, ruled: _Ruled, number: int, hit: str) -> str:
@@ -474,7 +474,7 @@ class _Writer:
             case RewardKind.DECREASE | RewardKind.COUNT:
                 (count,) = (each for each in self._domain.counts if each.name == term.count)
                 with self._unsaid.of(None, f"the count `{count.name}`"):
-                    formula = self._apart(self._formulas.condition(count.condition), count.variables)
+                    formula = self._formulas.apart(self._formulas.condition(count.condition), count.variables)
                     self._refuse_closures(None, f"the count `{count.name}`: ")
                     after = self._counted(count.variables, formula, after=True)
                     if term.kind is RewardKind.COUNT:
