@@ -18,8 +18,8 @@ from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.planning.plan import BadOption
-from support.export_texts import EVERYTHING, LAMPS, SOME
-from support.exported_ppddl import disagreements, drawn_values, meaning_of, written
+from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOUR
+from support.exported_ppddl import calls, cost, disagreements, drawn_values, meaning_of, written
 from support.random_domains import Generator
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks" / "domains"
@@ -78,6 +78,27 @@ def test_a_closure_has_the_pairs_that_steps_lead_between() -> None:
     }  # fmt: skip
     assert len(closure_of(state, "p", True)) == 9
     assert closure_of(state, "q", False) == frozenset()
+
+
+@pytest.mark.parametrize("horizon", ["horizon = unlimited }", "horizon = 3 }"])
+def test_costs_by_objects_are_numeric_functions_and_come_back(horizon: str) -> None:
+    domain, problem = models(DRIVEN, TOUR + horizon)
+    made = written(domain, problem)
+    functions = "(far-cost ?p ?q - place) (far-cost_2 ?p ?q - place) (toll) (steep ?p - place))"
+    assert functions in made.texts["driven.pddl"]
+    assert "(= (far-cost a b) 1/3)" in made.texts["tour.pddl"]
+    assert "(= (far-cost_2 a b) 2)" in made.texts["tour.pddl"]
+    assert "(steep-1 b)" in made.texts["tour.pddl"], "a condition asks for it, too"
+    assert "far-1" not in made.texts["tour.pddl"], "no condition does"
+    back = cleancli.convert(*made.texts.values())
+    returned = load_domain(Source("back.nid", back.domain))
+    again = load_problem(Source("again.nid", back.problems["tour"]), returned)
+    before = {(fact.symbol, fact.objects): fact.value for fact in problem.state}
+    after = {(fact.symbol, fact.objects): fact.value for fact in again.state}
+    every = list(calls(domain, problem))
+    assert len(every) == 9 + 3 + 1
+    for call in every:
+        assert cost(returned, after, *call) == cost(domain, before, *call)
 
 
 # ---- what they look like
@@ -363,23 +384,5 @@ def test_what_makes_no_sense_is_told(tmp_path: Path) -> None:
         cleancli.convert("cleanin", to="ppddl")
 
 
-@pytest.mark.parametrize("to", ["ppddl", "rddl", "libprada"])
-def test_what_costs_by_its_objects_is_refused_and_not_dropped(to: str) -> None:
-    """libPRADA alone has no costs at all, and its notes say so."""
-    text = """
-    domain d {
-      types { place }
-      predicates { at(?p - place) }
-      functions { far(?p ?q - place): 0..5 [static] }
-      actions { go(?p ?q - place) [cost = 1 + far(?p, ?q)] }
-      rule go_it: go(?p, ?q) { when at(?p) then 1: not at(?p), at(?q) }
-      reward { goal }
-    }
-    """
-    init = "init { at(a), far(a, a) = 2 } goal { at(a) } horizon = 3"
-    problem = f"problem p {{ domain = d objects {{ a - place }} {init} }}"
-    if to == "libprada":
-        assert "costs" in cleancli.convert(text, problem, to=to).notes[0]
-        return
-    with pytest.raises(Refused, match="what `go` costs depends on its objects"):
-        cleancli.convert(text, problem, to=to)
+def test_libprada_alone_has_no_costs_and_its_notes_say_so() -> None:
+    assert "costs" in cleancli.convert(DRIVEN, TOUR + "horizon = 3 }", to="libprada").notes[0]

@@ -13,7 +13,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.planning.plan import BadOption
 from support import exported_ppddl
-from support.export_texts import EVERYTHING, LAMPS, SOME
+from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOUR
 from support.exported_rddl import Simulated, chance_of, expected
 from support.shipped import shipped_domain, shipped_problem
 
@@ -81,6 +81,19 @@ def test_an_episode_ends_after_the_horizon_of_the_first_state(tmp_path: Path) ->
         "    horizon = 4;\n" in cleancli.convert("cleaning", "three_areas", to="rddl").problems["three_areas"]
     )
     assert "    horizon = 2;\n" in cleancli.convert(CONSTANTS, TWO, to="rddl").problems["two"]
+
+
+def test_costs_by_objects_are_paid(tmp_path: Path) -> None:
+    pytest.importorskip("pyRDDLGym")
+    domain = load_domain(Source("driven.nid", DRIVEN))
+    problem = load_problem(Source("tour.nid", TOUR + "horizon = 3 }"), domain)
+    simulated = Simulated(domain, problem, tmp_path, 3)
+    simulated.reset(0)
+    # 1.5 + 1/3 * far(?p, ?q) + 2 * far(?q, home) + toll()
+    assert simulated.step("drive", ("a", "home"))[1] == pytest.approx(-(1.5 + 2 / 3 + 0 + 2))
+    simulated.reset(0)
+    assert simulated.step("drive", ("a", "b"))[1] == pytest.approx(-(1.5 + 1 / 3 + 2 + 2))
+    assert simulated.step("sleep", ())[1] == pytest.approx(-0.25)
 
 
 LAMPS_RDDL = """\

@@ -17,6 +17,8 @@ domain everything {
     load(?b - box): -1..3
     total(): 0..5
     kind(?b - box): paper < glass [static]
+    far(?a ?b - box): 0..4 [static]
+    toll(): 1..3 [static]
   }
   derived {
     below(?a ?b - thing)  := closure under
@@ -29,12 +31,12 @@ domain everything {
   }
   parameters { half = 0.5 }
   actions {
-    push(?a ?b - box)   [duration = 2.5 s, cost = 2]
-    rinse(?t - thing)   [duration = 4 s]
+    push(?a ?b - box)   [duration = 2.5 s, cost = 2 + 1/3 * far(?a, ?b) + 2 * far(?b, first) + toll()]
+    rinse(?t - thing)   [duration = 4 s, cost = toll()]
     ring()              [duration = 1 s]
   }
   rule push_loaded: push(?a, ?b) {
-    when load(?a) >= 1, not alarm(), kind(?b) = paper, exists ?s - shelf: below(?a, ?s)
+    when load(?a) >= 1, not alarm(), kind(?b) = paper, toll() != 3, exists ?s - shelf: below(?a, ?s)
     then half: load(?a) += 2, load(?b) -= 1, load(first) += 1
          0.25: size(?a) := small, near(?a, ?b), if ?a != ?b, wet(?a) => (not wet(?a), wet(?b))
          1/8:  if wet(?a) => not wet(?a), if dry(?a) => wet(?a), forall ?o - box: near(?a, ?o) => at(?o, home)
@@ -71,6 +73,11 @@ problem some {
     size(b1) = small, size(b2) = big, size(c1) = medium, size(s1) = small, size(s2) = big, size(first) = small
     load(b1) = 2, load(b2) = 0, load(c1) = -1, load(first) = 3, total() = 2
     kind(b1) = paper, kind(b2) = paper, kind(c1) = glass, kind(first) = paper
+    toll() = 2
+    far(b1, b1) = 0, far(b1, b2) = 1, far(b1, c1) = 2, far(b1, first) = 3
+    far(b2, b1) = 4, far(b2, b2) = 0, far(b2, c1) = 1, far(b2, first) = 2
+    far(c1, b1) = 3, far(c1, b2) = 4, far(c1, c1) = 0, far(c1, first) = 1
+    far(first, b1) = 2, far(first, b2) = 3, far(first, c1) = 4, far(first, first) = 0
   }
   goal    { forall ?b - box: not wet(?b), total() = 5 }
   horizon = 4
@@ -96,3 +103,36 @@ domain lamps {
   reward { decrease(dark) - cost }
 }
 """
+
+DRIVEN = """
+domain driven {
+  types      { place }
+  constants  { home - place }
+  predicates { at(?p - place)  tired(?p - place) }
+  functions  { far(?p ?q - place): 0..9 [static]  toll(): 1..3 [static]  steep(?p - place): 0..1 [static] }
+  actions    {
+    drive(?p ?q - place) [cost = 1.5 + 1/3 * far(?p, ?q) + 2 * far(?q, home) + toll()]
+    climb(?p - place)    [cost = steep(?p)]
+    sleep()              [cost = 0.25]
+  }
+  rule drive_there: drive(?p, ?q) { when at(?p), ?p != ?q  then 0.9: at(?q), not at(?p)  rest: nothing }
+  rule climb_it: climb(?p) { when at(?p), steep(?p) = 1  then 1: tired(?p) }
+  rule sleep_well: sleep() { then 0.5: not tired(home)  rest: nothing }
+  reward { 5 * goal - cost }
+}
+"""
+"""Costs that depend on objects."""
+
+TOUR = """
+problem tour {
+  domain  = driven
+  objects { a b - place }
+  init {
+    at(a), toll() = 2, steep(a) = 0, steep(b) = 1, steep(home) = 0
+    far(a, a) = 0, far(a, b) = 1, far(a, home) = 2
+    far(b, a) = 3, far(b, b) = 0, far(b, home) = 1
+    far(home, a) = 2, far(home, b) = 3, far(home, home) = 0
+  }
+  goal { at(b), tired(b) }
+"""
+"""Without its end: a horizon follows."""

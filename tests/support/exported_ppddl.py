@@ -32,7 +32,7 @@ from cleancli.conversion.pddl.syntax import (
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Domain, Fact, Object, Problem, RewardKind, Symbol, Value
+from cleancli.language.model import Domain, Fact, Object, Problem, RewardKind, Symbol, Term, Value
 from support.pddl_meaning import Binding, Meaning, World
 
 Distribution = dict[World, Fraction]
@@ -131,7 +131,21 @@ def counted(domain: Domain, problem: Problem, values: Values) -> dict[str, int]:
     return {c.name: sum(1 for _ in view.extensions(c.variables, c.condition, {})) for c in domain.counts}
 
 
-def reward(domain: Domain, problem: Problem, before: Values, action: str, after: Values) -> Fraction:
+def cost(domain: Domain, values: Values, action: str, names: tuple[str, ...]) -> Fraction:
+    """What an action costs on objects (docs/language.md, Costs and rewards)."""
+    (done,) = (each for each in domain.actions if each.name == action)
+    found = done.cost
+    for part in done.cost_parts:
+        given: dict[Term, str] = dict(zip(done.parameters, names, strict=True))
+        value = values[part.symbol, tuple(given.get(t, t.name) for t in part.terms)]
+        assert isinstance(value, int)
+        found += part.weight * value
+    return found
+
+
+def reward(
+    domain: Domain, problem: Problem, before: Values, action: str, names: tuple[str, ...], after: Values
+) -> Fraction:
     """What a step is paid (docs/language.md, Costs and rewards), but for the goal."""
     old, new = counted(domain, problem, before), counted(domain, problem, after)
     (done,) = (each for each in domain.actions if each.name == action)
@@ -144,7 +158,7 @@ def reward(domain: Domain, problem: Problem, before: Values, action: str, after:
             case RewardKind.COUNT:
                 found += term.weight * new[count]
             case RewardKind.COST:
-                found += term.weight * done.cost
+                found += term.weight * cost(domain, before, action, names)
             case RewardKind.DURATION:
                 found += term.weight * Fraction(done.duration or 0)
             case RewardKind.GOAL:
@@ -171,7 +185,7 @@ def expected(
         if outcome.probability:
             world = world_of(rules.domain, after)
             likely[world] = likely.get(world, Fraction(0)) + outcome.probability
-            paid += outcome.probability * reward(rules.domain, problem, values, action, after)
+            paid += outcome.probability * reward(rules.domain, problem, values, action, names, after)
     return likely, paid
 
 
@@ -211,8 +225,13 @@ def mean_paid(meaning: Meaning, node: EffectNode, world: World, binding: Binding
                 (p * mean_paid(meaning, part, world, binding) for p, part in node.branches), Fraction(0)
             )
         case PayNode():
-            assert isinstance(node.amount, Fraction)
-            return node.amount if node.function.symbol.text == "reward" else Fraction(0)
+            if node.function.symbol.text != "reward":
+                return Fraction(0)
+            if isinstance(node.amount, Fraction):
+                return node.amount
+            value = None if node.amount is None else meaning.value(node.amount, binding)
+            assert value is not None
+            return node.sign * value
 
 
 def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.Generator) -> Iterator[str]:

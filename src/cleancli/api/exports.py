@@ -24,8 +24,6 @@ from cleancli.planning.plan import BadOption
 _LANGUAGES = {"ppddl": "PPDDL", "libprada": "libPRADA", "rddl": "RDDL"}
 """What messages call them."""
 
-_ONE_COST = "give it one cost, as `[cost = 3]`; costs by functions are not written yet"
-
 
 def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -> ConversionResult:
     """The files of another language, `to`, that a domain and its problems become: names of shipped files,
@@ -34,9 +32,6 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     domain, problems = _opened(files, include_outside)
     models = [each.model for each in problems if isinstance(each.model, Problem)]
     unsaid = Unsaid(_LANGUAGES[to], domain.sources)
-    for action in domain.model.actions:
-        if action.cost_parts and to != "libprada":  # which has no costs at all, as its notes say
-            unsaid.note(f"what `{action.name}` costs depends on its objects", help=_ONE_COST)
     if to == "ppddl":
         return _result(domain, problems, ppddl(domain.model, models, noise, unsaid))
     if len(models) != 1:

@@ -59,3 +59,7 @@ class Predicates:
             shown = f"minus_{-value}" if isinstance(value, int) and value < 0 else str(value)
             self._values[symbol, value] = self._naming.fresh(self._joined(symbol, shown))
         return self._values[symbol, value]
+
+    def has_values(self, symbol: str) -> bool:
+        """Whether the predicate of one of a function's values was asked for."""
+        return any(name == symbol for name, _ in self._values)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
+from cleancli.conversion.export.cost_functions import CostFunctions
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.payments import Payment, payments_of
@@ -124,9 +125,10 @@ class _Writer:
         self._formulas = Formulas(
             domain, self._predicates, [counted(domain, problem) for problem in problems]
         )
+        self._costs = CostFunctions(domain, self._symbols)
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
-        costly = any(action.cost for action in domain.actions)
+        costly = any(action.has_cost for action in domain.actions)
         self._priced = costly and len(limited) < len(problems)
         # Only what actions and goals ask for is declared.
         self._actions = list(self._action_sections())
@@ -143,7 +145,7 @@ class _Writer:
         parts.append((":predicates", *self._declarations()))
         counted = (("reward", self._earned), ("total-cost", self._priced))
         functions: list[Node] = [(name,) for name, is_counted in counted if is_counted]
-        parts += self._section(":functions", functions)
+        parts += self._section(":functions", [*functions, *self._cost_functions()])
         parts += self._closures()
         title = ("domain", _title(domain.name))
         return _text(("define", title, *parts, *self._actions), [_FROM, *self.notes()])
@@ -186,7 +188,8 @@ class _Writer:
 
     def _declarations(self) -> Iterator[Node]:
         for symbol in self._domain.symbols:
-            yield from self._declared(symbol)
+            if not self._is_number(symbol):
+                yield from self._declared(symbol)
         for derived in self._formulas.closures.values():
             yield f"; the transitive closure of {derived.closure}"
             yield (self._predicates.of(derived.name), *self._typed(derived.parameters))
@@ -206,6 +209,14 @@ class _Writer:
         yield f"; the function {symbol.name}: {range_}; one of these holds at a time"
         for value in symbol.values:
             yield (self._predicates.of(symbol.name, value), *parameters)
+
+    def _cost_functions(self) -> Iterator[Node]:
+        for name, symbol in self._costs.declared():
+            yield (name, *self._typed(self._formulas.symbols[symbol].parameters))
+
+    def _is_number(self, symbol: Symbol) -> bool:
+        """Whether costs alone ask for a function: then it has no predicates."""
+        return symbol.name in self._costs.symbols and not self._predicates.has_values(symbol.name)
 
     def _closures(self) -> Iterator[Node]:
         """Axioms of PDDL 2.2."""
@@ -266,13 +277,23 @@ class _Writer:
     def _constant(self, action: Action) -> list[Node]:
         """What the action costs, whatever comes of it."""
         found: list[Node] = []
-        price = action.cost * weight_of(self._domain, RewardKind.COST)
+        weight = weight_of(self._domain, RewardKind.COST)
+        price = action.cost * weight
         price += Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
-        if self._earned and price:
-            found.append(_pay(price))
-        if self._priced and action.cost:
-            found.append(("increase", ("total-cost",), print_fraction(action.cost)))
+        if self._earned:
+            found += [_pay(price)] if price else []
+            found += self._by_functions("reward", action, weight)
+        if self._priced:
+            found += [("increase", ("total-cost",), print_fraction(action.cost))] if action.cost else []
+            found += self._by_functions("total-cost", action, Fraction(1))
         return found
+
+    def _by_functions(self, counted: str, action: Action, weight: Fraction) -> Iterator[Node]:
+        """What the action adds to a number for its objects, so many times what it costs."""
+        for part in action.cost_parts:
+            if amount := weight * part.weight:
+                value = (self._costs.of(part, abs(amount)), *map(self._term, part.terms))
+                yield ("increase" if amount > 0 else "decrease", (counted,), value)
 
     def _payments(self, payments: Iterable[Payment], scope: tuple[Variable, ...]) -> Iterator[Node]:
         for payment in payments:
@@ -359,6 +380,8 @@ class _Writer:
         symbols = self._formulas.symbols
         for fact in sorted(problem.state, key=lambda f: (f.symbol, f.objects)):
             symbol = symbols[fact.symbol]
+            if self._is_number(symbol):
+                continue
             name = self._predicates.of(fact.symbol, None if symbol.is_predicate else fact.value)
             yield (name, *map(self._objects.of, fact.objects))
             if symbol.symmetric and len(set(fact.objects)) > 1:
@@ -368,6 +391,8 @@ class _Writer:
                 symmetric = symbols[derived.closure].symmetric
                 for pair in sorted(closure_of(problem.state, derived.closure, symmetric)):
                     yield (self._predicates.of(derived.name), *map(self._objects.of, pair))
+        for name, objects, value in self._costs.values(problem):
+            yield ("=", (name, *map(self._objects.of, objects)), print_fraction(value))
         if self._priced and isinstance(problem.horizon, Unlimited):
             yield ("=", ("total-cost",), "0")
 

@@ -270,13 +270,16 @@ class _Writer:
     def _fluent(self, name: str) -> str:
         return self._noise if name == self._noise and self._noise is not None else self._name("symbol", name)
 
-    def _for_constants(self, terms: Sequence[Term]) -> tuple[list[Variable], dict[Variable, str]]:
-        """The terms, each constant replaced by a variable, and the constants by these variables."""
+    def _for_constants(
+        self, terms: Sequence[Term], scope: Sequence[Variable] = ()
+    ) -> tuple[list[Variable], dict[Variable, str]]:
+        """The terms, each constant replaced by a variable that `scope` has not, and the constants by these
+        variables."""
         found: list[Variable] = []
         constants: dict[Variable, str] = {}
         for term in terms:
             if isinstance(term, Object):
-                met = [other for other in terms if isinstance(other, Variable)]
+                met = [*scope, *(other for other in terms if isinstance(other, Variable))]
                 self._singled[term.name] = term.type
                 variable = apart(Variable(f"the_{term.name}", term.type), met)
                 constants[variable] = term.name
@@ -496,6 +499,21 @@ class _Writer:
                     price = action.cost if term.kind is RewardKind.COST else Fraction(action.duration or 0)
                     if price:
                         yield f"({_number(term.weight * price)}) * {self._done(action)}"
+                    if term.kind is RewardKind.COST:
+                        yield from self._by_functions(action, term.weight)
+
+    def _by_functions(self, action: Action, weight: Fraction) -> Iterator[str]:
+        """What the action is paid by values of functions for its objects, so many times what it costs."""
+        called = f"{self._name('action', action.name)}{self._arguments(action.parameters)}"
+        for part in action.cost_parts:
+            if amount := weight * part.weight:
+                variables, constants = self._for_constants(part.terms, action.parameters)
+                named = [f"{self._is('constant', c)}({self._variable(v)})" for v, c in constants.items()]
+                value = f"{self._fluent(part.symbol)}{self._arguments(variables)}"
+                done = " ^ ".join([called, *self._fits(action.parameters), *named])
+                bound = self._typed([*action.parameters, *constants])
+                summed = f"({done}) * {value}"
+                yield f"({_number(amount)}) * " + (f"(sum_{{{bound}}} [{summed}])" if bound else summed)
 
     def _counted(self, variables: Sequence[Variable], formula: Formula, *, after: bool) -> str:
         said = " ^ ".join([*self._fits(variables), self._formula(formula, after=after)])
