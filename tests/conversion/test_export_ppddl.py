@@ -11,7 +11,7 @@ import pytest
 
 import cleancli
 from cleancli.cli.main import run
-from cleancli.conversion.export.ppddl import closure_of
+from cleancli.conversion.export.written import closure_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find

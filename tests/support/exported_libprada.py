@@ -17,8 +17,8 @@ from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.conversion.check import check
 from cleancli.conversion.export.libprada import libprada
-from cleancli.conversion.export.ppddl import Written
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.export.written import Written
 from cleancli.conversion.read import read
 from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable, variables_of
 from cleancli.language.diagnostics.diagnostic import Source

@@ -17,8 +17,9 @@ from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent, Values
 from cleancli.compiler.lifted_state import LiftedRules, StateView
 from cleancli.compiler.objects_by_type import ObjectsByType
-from cleancli.conversion.export.ppddl import Written, ppddl
+from cleancli.conversion.export.ppddl import ppddl
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.export.written import Written
 from cleancli.conversion.pddl.read import read
 from cleancli.conversion.pddl.syntax import (
     AllNode,

@@ -11,7 +11,7 @@ from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.exports import exported
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
-from cleancli.conversion.export.ppddl import NOISE
+from cleancli.conversion.export.written import NOISE
 from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
 from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl

@@ -10,9 +10,10 @@ from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.compiler.horizon import first_horizon
 from cleancli.conversion.export.libprada import libprada
-from cleancli.conversion.export.ppddl import NOISE, Written, ppddl
+from cleancli.conversion.export.ppddl import ppddl
 from cleancli.conversion.export.rddl import rddl
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.export.written import NOISE, Written
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused

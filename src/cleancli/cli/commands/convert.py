@@ -17,7 +17,7 @@ from cleancli.cli.echo import echo, echo_refused
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import may_include_outside
 from cleancli.cli.usage import usage_errors
-from cleancli.conversion.export.ppddl import NOISE
+from cleancli.conversion.export.written import NOISE
 from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED

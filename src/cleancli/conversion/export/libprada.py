@@ -15,8 +15,8 @@ from fractions import Fraction
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.formulas import Formulas, NotSaid
 from cleancli.conversion.export.names import Naming, Predicates
-from cleancli.conversion.export.ppddl import Written, closure_of, counted
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.export.written import Written, closure_of, counted
 from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,

@@ -7,7 +7,6 @@ applies in a state, so a planner chooses an action by choosing the rule of it th
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
@@ -15,83 +14,29 @@ from cleancli.conversion.export.cost_functions import CostFunctions
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.payments import Payment, payments_of
+from cleancli.conversion.export.ppddl_formulas import OBJECT, WORDS, FormulaWriter
 from cleancli.conversion.export.s_expressions import Node, laid_out
 from cleancli.conversion.export.unsaid import Unsaid
+from cleancli.conversion.export.written import Written, closure_of, counted
 from cleancli.conversion.pddl.effects import Change
-from cleancli.conversion.pddl.formula import (
-    ALWAYS,
-    Both,
-    Either,
-    Formula,
-    Quantified,
-    apart,
-    negated,
-)
+from cleancli.conversion.pddl.formula import ALWAYS, Formula, apart
 from cleancli.language.model import (
     Action,
     DerivedPredicate,
     Domain,
-    Equality,
-    Fact,
     Horizon,
-    Literal,
-    Object,
     OutcomeKind,
     Problem,
     RewardKind,
     Rule,
     Symbol,
-    Term,
     Unlimited,
     Variable,
     weight_of,
 )
 from cleancli.language.printing.printer import print_fraction
 
-NOISE = ("unchanged", "predicate")
-"""What may become of noise: it changes nothing, or makes a predicate true."""
-
-_WORDS = frozenset(
-    {
-        "and",
-        "assign",
-        "decrease",
-        "define",
-        "domain",
-        "either",
-        "exists",
-        "forall",
-        "imply",
-        "increase",
-        "noise",
-        "not",
-        "number",
-        "object",
-        "or",
-        "problem",
-        "probabilistic",
-        "reward",
-        "scale-down",
-        "scale-up",
-        "total-cost",
-        "total-time",
-        "when",
-    }
-)
-"""Words of the language, and `noise`, which is none of .nid names."""
-
-_OBJECT = "object"
 _FROM = "Written by `cleancli convert` from a .nid file."
-
-
-@dataclass(frozen=True, slots=True)
-class Written:
-    """The texts of a domain and its problems by the names of their files, what has to be told of them, and
-    the names that could not stay."""
-
-    texts: Mapping[str, str]
-    notes: tuple[str, ...]
-    names: Mapping[str, str]
 
 
 def ppddl(domain: Domain, problems: Sequence[Problem], noise: str, unsaid: Unsaid) -> Written:
@@ -116,9 +61,8 @@ class _Writer:
         self._problems = problems
         self._noise = "noise" if noise == "predicate" else None
         self._unsaid = unsaid
-        self._types, self._objects, self._variables, self._schemas, self._symbols = (
-            Naming(_WORDS, folded=True) for _ in range(5)
-        )
+        self._texts = FormulaWriter(domain)
+        self._schemas, self._symbols = (Naming(WORDS, folded=True) for _ in range(2))
         self._predicates = Predicates(self._symbols, lambda symbol, value: f"{symbol}-{value}")
         for name in [symbol.name for symbol in domain.symbols] + [each.name for each in domain.derived]:
             self._symbols.of(name)
@@ -141,7 +85,7 @@ class _Writer:
         domain = self._domain
         parts: list[Node] = [(":requirements", *self._requirements())]
         parts += self._type_section()
-        parts += self._section(":constants", self._typed_objects(domain.constants))
+        parts += self._section(":constants", self._texts.typed_objects(domain.constants))
         parts.append((":predicates", *self._declarations()))
         counted = (("reward", self._earned), ("total-cost", self._priced))
         functions: list[Node] = [(name,) for name, is_counted in counted if is_counted]
@@ -169,22 +113,10 @@ class _Writer:
         return [(name, *parts)] if parts else []
 
     def _type_section(self) -> list[Node]:
-        shown = [each for each in self._domain.types if self._type(each.name) != _OBJECT]
-        return self._section(":types", [f"{self._type(e.name)} - {self._above(e.parent)}" for e in shown])
-
-    def _above(self, parent: str | None) -> str:
-        return _OBJECT if parent is None else self._type(parent)
-
-    def _type(self, name: str) -> str:
-        """The type; one that is called `object`, and is above all others, is PDDL's."""
-        roots = [each.name for each in self._domain.types if each.parent is None]
-        return _OBJECT if name == _OBJECT and roots == [_OBJECT] else self._types.of(name)
-
-    def _typed_objects(self, objects: Iterable[Object]) -> list[str]:
-        found: dict[str, list[str]] = {}
-        for thing in objects:
-            found.setdefault(self._type(thing.type), []).append(self._objects.of(thing.name))
-        return [f"{' '.join(names)} - {kind}" for kind, names in found.items()]
+        shown = [each for each in self._domain.types if self._texts.type_of(each.name) != OBJECT]
+        return self._section(
+            ":types", [f"{self._texts.type_of(e.name)} - {self._texts.above(e.parent)}" for e in shown]
+        )
 
     def _declarations(self) -> Iterator[Node]:
         for symbol in self._domain.symbols:
@@ -192,13 +124,13 @@ class _Writer:
                 yield from self._declared(symbol)
         for derived in self._formulas.closures.values():
             yield f"; the transitive closure of {derived.closure}"
-            yield (self._predicates.of(derived.name), *self._typed(derived.parameters))
+            yield (self._predicates.of(derived.name), *self._texts.typed(derived.parameters))
         if self._noise is not None:
             yield "; an outcome that is not modelled has happened"
             yield (self._noise,)
 
     def _declared(self, symbol: Symbol) -> Iterator[Node]:
-        parameters = self._typed(symbol.parameters)
+        parameters = self._texts.typed(symbol.parameters)
         if symbol.is_predicate:
             if symbol.symmetric:
                 yield "; symmetric: it holds both ways round, or neither"
@@ -212,7 +144,7 @@ class _Writer:
 
     def _cost_functions(self) -> Iterator[Node]:
         for name, symbol in self._costs.declared():
-            yield (name, *self._typed(self._formulas.symbols[symbol].parameters))
+            yield (name, *self._texts.typed(self._formulas.symbols[symbol].parameters))
 
     def _is_number(self, symbol: Symbol) -> bool:
         """Whether costs alone ask for a function: then it has no predicates."""
@@ -224,14 +156,14 @@ class _Writer:
             first, last = derived.parameters
             middle = apart(Variable("via", first.type), (first, last))
             name, step = self._predicates.of(derived.name), self._formulas.step
-            y, z = self._term(last), self._term(middle)
-            later = ("and", self._formula(step(derived, first, middle)), (name, z, y))
+            y, z = self._texts.term(last), self._texts.term(middle)
+            later = ("and", self._texts.formula(step(derived, first, middle)), (name, z, y))
             paths = (
                 "or",
-                self._formula(step(derived, first, last)),
-                ("exists", self._typed([middle]), later),
+                self._texts.formula(step(derived, first, last)),
+                ("exists", self._texts.typed([middle]), later),
             )
-            yield (":derived", (name, *self._typed(derived.parameters)), paths)
+            yield (":derived", (name, *self._texts.typed(derived.parameters)), paths)
 
     # ---- actions
 
@@ -249,10 +181,10 @@ class _Writer:
         known = self._formulas.applies(rule)
         effects = self._effect(rule, action, known)
         yield ":parameters"
-        yield self._typed(rule.variables)
+        yield self._texts.typed(rule.variables)
         if known != ALWAYS:
             yield ":precondition"
-            yield self._formula(self._formulas.apart(known, rule.variables))
+            yield self._texts.formula(self._formulas.apart(known, rule.variables))
         yield ":effect"
         yield _conjunction(effects)
 
@@ -292,7 +224,7 @@ class _Writer:
         """What the action adds to a number for its objects, so many times what it costs."""
         for part in action.cost_parts:
             if amount := weight * part.weight:
-                value = (self._costs.of(part, abs(amount)), *map(self._term, part.terms))
+                value = (self._costs.of(part, abs(amount)), *map(self._texts.term, part.terms))
                 yield ("increase" if amount > 0 else "decrease", (counted,), value)
 
     def _payments(self, payments: Iterable[Payment], scope: tuple[Variable, ...]) -> Iterator[Node]:
@@ -303,7 +235,7 @@ class _Writer:
         """The changes; those for the bindings of one guard stand together."""
         found: dict[tuple[tuple[Variable, ...], Formula], list[Node]] = {}
         for change in changes:
-            atom = (change.symbol, *map(self._term, change.terms))
+            atom = (change.symbol, *map(self._texts.term, change.terms))
             set_ = atom if change.value else ("not", atom)
             done = found.setdefault((change.variables, change.guard), [])
             if set_ not in done:
@@ -323,47 +255,15 @@ class _Writer:
     ) -> Node:
         node = _conjunction(done)
         if guard != ALWAYS:
-            node = ("when", self._formula(self._formulas.apart(guard, (*scope, *variables))), node)
-        return ("forall", self._typed(variables), node) if variables else node
-
-    # ---- conditions
-
-    def _formula(self, formula: Formula) -> Node:
-        match formula:
-            case Literal(symbol, terms, values):
-                atom = (symbol, *map(self._term, terms))
-                return atom if True in values else ("not", atom)
-            case Equality(left, right, equal):
-                same = ("=", self._term(left), self._term(right))
-                return same if equal else ("not", same)
-            case Both(parts):
-                return ("and", *map(self._formula, parts))
-            case Either(parts):
-                return ("or", *map(self._formula, parts))
-            case Quantified(False, _, Either()):
-                return ("not", self._formula(negated(formula)))
-            case Quantified(exists, variables, part):
-                return ("exists" if exists else "forall", self._typed(variables), self._formula(part))
-
-    def _typed(self, variables: Sequence[Variable]) -> Node:
-        words: list[str] = []
-        for place, variable in enumerate(variables):
-            words.append(self._term(variable))
-            if variable is variables[-1] or variables[place + 1].type != variable.type:
-                words += ["-", self._type(variable.type)]
-        return tuple(words)
-
-    def _term(self, term: Term) -> str:
-        if isinstance(term, Variable):
-            return f"?{self._variables.of(term.name)}"
-        return self._objects.of(term.name)
+            node = ("when", self._texts.formula(self._formulas.apart(guard, (*scope, *variables))), node)
+        return ("forall", self._texts.typed(variables), node) if variables else node
 
     # ---- problems
 
     def problem_text(self, problem: Problem) -> str:
         """The text of a problem."""
         parts: list[Node] = [(":domain", _title(self._domain.name))]
-        parts += self._section(":objects", self._typed_objects(problem.objects))
+        parts += self._section(":objects", self._texts.typed_objects(problem.objects))
         parts.append((":init", *self._facts(problem)))
         parts += self._goals[self._problems.index(problem)]
         parts += self._metric(problem)
@@ -373,7 +273,7 @@ class _Writer:
     def _goal(self, problem: Problem) -> Iterator[Node]:
         if problem.goal:
             with self._unsaid.of(None, f"the goal of `{problem.name}`"):
-                yield (":goal", self._formula(self._formulas.condition(problem.goal)))
+                yield (":goal", self._texts.formula(self._formulas.condition(problem.goal)))
 
     def _facts(self, problem: Problem) -> Iterator[Node]:
         """The facts, those of symmetric predicates both ways round, and closures of what never changes."""
@@ -383,16 +283,16 @@ class _Writer:
             if self._is_number(symbol):
                 continue
             name = self._predicates.of(fact.symbol, None if symbol.is_predicate else fact.value)
-            yield (name, *map(self._objects.of, fact.objects))
+            yield (name, *map(self._texts.objects.of, fact.objects))
             if symbol.symmetric and len(set(fact.objects)) > 1:
-                yield (name, *map(self._objects.of, fact.objects[::-1]))
+                yield (name, *map(self._texts.objects.of, fact.objects[::-1]))
         for derived in self._formulas.closures.values():
             if self._formulas.has_facts(derived) and derived.closure is not None:
                 symmetric = symbols[derived.closure].symmetric
                 for pair in sorted(closure_of(problem.state, derived.closure, symmetric)):
-                    yield (self._predicates.of(derived.name), *map(self._objects.of, pair))
+                    yield (self._predicates.of(derived.name), *map(self._texts.objects.of, pair))
         for name, objects, value in self._costs.values(problem):
-            yield ("=", (name, *map(self._objects.of, objects)), print_fraction(value))
+            yield ("=", (name, *map(self._texts.objects.of, objects)), print_fraction(value))
         if self._priced and isinstance(problem.horizon, Unlimited):
             yield ("=", ("total-cost",), "0")
 
@@ -435,39 +335,13 @@ class _Writer:
 
     def changed_names(self) -> Mapping[str, str]:
         """The names that could not stay, with what they have become."""
-        kinds = (self._types, self._objects, self._schemas, self._symbols)
+        kinds = (self._texts.types, self._texts.objects, self._schemas, self._symbols)
         return {old: new for naming in kinds for old, new in naming.changed.items()}
-
-
-def closure_of(state: Iterable[Fact], symbol: str, symmetric: bool) -> frozenset[tuple[str, str]]:
-    """The pairs that one or more steps of a predicate lead from the first of to the second."""
-    steps: dict[str, set[str]] = {}
-    for fact in state:
-        if fact.symbol == symbol:
-            one, other = fact.objects
-            steps.setdefault(one, set()).add(other)
-            if symmetric:
-                steps.setdefault(other, set()).add(one)
-    found = set()
-    for start in steps:
-        waiting, met = list(steps[start]), set[str]()
-        while waiting:
-            if (here := waiting.pop()) not in met:
-                met.add(here)
-                waiting += steps.get(here, ())
-        found |= {(start, each) for each in met}
-    return frozenset(found)
-
-
-def counted(domain: Domain, problem: Problem) -> Mapping[str, int]:
-    """How many objects a problem has of each type."""
-    things = (*domain.constants, *problem.objects)
-    return {kind.name: sum(domain.is_a(o.type, kind.name) for o in things) for kind in domain.types}
 
 
 def _title(name: str) -> str:
     """What a domain or a problem is called."""
-    return Naming(_WORDS, folded=True).of(name)
+    return Naming(WORDS, folded=True).of(name)
 
 
 def _course(problem: Problem) -> str:
