@@ -47,9 +47,10 @@ class Seeing(Toy):
 
 @pytest.fixture(autouse=True)
 def _hurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Motions of the toy take at most some seconds of its clock; its limits are wide enough for strokes."""
+    """Motions of the toy take at most some seconds of its clock; its limits are wide enough for strokes, and
+    its lease for a busy machine."""
     limits = replace(TOY.limits, low=(-1.0, -1.0, -0.1), high=(1.0, 1.0, 1.0))
-    monkeypatch.setattr("support.broken_drivers.TOY", replace(TOY, limits=limits, lease=2.0))
+    monkeypatch.setattr("support.broken_drivers.TOY", replace(TOY, limits=limits, lease=30.0))
     monkeypatch.setattr("cleancli.world.robot.LONGEST", 20.0)
 
 

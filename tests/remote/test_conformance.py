@@ -10,8 +10,9 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.remote import conformance as steps
 from cleancli.remote.conformance import HELLO, MOVING_STEPS, STILL_STEPS, conformance
-from support.broken_drivers import FAULTS, broken
-from support.toy_driver import Toy, served
+from cleancli.world.robot import Status
+from support.broken_drivers import BROKEN, FAULTS, broken
+from support.toy_driver import TOY, Toy, served
 
 
 @pytest.fixture(autouse=True)
@@ -26,6 +27,27 @@ def test_a_driver_that_keeps_to_the_protocol_has_no_fault() -> None:
         assert [each.step for each in found] == [HELLO, *STILL_STEPS, *MOVING_STEPS]
         assert [each.fault for each in found] == [""] * len(found)
         assert server.guard.state.trip == "", "it is left as it was found"
+
+
+@pytest.mark.parametrize("fault", ["", "never-ends"])
+def test_a_busy_machine_is_no_fault_of_a_driver(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lease runs out between two polls, and the robot trips as it must."""
+    monkeypatch.setattr(steps, "SLOW", 5.0)
+    stalls = iter([False] * 3 + [True, False, True])
+
+    class Stalled(BROKEN[fault][0] if fault else Toy):  # type: ignore[misc]
+        def poll(self) -> Status:
+            if next(stalls, False):
+                time.sleep(2 * TOY.lease)
+            return Status(super().poll())
+
+    monkeypatch.setattr(steps, "MOVING_STEPS", dict(list(MOVING_STEPS.items())[:1]))
+    with served(Stalled()) as server:
+        assert [each.fault for each in conformance(server.address) if each.step not in STILL_STEPS] == [
+            "",
+            fault,
+        ]
+    assert next(stalls, None) is None, "it has stalled as often as it should"
 
 
 @pytest.mark.parametrize("fault", FAULTS)
