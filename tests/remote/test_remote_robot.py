@@ -102,6 +102,17 @@ def test_a_driver_that_has_gone_is_told_and_its_last_state_kept(server: Server) 
             robot.observe()
 
 
+def test_how_a_driver_broke_the_protocol_is_told_to_all_that_ask_later(server: Server, toy: Toy) -> None:
+    """The clock is asked for in many places, and tells nobody what it found."""
+    with RemoteRobot(server.address) as robot:
+        assert robot.clock >= 0
+        toy._began += 100
+        assert robot.clock >= 0, "as it was known last"
+        for ask in (robot.observe, robot.withdraw, robot.stop):
+            with pytest.raises(Broken, match="its clock runs back"):
+                ask()
+
+
 def test_pictures_are_rectified_by_the_drivers_lens(toy: Toy, monkeypatch: pytest.MonkeyPatch) -> None:
     through = Lens((500.0, 510.0), (40.0, 30.0), (0.1, -0.05, 0.001, 0.0, 0.0))
     big = Toy((60, 80))

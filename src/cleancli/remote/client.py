@@ -53,12 +53,14 @@ class Refusal:
 
 class Client:
     """A connection to a driver. `state` is where the robot was in the last reply. Raises RobotError from all
-    methods; `close` it, or use it in a `with` statement. Without `control` it can only ask and re-arm."""
+    methods, and from all that come after a Broken this again; `close` it, or use it in a `with` statement.
+    Without `control` it can only ask and re-arm."""
 
     state: State
 
     def __init__(self, address: Address, control: bool = True, answering: float = ANSWERING) -> None:
         self.address, self._answering, self._clock = address, answering, 0.0
+        self._broken: Broken | None = None  # why there is no connection any more
         try:
             connection = socket.create_connection((address.host, address.port), CONNECTING)
         except OSError as error:
@@ -130,23 +132,22 @@ class Client:
             state = messages.state_of(fields)
             fields.end()
         except BadMessage as error:
-            self.close()
             fault = "wrong-sizes" if isinstance(error, BadArray) else "wrong-fields"
-            raise Broken(self.address, fault, str(error)) from None
+            raise self._ended(fault, str(error)) from None
         if state.clock < self._clock:
-            self.close()
             what = f"its clock runs back, from {self._clock:g} to {state.clock:g} s"
-            raise Broken(self.address, "clock-back", what)
+            raise self._ended("clock-back", what)
         self.state, self._clock = state, state.clock
         return found
 
     def _exchanged(self, asked: Message) -> Message:
+        if self._broken is not None:
+            raise self._broken
         try:
             self._transport.send(asked, PATIENCE)
             return self._transport.receive(self._answering, PATIENCE)
         except BadMessage as error:
-            self.close()
-            raise Broken(self.address, "garbage", str(error)) from None
+            raise self._ended("garbage", str(error)) from None
         except TimeoutError:
             what = f"does not answer within {self._answering:g} s"
         except EOFError:
@@ -155,6 +156,12 @@ class Client:
             what = f"can no longer be reached: {error.strerror or error}"
         self.close()
         raise RobotError(f"the driver at {self.address} {what}")
+
+    def _ended(self, fault: str, what: str) -> Broken:
+        """End the connection, and keep the reason for whoever asks next."""
+        self._broken = Broken(self.address, fault, what)
+        self.close()
+        return self._broken
 
 
 def _begun(said: Fields) -> int | Refusal:
