@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Longs
+from cleancli.compiler.lifted import LiftedState
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Action, Domain, Rule
 from cleancli.learning.experience import Transition
@@ -38,7 +39,7 @@ class Specific:
 @dataclass(frozen=True, slots=True, eq=False)
 class ExploredAction:
     """An action with its n transitions: the `rules` that the first `learned` of them teach, what held in each
-    of them (`held` of parts.py), and by which rule each happened (n,)."""
+    of them (`held` of parts.py), by which rule each happened (n,), and which `changed` anything (n,)."""
 
     action: Action
     transitions: tuple[Transition, ...]
@@ -47,6 +48,7 @@ class ExploredAction:
     parts: tuple[Part, ...]
     held: Bools
     by: Longs
+    changed: Bools
     specific: tuple[Specific, ...]
 
 
@@ -99,8 +101,8 @@ def _learned(domain: Domain, name: str, transitions: tuple[Transition, ...], lea
     found = revised(domain, given, [name]).domain
     rules = tuple(rule for rule in found.rules if rule.action == name)
     parts = parts_of(domain, action, given[name])
-    none = np.zeros((0, 2 * len(parts)), dtype=bool)
-    bare = ExploredAction(action, (), learned, rules, parts, none, np.zeros(0, dtype=np.int64), ())
+    none, of_none = np.zeros((0, 2 * len(parts)), dtype=bool), np.zeros(0, dtype=np.int64)
+    bare = ExploredAction(action, (), learned, rules, parts, none, of_none, of_none.astype(bool), ())
     return _extended(domain, bare, transitions)
 
 
@@ -109,17 +111,17 @@ def _extended(domain: Domain, before: ExploredAction, new: tuple[Transition, ...
     action, rules = before.action, LiftedRules(replace(domain, rules=before.rules))
     given = compiled(domain, new)[action.name]
     truth = np.concatenate([before.held, held(action, given, before.parts)])
-    by = np.concatenate([before.by, [covering(rules, each) for each in new]]).astype(np.int64)
+    found = [covering(rules, rules.state(each.objects, each.before), each) for each in new]
+    by = np.concatenate([before.by, found]).astype(np.int64)
     transitions = (*before.transitions, *new)
-    changed = np.array([bool(each.changed) for each in transitions])
+    changed = np.concatenate([before.changed, [bool(each.changed) for each in new]]).astype(bool)
     specific = tuple(
         Specific(int(rule), truth[changed & (by == rule)].all(axis=0)) for rule in np.unique(by[changed])
     )
-    return replace(before, transitions=transitions, held=truth, by=by, specific=specific)
+    return replace(before, transitions=transitions, held=truth, by=by, changed=changed, specific=specific)
 
 
-def covering(rules: LiftedRules, transition: Transition) -> int:
-    """The number of the rule that covers a transition, or UNCOVERED."""
-    state = rules.state(transition.objects, transition.before)
-    found = rules.covering(state, transition.action, transition.arguments)
+def covering(rules: LiftedRules, state: LiftedState, pair: Transition) -> int:
+    """The number of the rule that covers the action of a pair in its state, or UNCOVERED."""
+    found = rules.covering(state, pair.action, pair.arguments)
     return UNCOVERED if found is None else found[0]

@@ -91,9 +91,11 @@ def _worth(domain: Domain, known: ExploredAction, pairs: Sequence[Transition]) -
     kinds, kind = np.unique(here, axis=0, return_inverse=True)
     worth = _by_context(known, kinds)[kind.reshape(-1)]
     rules = LiftedRules(replace(domain, rules=known.rules))
-    seen = [each for each in known.transitions if each.before == pairs[0].before and not each.changed]
+    state = rules.state(pairs[0].objects, pairs[0].before)
+    still = itertools.compress(known.transitions, ~known.changed)
+    seen = [each for each in still if each.before == pairs[0].before]
     for place, pair in enumerate(pairs):
-        rule = covering(rules, pair)
+        rule = covering(rules, state, pair)
         if rule == UNCOVERED:
             worth[place] *= AGAIN ** sum(each.arguments == pair.arguments for each in seen)
         else:
