@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
@@ -30,14 +30,21 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Horizon, Problem
 from cleancli.learning.experience import Transition, encode
+from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, Judged, explorations
+from cleancli.learning.method import KNOWN
 from cleancli.planning.choice import planner_named
+from cleancli.planning.plan import BadOption
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.batch import Batch, Round, spread
+from cleancli.simulation.batch import Batch, spread
 from cleancli.simulation.compatibility import refuse_unlike
 from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, replayed
 from cleancli.simulation.summary import Estimate, Summary, summarized
 from cleancli.simulation.symbolic_world import world_of
+
+PLAN = "plan"
+STRATEGIES = PLAN, EXPLORE
+"""How the next action is chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +52,14 @@ class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
     those of all planners, and those of their own that these have. `short_horizon`: that of the first plan,
     where the problem states none and episodes were given up. `fixed_horizon`: that of every plan, where the
-    problem states one that is the same in all states, and episodes took more actions."""
+    problem states one that is the same in all states, and episodes took more actions. `variations`: where
+    rules were explored, how far what they foretell after each episode is from what the world does (total
+    variation, in the mean), for each planner."""
 
     problem: str
     domain: str
     world: str
+    strategy: str
     objective: str
     options: Mapping[str, object]
     max_actions: int
@@ -59,6 +69,7 @@ class SimulationResult:
     episodes: tuple[tuple[Episode, ...], ...]
     short_horizon: int | None
     fixed_horizon: int | None
+    variations: tuple[tuple[float, ...], ...] = ()
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli simulate --json` prints."""
@@ -66,14 +77,18 @@ class SimulationResult:
             "problem": self.problem,
             "domain": self.domain,
             "world": self.world,
+            "strategy": self.strategy,
             "objective": self.objective,
             "options": plain(self.options),
             "limits": {"max_actions": self.max_actions, "commit": self.commit, "think": self.think},
             "planners": [
-                {**fields_of(summary), "rows": plain(rows)}
-                for summary, rows in zip(self.planners, self.episodes, strict=True)
+                {**fields_of(summary), **self._explored(number), "rows": plain(self.episodes[number])}
+                for number, summary in enumerate(self.planners)
             ],
         }
+
+    def _explored(self, planner: int) -> dict[str, object]:
+        return {"variations": plain(self.variations[planner])} if self.variations else {}
 
     def __str__(self) -> str:
         return "\n".join((str(self.table()), *self.ending()))
@@ -106,6 +121,10 @@ class SimulationResult:
         for summary in self.planners:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
+        for summary, off in zip(self.planners, self.variations, strict=False):
+            yield f"{summary.planner} explored, and what it foretells is off by {_falling(off)}"
+        if self.variations:
+            yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
         if self.short_horizon is not None:
             yield too_few(self.short_horizon)
         if self.fixed_horizon is not None:
@@ -132,11 +151,17 @@ def simulate(
     options: Mapping[str, object] | None = None,
     think: bool = False,
     record: str | Path | None = None,
+    strategy: str = PLAN,
+    known: int | None = None,
 ) -> SimulationResult:
     """Simulate episodes of one planner or several: plan with the rules of `domain`, do the first actions,
     plan again; the world acts by the rules of `world`, or else of `domain`. `options` of planners by name,
     as for `plan`. With `think` the seconds that planners take count as robot time. What was done is written
     into `record`, a new experience file, where one is named.
+
+    The `strategy` is one of STRATEGIES: to plan, or to explore until rules have so many examples that they
+    count as `known`. Who explores begins with the rules of `domain` where `world` has others, else with its
+    vocabulary alone.
 
     Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
     no sense, and OSError where the record cannot be written. With several `jobs` a script must keep
@@ -150,13 +175,46 @@ def simulate(
         check_one_of("planner", name, tuple(PLANNERS))
     given = load_problem(problem, domain)
     acting = given.domain if world is None else load_domain(world)
-    setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit, think=think))
+    acts = Acts(strategy, known, jobs)
+    setup = batch(given, acting, names, asked, EpisodeLimits(max_actions, commit, think=think), acts)
     sources = (*given.domain.sources, *acting.sources, given.source)
     with located_in(*sources), planning_refused(sources):
-        result = simulation_result(setup, spread(setup, episodes, jobs))
+        result = simulation_result(setup, strategy, acts.episodes(setup, episodes))
     if record is not None:
         write_experience(setup, result, Path(record))
     return result
+
+
+@dataclass(frozen=True, slots=True)
+class Acts:
+    """How the next action is chosen, a `strategy` of STRATEGIES; for one that explores, how many examples a
+    rule has when it is known; and the processes. Raises BadOption for what makes no sense."""
+
+    strategy: str = PLAN
+    known: int | None = None
+    jobs: int = 1
+
+    def __post_init__(self) -> None:
+        check_one_of("strategy", self.strategy, STRATEGIES)
+        check_least(0, known=self.known)
+        if self.explores and self.jobs > 1:
+            raise BadOption(
+                "each episode of the strategy explore goes on with what those before have shown,"
+                " so that one process carries them out: leave out the number of jobs"
+            )
+        if self.known is not None and not self.explores:
+            raise BadOption("how many examples make a rule known matters to the strategy explore alone")
+
+    @property
+    def explores(self) -> bool:
+        """Whether rules are sought."""
+        return self.strategy == EXPLORE
+
+    def episodes(self, setup: Batch, number: int) -> Iterator[Judged]:
+        """So many episodes, as they come to an end. Raises what planners raise."""
+        if self.explores:
+            return explorations(setup, KNOWN if self.known is None else self.known, number)
+        return (Judged(played, ()) for played in spread(setup, number, self.jobs))
 
 
 def batch(
@@ -165,10 +223,12 @@ def batch(
     planners: Sequence[str],
     asked: Asked,
     limits: EpisodeLimits,
+    acts: Acts,
 ) -> Batch:
     """What is to be simulated; a scene is looked at once, with its own seed. Raises Refused where the world
     speaks another language than the domain, and BadOption."""
     looked, _ = seen(given, None, {})
+    believed = looked.domain
     names = tuple(dict.fromkeys(planners)) or (planner_named(None, looked.problem),)
     chosen, options = asked.of(looked.problem, asked.seed, names)
     if world is given.domain:
@@ -176,8 +236,12 @@ def batch(
     else:
         acting = world.model
         refuse_unlike(looked.domain, acting, looked.problem, given.domain.sources, world.sources)
+    if acts.explores and world is given.domain:
+        if not acting.rules:
+            raise BadOption("the domain has no rules: name those by which the world acts", "--world")
+        believed = replace(believed, rules=(), default=(), parameters=(), learned=None)
     return Batch(
-        looked.domain,
+        believed,
         acting,
         looked.problem,
         chosen,
@@ -187,10 +251,10 @@ def batch(
     )
 
 
-def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult:
+def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> SimulationResult:
     """All episodes, put in order, with what they come to. Raises what planners raise."""
-    ordered = sorted(rounds, key=lambda each: each[0].number)
-    found = tuple(zip(*ordered, strict=True))
+    ordered = sorted(judged, key=lambda each: each.played[0].number)
+    found = tuple(zip(*(each.played for each in ordered), strict=True))
     summaries = (
         summarized(planner.name, each, found[0] if each is not found[0] else None)
         for planner, each in zip(setup.planners, found, strict=True)
@@ -202,6 +266,7 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         problem=setup.problem.name,
         domain=setup.domain.name,
         world=setup.world.name,
+        strategy=strategy,
         objective=setup.objective or usual_objective(setup.domain, setup.problem).value,
         options=options,
         max_actions=setup.limits.max_actions,
@@ -211,6 +276,7 @@ def simulation_result(setup: Batch, rounds: Iterable[Round]) -> SimulationResult
         episodes=found,
         short_horizon=_short_horizon(setup, chain(*found)),
         fixed_horizon=_fixed_horizon(setup.problem, chain(*found)),
+        variations=tuple(zip(*(each.variations for each in ordered), strict=True)),
     )
 
 
@@ -249,6 +315,13 @@ def write_experience(setup: Batch, result: SimulationResult, path: Path) -> None
         for summary, played in zip(result.planners, result.episodes, strict=True):
             for line in experience_of(setup, summary.planner, played):
                 file.write(line + "\n")
+
+
+def _falling(off: Sequence[float]) -> str:
+    """How far off it was after which episodes: the first, twice as many, and so on, and all."""
+    numbers = sorted({*(2**power for power in range(len(off).bit_length())), len(off)})
+    (first, *others) = (f"{off[number - 1]:.3f} after {number}" for number in numbers)
+    return ", ".join((f"{first} episode", *others))
 
 
 def _row(summary: Summary, compared: bool) -> tuple[str, ...]:

@@ -1,9 +1,10 @@
-"""A planner in closed loop with rules of its own: it is shown all facts of a state and says what to do."""
+"""Who acts in closed loop: it is shown all facts of a state and says what to do."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import GroundState
@@ -14,6 +15,13 @@ from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Plans
 from cleancli.planning.reductions.subproblem import fewer
 from cleancli.simulation.symbolic_world import assignment_of, unchanging_facts
+
+
+class Acting(Protocol):
+    """Whoever says what to do in the symbolic world."""
+
+    def plan(self, facts: State, options: Options, horizon: int | None = None) -> tuple[Plan, float]:
+        """What to do from these facts on, and how many seconds it took to say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +43,7 @@ class _View:
 
 
 class Agent:
-    """A planner that sees all. Grounds its rules again only where other rules than these have changed
+    """A planner with rules of its own that sees all. Grounds them again only where other rules have changed
     what these can't."""
 
     def __init__(

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cleancli.compiler.semantics import idle_worth, standing
 from cleancli.compiler.task import GroundAction, GroundState
+from cleancli.language.model import State
 from cleancli.planning.plan import Options
-from cleancli.simulation.agent import Agent
+from cleancli.simulation.agent import Acting
 from cleancli.simulation.symbolic_world import DrawnStep, World, do, succeeded
 
 
@@ -64,8 +65,15 @@ class _Stream(enum.IntEnum):
     PLANNING = 1
 
 
-def episode(world: World, agent: Agent, number: int, options: Options, limits: EpisodeLimits) -> Episode:
-    """The numbered episode of the seed in `options`; it depends on no other episode.
+Saw = Callable[[State, GroundAction, State], object]
+"""Is told all facts before an action that was done, the action, and all facts after it."""
+
+
+def episode(
+    world: World, agent: Acting, number: int, options: Options, limits: EpisodeLimits, saw: Saw | None = None
+) -> Episode:
+    """The numbered episode of the seed in `options`; it depends on no other episode, unless the agent
+    remembers what it `saw`.
 
     The world's draws are the same for all planners, each plan has a seed of its own. Raises what planners do.
     """
@@ -85,7 +93,10 @@ def episode(world: World, agent: Agent, number: int, options: Options, limits: E
         if not plan.actions:
             reason = Reason.IDLE
         for action in plan.actions[: limits.commit]:
-            step, state = do(world, state, action, rng)
+            before = state
+            step, state = do(world, before, action, rng)
+            if saw is not None:
+                saw(world.facts(before), action, world.facts(state))
             steps.append(step)
             waits.append(0.0)
             reason = _over(world, state, steps, limits)

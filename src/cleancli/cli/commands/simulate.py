@@ -7,7 +7,14 @@ from pathlib import Path
 import click
 
 from cleancli.api.asked import Asked
-from cleancli.api.simulations import batch, simulation_result, write_experience
+from cleancli.api.simulations import (
+    PLAN,
+    STRATEGIES,
+    Acts,
+    batch,
+    simulation_result,
+    write_experience,
+)
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains
@@ -17,10 +24,10 @@ from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.simulated import echo_simulation
 from cleancli.language.load import located_in
+from cleancli.learning.method import KNOWN
 from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
-from cleancli.simulation.batch import spread
 from cleancli.simulation.episode import EpisodeLimits
 
 
@@ -31,6 +38,19 @@ from cleancli.simulation.episode import EpisodeLimits
     type=click.Choice(list(PLANNERS)),
     multiple=True,
     help="May be repeated: all meet the same draws. [default: the problem's, or prada+]",
+)
+@click.option(
+    "--strategy",
+    type=click.Choice(STRATEGIES),
+    default=PLAN,
+    show_default=True,
+    help="Plan by rules, or explore to learn them.",
+)
+@click.option(
+    "--known",
+    type=click.IntRange(min=0),
+    metavar="T",
+    help=f"Explore until rules are seen T times. [default: {KNOWN}]",
 )
 @click.option("--episodes", type=click.IntRange(min=1), default=100, show_default=True)
 @click.option(
@@ -65,6 +85,8 @@ def command(
     domain: str,
     problem: str,
     planners: tuple[str, ...],
+    strategy: str,
+    known: int | None,
     episodes: int,
     world: str | None,
     samples: int | None,
@@ -88,14 +110,15 @@ def command(
         raise click.UsageError(f"--record {record}: the file exists, and nothing is written over")
     given = open_given(domain, problem)
     acting = given.domain if world is None else open_loaded(world)
+    acts = Acts(strategy, known, jobs)
     asked = Asked(samples, seed, time_limit, None if jobs == 1 else 1, objective, named)
     with working("looking at the table", quiet=not given.is_scene):
-        setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit, think=think))
+        setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit, think=think), acts)
     texts = (*given.domain.sources, *acting.sources, given.source)
-    tell_unreached(texts, setup.domain, setup.problem)
+    tell_unreached(texts, setup.world if acts.explores else setup.domain, setup.problem)
     with located_in(*texts), planning_refused(texts):
-        found = counted("simulating", spread(setup, episodes, jobs), episodes)
-        result = simulation_result(setup, found)
+        found = counted("simulating", acts.episodes(setup, episodes), episodes)
+        result = simulation_result(setup, strategy, found)
     if record is not None:
         write_experience(setup, result, record)
     echo_simulation(result, as_data)

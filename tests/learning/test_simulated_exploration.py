@@ -1,0 +1,160 @@
+"""`simulate --strategy explore` (docs/simulation.md, Exploring): rules are hidden, sought, and compared."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cleancli.api.simulations import SimulationResult, simulate
+from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Domain, Problem
+from cleancli.learning.experience import read_experience
+from cleancli.learning.exploration.explored import explored
+from cleancli.learning.exploration.simulated import COVERED, PAIRS, pairs
+from cleancli.learning.variation import foretold, variation
+from cleancli.simulation.symbolic_world import world_of
+from support.commands import said
+
+VOCABULARY = """\
+domain doors {
+  types      { door }
+  predicates { open(?d - door)  locked(?d - door) }
+  derived    { shut := count ?d - door: not open(?d) }
+  actions    { push(?d - door)  unlock(?d - door)  bolt(?d - door) }
+  %s
+  reward     { decrease(shut) }
+}
+"""
+RULES = """
+  rule push: push(?d) { when not locked(?d), not open(?d) then 0.8: open(?d) 0.2: nothing }
+  rule unlock: unlock(?d) { when locked(?d) then 1: not locked(?d) }
+  rule bolt: bolt(?d) { when not open(?d), not locked(?d) then 1: locked(?d) }
+"""
+PROBLEM = """\
+problem p {
+  domain = doors
+  objects { a b c - door }
+  init { locked(a) }
+  goal { forall ?d - door: open(?d) }
+  horizon = 8
+}
+"""
+
+
+@pytest.fixture(autouse=True)
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rules, the same without them, and a problem in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("doors.nid").write_text(VOCABULARY % RULES, encoding="utf-8")
+    Path("bare.nid").write_text(VOCABULARY % "", encoding="utf-8")
+    Path("p.nid").write_text(PROBLEM, encoding="utf-8")
+
+
+def doors() -> tuple[Domain, Problem]:
+    domain = load_domain(read_source(Path("doors.nid")))
+    return domain, load_problem(read_source(Path("p.nid")), domain)
+
+
+def done(episodes: int = 4, seed: int = 3, **asked: Any) -> SimulationResult:
+    first = asked.pop("domain", "doors.nid")
+    given: dict[str, Any] = {"samples": 50, "known": 3, "strategy": "explore", "max_actions": 25, **asked}
+    return simulate(str(first), "p.nid", episodes=episodes, seed=seed, **given)
+
+
+def test_hidden_rules_are_learned_and_the_goal_is_reached() -> None:
+    """Nothing is right at first but that most actions do nothing, in the end nearly all; and then the goal is
+    reached as by who knows the rules."""
+    found = done(episodes=6)
+    (off,) = found.variations
+    assert len(off) == 6
+    assert off[-1] < 0.05
+    assert off[-1] < off[0]
+    assert found.episodes[0][-1].success
+
+
+def test_what_is_told_is_the_variation_of_what_was_learned_from_what_was_recorded() -> None:
+    found = done(record="e.jsonl")
+    domain, problem = doors()
+    bare = load_domain(read_source(Path("bare.nid")))
+    learned = explored(bare, list(read_experience(Path("e.jsonl"), bare))).domain
+    judged = pairs(world_of(domain, problem), domain, problem, np.random.default_rng(3))
+    assert found.variations[0][-1] == pytest.approx(variation(learned, domain, judged))
+
+
+def test_pairs_are_as_documented() -> None:
+    """300 of them, in states that actions lead to; about three of four on objects that a rule covers, and of
+    the others as many as happen to be."""
+    domain, problem = doors()
+    found = pairs(world_of(domain, problem), domain, problem, np.random.default_rng(1))
+    rules = LiftedRules(domain)
+    assert len(found) == PAIRS == 300
+    assert COVERED == 0.75
+    changing = sum(foretold(rules, each) != {frozenset(): 1.0} for each in found)
+    assert 0.6 < changing / PAIRS < 0.95
+    assert {each.action for each in found} == {"push", "unlock", "bolt"}
+    assert all(
+        each.before.get(("open", (d,))) is None or not each.before.get(("locked", (d,)))
+        for each in found
+        for d in "abc"
+    )
+
+
+def test_the_same_seed_explores_the_same_and_another_one_differs() -> None:
+    one, same, other = (done(2, seed) for seed in (3, 3, 4))
+    assert actions(one) == actions(same) != actions(other)
+    assert one.variations == same.variations
+
+
+def actions(found: SimulationResult) -> list[str]:
+    return [str(action) for episode in found.episodes[0] for action in episode.actions]
+
+
+def test_another_world_is_explored_from_the_rules_of_the_domain() -> None:
+    """From none, it is as if the rules had been hidden; from the right ones, nothing is off at first."""
+    hidden, bare = done(2), done(2, domain="bare.nid", world="doors.nid")
+    assert actions(hidden) == actions(bare)
+    right = done(1, world="doors.nid", max_actions=0)
+    assert right.variations == ((0.0,),)
+
+
+def test_several_planners_explore_each_for_itself() -> None:
+    both = done(2, planner=["prada+", "sst"])
+    assert both.variations[0] == done(2).variations[0]
+    assert len(both.variations) == len(both.planners) == 2
+
+
+def test_the_command_tells_it(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["simulate", "doors.nid", "p.nid", "--strategy", "explore", "--episodes", "3"]
+    words += ["--samples", "50", "--known", "3", "--seed", "3"]
+    told = said(capsys, *words)
+    assert "prada+ explored, and what it foretells is off by 0." in told
+    assert " after 1 episode, " in told
+    assert " after 2, " in told
+    assert " after 3\n" in told
+    assert "W403" not in told
+    found = json.loads(said(capsys, *words, "--json"))
+    assert found["strategy"] == "explore"
+    assert len(found["planners"][0]["variations"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"jobs": 2}, "one process"),
+        ({"strategy": "plan"}, "matters to the strategy explore alone"),
+        ({"domain": "bare.nid"}, "the domain has no rules"),
+        ({"known": -1}, "known"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(asked: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        done(1, **asked)
+
+
+def test_a_plan_knows_no_variations() -> None:
+    assert done(1, strategy="plan", known=None).variations == ()
