@@ -8,35 +8,28 @@ objects that the domain or the goal names.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of, hits
-from cleancli.conversion.export.formulas import Formulas
-from cleancli.conversion.export.names import Naming, Predicates
+from cleancli.conversion.export.names import Naming
+from cleancli.conversion.export.rddl_formulas import FormulaWriter
 from cleancli.conversion.export.unsaid import Unsaid
-from cleancli.conversion.export.written import Written, closure_of, counted
+from cleancli.conversion.export.written import Written, closure_of
 from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,
-    Both,
-    Either,
     Formula,
-    Quantified,
     apart,
     assuming,
     free_variables,
-    negated,
 )
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import (
     Action,
     Domain,
-    Equality,
-    Literal,
     Object,
     Outcome,
     OutcomeKind,
@@ -51,75 +44,6 @@ from cleancli.language.model import (
     Variable,
 )
 from cleancli.language.printing.printer import print_float, print_fraction
-
-_WORDS = frozenset(
-    {
-        "Bernoulli",
-        "Beta",
-        "DiracDelta",
-        "Discrete",
-        "KronDelta",
-        "Normal",
-        "Poisson",
-        "Uniform",
-        "abs",
-        "action-fluent",
-        "action-preconditions",
-        "argmax",
-        "argmin",
-        "avg",
-        "bool",
-        "case",
-        "cpfs",
-        "default",
-        "discount",
-        "div",
-        "domain",
-        "else",
-        "exists",
-        "exp",
-        "false",
-        "forall",
-        "horizon",
-        "if",
-        "init-state",
-        "instance",
-        "int",
-        "interm-fluent",
-        "inverse",
-        "level",
-        "ln",
-        "log",
-        "max",
-        "min",
-        "mod",
-        "noise",
-        "non-fluent",
-        "non-fluents",
-        "object",
-        "objects",
-        "observ-fluent",
-        "otherwise",
-        "pow",
-        "prod",
-        "pvariables",
-        "real",
-        "requirements",
-        "reward",
-        "round",
-        "sgn",
-        "sqrt",
-        "state-fluent",
-        "state-invariants",
-        "sum",
-        "switch",
-        "termination",
-        "then",
-        "true",
-        "types",
-    }
-)
-"""Words of the language, and `noise`, which is none of .nid names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,21 +75,10 @@ class _Writer:
     def __init__(self, domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> None:
         self._domain, self._problem, self._unsaid = domain, problem, unsaid
         self._noise = "noise" if noise == "predicate" else None
-        self._naming = Naming(_WORDS, folded=False)
-        self._given: dict[tuple[str, str], str] = {}
-        self.title, self.instance = self._name("file", domain.name), self._name("file", problem.name)
+        self._texts = FormulaWriter(domain, problem, self._noise)
+        self._formulas = self._texts.formulas
         self._symbols = {symbol.name: symbol for symbol in domain.symbols}
-        self._singled: dict[str, str] = {}  # the objects that something names, with their types
-        # Formulas speak of predicates; `_said` tells which symbol, and which of its values, each stands for.
-        naming = Naming((), folded=False)
-        predicates = Predicates(naming, lambda symbol, value: f"{symbol}={value}")
-        self._said: dict[str, tuple[str, Value]] = {}
-        for symbol in domain.symbols:
-            values: Sequence[Value | None] = [None] if symbol.is_predicate else symbol.values
-            self._said |= {
-                predicates.of(symbol.name, v): (symbol.name, True if v is None else v) for v in values
-            }
-        self._formulas = Formulas(domain, predicates, [counted(domain, problem)])
+        self.title, self.instance = (self._texts.name("file", each.name) for each in (domain, problem))
         self._rules = [ruled for rule in domain.rules for ruled in self._ruled(rule)]
         if isinstance(problem.horizon, Unlimited):
             unsaid.note(
@@ -178,7 +91,7 @@ class _Writer:
             likely = [outcome for outcome in rule.outcomes if outcome.probability]
             done = [(o, changes_of(o, rule, known, self._formulas, self._noise)) for o in likely]
             self._refuse_closures(rule.span, "")
-            yield _Ruled(rule, self._name("rule", f"{rule.name}_applies"), known, tuple(done))
+            yield _Ruled(rule, self._texts.name("rule", f"{rule.name}_applies"), known, tuple(done))
 
     def _refuse_closures(self, place: Span | None, of: str) -> None:
         """Tells of closures that what was said last speaks of, and that are no facts."""
@@ -189,128 +102,13 @@ class _Writer:
 
     # ---- names
 
-    def _name(self, kind: str, name: str) -> str:
-        """What something is called; names end in a letter or digit and have no two underscores in a row."""
-        if (kind, name) not in self._given:
-            self._given[kind, name] = self._naming.fresh(re.sub("_+", "_", name).strip("_") or "n")
-        return self._given[kind, name]
-
-    def _root(self, kind: str) -> str:
-        """The type above all others that a type is below, or is."""
-        parents = {each.name: each.parent for each in self._domain.types}
-        while (parent := parents[kind]) is not None:
-            kind = parent
-        return kind
-
-    def _type(self, kind: str) -> str:
-        return self._name("type", self._root(kind))
-
-    def _is(self, kind: str, name: str) -> str:
-        """The non-fluent that is true of the objects of a narrower type, or of one constant."""
-        return self._name(f"is {kind}", f"is_{name}")
-
-    def _value(self, symbol: Symbol, value: Value) -> str:
-        if isinstance(value, int):
-            return str(value).lower()
-        return f"@{self._name('value', f'{symbol.name}_{value}')}"
-
-    def _range(self, symbol: Symbol) -> str:
-        first = symbol.values[0]
-        if isinstance(first, bool):
-            return "bool"
-        return "int" if isinstance(first, int) else self._name("range", f"{symbol.name}_value")
-
     def _outcome(self, ruled: _Ruled, number: int) -> str:
-        return f"@{self._name('outcome', f'{ruled.rule.name}_{number}')}"
-
-    def _variable(self, variable: Variable) -> str:
-        return "?" + self._name("variable", variable.name)
-
-    # ---- conditions
-
-    def _formula(self, formula: Formula, *, after: bool = False) -> str:
-        """The text of a formula, about the state after the step if so."""
-        match formula:
-            case Literal(symbol, terms, values):
-                said = self._literal(symbol, terms, after=after)
-                return said if True in values else f"~{said}"
-            case Equality(left, right, equal):
-                same = self._same(left, right)
-                return same if equal else f"~{same}"
-            case Both(parts):
-                return self._joined(" ^ ", parts, "true", after=after)
-            case Either(parts):
-                return self._joined(" | ", parts, "false", after=after)
-            case Quantified(False, _, Either()):
-                return f"~{self._formula(negated(formula), after=after)}"
-            case Quantified(exists, variables, part):
-                inner = self._formula(part, after=after)
-                fits = self._fits(variables)
-                if not exists:
-                    said = f"[{' ^ '.join(fits)}] => {inner}" if fits else inner
-                    return f"(forall_{{{self._typed(variables)}}} [{said}])"
-                return f"(exists_{{{self._typed(variables)}}} [{' ^ '.join([*fits, inner])}])"
-
-    def _joined(self, sign: str, parts: Sequence[Formula], none: str, *, after: bool) -> str:
-        texts = [self._formula(part, after=after) for part in parts]
-        return texts[0] if len(texts) == 1 else f"({sign.join(texts)})" if texts else none
-
-    def _literal(self, predicate: str, terms: Sequence[Term], *, after: bool) -> str:
-        name, value = self._said.get(predicate, (predicate, True))
-        variables, constants = self._for_constants(terms)
-        prime = "'" if after and (name in self._formulas.changed or name == self._noise) else ""
-        called = f"{self._fluent(name)}{prime}{self._arguments(variables)}"
-        said = called if value is True else f"({called} == {self._value(self._symbols[name], value)})"
-        if not constants:
-            return said
-        kinds = ", ".join(f"{self._variable(v)}: {self._type(v.type)}" for v in constants)
-        chosen = " ^ ".join(f"{self._is('constant', c)}({self._variable(v)})" for v, c in constants.items())
-        return f"(exists_{{{kinds}}} [{chosen} ^ {said}])"
-
-    def _fluent(self, name: str) -> str:
-        return self._noise if name == self._noise and self._noise is not None else self._name("symbol", name)
-
-    def _for_constants(
-        self, terms: Sequence[Term], scope: Sequence[Variable] = ()
-    ) -> tuple[list[Variable], dict[Variable, str]]:
-        """The terms, each constant replaced by a variable that `scope` has not, and the constants by these
-        variables."""
-        found: list[Variable] = []
-        constants: dict[Variable, str] = {}
-        for term in terms:
-            if isinstance(term, Object):
-                met = [*scope, *(other for other in terms if isinstance(other, Variable))]
-                self._singled[term.name] = term.type
-                variable = apart(Variable(f"the_{term.name}", term.type), met)
-                constants[variable] = term.name
-                found.append(variable)
-            else:
-                found.append(term)
-        return found, constants
-
-    def _same(self, left: Term, right: Term) -> str:
-        if isinstance(left, Variable) and isinstance(right, Variable):
-            return f"({self._variable(left)} == {self._variable(right)})"
-        variable, constant = (left, right) if isinstance(left, Variable) else (right, left)
-        assert isinstance(variable, Variable)
-        self._singled[constant.name] = constant.type
-        return f"{self._is('constant', constant.name)}({self._variable(variable)})"
-
-    def _typed(self, variables: Sequence[Variable]) -> str:
-        return ", ".join(f"{self._variable(each)}: {self._type(each.type)}" for each in variables)
-
-    def _fits(self, variables: Sequence[Variable]) -> list[str]:
-        """That variables stand for objects of their types, where these are narrower than those of RDDL."""
-        narrow = [each for each in variables if self._root(each.type) != each.type]
-        return [f"{self._is('type', each.type)}({self._variable(each)})" for each in narrow]
-
-    def _arguments(self, variables: Sequence[Variable]) -> str:
-        return f"({', '.join(map(self._variable, variables))})" if variables else ""
+        return f"@{self._texts.name('outcome', f'{ruled.rule.name}_{number}')}"
 
     def _some(self, variables: Sequence[Variable], texts: Sequence[str]) -> str:
         """That all texts hold for some objects."""
         said = " ^ ".join(text for text in texts if text != "true") or "true"
-        return f"(exists_{{{self._typed(variables)}}} [{said}])" if variables else f"({said})"
+        return f"(exists_{{{self._texts.typed(variables)}}} [{said}])" if variables else f"({said})"
 
     # ---- the domain
 
@@ -341,59 +139,60 @@ class _Writer:
 
     def _type_lines(self) -> Iterator[str]:
         for root in (each.name for each in self._domain.types if each.parent is None):
-            yield f"{self._type(root)}: object;"
+            yield f"{self._texts.type_of(root)}: object;"
         for symbol in self._domain.symbols:
             if isinstance(symbol.values[0], str):
-                values = ", ".join(self._value(symbol, value) for value in symbol.values)
-                yield f"{self._range(symbol)}: {{{values}}};"
+                values = ", ".join(self._texts.value_of(symbol, value) for value in symbol.values)
+                yield f"{self._texts.range_of(symbol)}: {{{values}}};"
         for ruled in self._rules:
             if len(ruled.outcomes) > 1:
                 names = ", ".join(self._outcome(ruled, n + 1) for n in range(len(ruled.outcomes)))
-                yield f"{self._name('outcomes', f'{ruled.rule.name}_outcome')}: {{{names}}};"
+                yield f"{self._texts.name('outcomes', f'{ruled.rule.name}_outcome')}: {{{names}}};"
 
     def _declarations(self) -> Iterator[str]:
         fixed = "{non-fluent, bool, default = false}"
         for narrow in (each.name for each in self._domain.types if each.parent is not None):
-            yield f"{self._is('type', narrow)}({self._type(narrow)}): {fixed};"
-        for name, kind in self._singled.items():
-            yield f"{self._is('constant', name)}({self._type(kind)}): {fixed};"
+            yield f"{self._texts.mark('type', narrow)}({self._texts.type_of(narrow)}): {fixed};"
+        for name, kind in self._texts.singled.items():
+            yield f"{self._texts.mark('constant', name)}({self._texts.type_of(kind)}): {fixed};"
         for closure in self._formulas.closures.values():
-            yield f"{self._fluent(closure.name)}{self._heads(closure.parameters)}: {fixed};"
+            yield f"{self._texts.fluent(closure.name)}{self._heads(closure.parameters)}: {fixed};"
         for symbol in self._domain.symbols:
             kind = "state-fluent" if symbol.name in self._formulas.changed else "non-fluent"
-            default = self._value(symbol, symbol.values[0])
-            head = f"{self._fluent(symbol.name)}{self._heads(symbol.parameters)}"
-            yield f"{head}: {{{kind}, {self._range(symbol)}, default = {default}}};"
+            default = self._texts.value_of(symbol, symbol.values[0])
+            head = f"{self._texts.fluent(symbol.name)}{self._heads(symbol.parameters)}"
+            yield f"{head}: {{{kind}, {self._texts.range_of(symbol)}, default = {default}}};"
         if self._noise is not None:
             yield f"{self._noise}: {{state-fluent, bool, default = false}};"
         for ruled in self._rules:
             yield f"{ruled.name}{self._heads(ruled.rule.variables)}: {{interm-fluent, bool}};"
             if len(ruled.outcomes) > 1:
-                kind = self._name("outcomes", f"{ruled.rule.name}_outcome")
-                yield f"{self._name('drawn', f'{ruled.rule.name}_drawn')}: {{interm-fluent, {kind}}};"
+                kind = self._texts.name("outcomes", f"{ruled.rule.name}_outcome")
+                yield f"{self._texts.name('drawn', f'{ruled.rule.name}_drawn')}: {{interm-fluent, {kind}}};"
         for action in self._domain.actions:
-            name = self._name("action", action.name)
+            name = self._texts.name("action", action.name)
             yield f"{name}{self._heads(action.parameters)}: {{action-fluent, bool, default = false}};"
 
     def _heads(self, variables: Sequence[Variable]) -> str:
-        return f"({', '.join(self._type(each.type) for each in variables)})" if variables else ""
+        return f"({', '.join(self._texts.type_of(each.type) for each in variables)})" if variables else ""
 
     # ---- what happens
 
     def _rule_fluents(self, ruled: _Ruled) -> Iterator[str]:
         """Where the rule applies, and which outcome it has."""
         rule = ruled.rule
-        action = f"{self._name('action', rule.action)}{self._arguments(rule.variables)}"
-        known = self._formula(self._formulas.apart(ruled.known, rule.variables))
-        said = " ^ ".join([action, *self._fits(rule.variables), *([known] if ruled.known != ALWAYS else [])])
-        yield f"{ruled.name}{self._arguments(rule.variables)} = {said};"
+        action = f"{self._texts.name('action', rule.action)}{self._texts.arguments(rule.variables)}"
+        known = self._texts.formula(self._formulas.apart(ruled.known, rule.variables))
+        asked = [] if ruled.known == ALWAYS else [known]
+        said = " ^ ".join([action, *self._texts.fits(rule.variables), *asked])
+        yield f"{ruled.name}{self._texts.arguments(rule.variables)} = {said};"
         if len(ruled.outcomes) > 1:
-            kind = self._name("outcomes", f"{rule.name}_outcome")
+            kind = self._texts.name("outcomes", f"{rule.name}_outcome")
             drawn = [
                 f"{self._outcome(ruled, number)}: {_number(outcome.probability)}"
                 for number, (outcome, _) in enumerate(ruled.outcomes, 1)
             ]
-            name = self._name("drawn", f"{rule.name}_drawn")
+            name = self._texts.name("drawn", f"{rule.name}_drawn")
             yield f"{name} = Discrete({kind}, {', '.join(drawn)});"
 
     def _next(self, symbol: Symbol) -> Iterator[str]:
@@ -402,14 +201,14 @@ class _Writer:
         terms: list[Variable] = []
         for parameter in symbol.parameters:
             terms.append(apart(Variable(f"{parameter.name}_", parameter.type), [*met, *terms]))
-        head = self._arguments(terms)
-        name = self._fluent(symbol.name)
+        head = self._texts.arguments(terms)
+        name = self._texts.fluent(symbol.name)
         chosen: list[tuple[str, str]] = []
         values: Sequence[Value] = (True, False) if symbol.is_predicate else symbol.values
         for value in values:
             cases = [case for ruled in self._rules for case in self._cases(ruled, symbol, value, terms)]
             if cases:
-                chosen.append((" |\n        ".join(cases), self._value(symbol, value)))
+                chosen.append((" |\n        ".join(cases), self._texts.value_of(symbol, value)))
         text = f"{name}{head}"
         for condition, said in reversed(chosen):
             text = f"if ({condition})\n    then {said} else\n    {text}"
@@ -427,14 +226,14 @@ class _Writer:
                         yield self._case(
                             ruled,
                             number,
-                            self._formula(self._formulas.apart(hit, [*terms, *ruled.rule.variables])),
+                            self._texts.formula(self._formulas.apart(hit, [*terms, *ruled.rule.variables])),
                         )
 
     def _case(self, ruled: _Ruled, number: int, hit: str) -> str:
-        applies = f"{ruled.name}{self._arguments(ruled.rule.variables)}"
+        applies = f"{ruled.name}{self._texts.arguments(ruled.rule.variables)}"
         texts = [applies]
         if len(ruled.outcomes) > 1:
-            drawn = self._name("drawn", f"{ruled.rule.name}_drawn")
+            drawn = self._texts.name("drawn", f"{ruled.rule.name}_drawn")
             texts.append(f"({drawn} == {self._outcome(ruled, number)})")
         return self._some(ruled.rule.variables, [*texts, hit])
 
@@ -455,14 +254,18 @@ class _Writer:
                 yield self._precondition(action, covering)
 
     def _precondition(self, action: Action, covering: Sequence[_Ruled]) -> str:
-        called = f"{self._name('action', action.name)}{self._arguments(action.parameters)}"
+        called = f"{self._texts.name('action', action.name)}{self._texts.arguments(action.parameters)}"
         texts = []
         for ruled in covering:
             names: dict[Term, Term] = dict(zip(ruled.rule.variables, action.parameters, strict=True))
-            texts.append(self._formula(self._formulas.renamed(ruled.known, names)))
+            texts.append(self._texts.formula(self._formulas.renamed(ruled.known, names)))
         some = " |\n    ".join(texts)
-        said = f"{called} =>\n    {' ^ '.join([*self._fits(action.parameters), f'({some})'])}"
-        return f"forall_{{{self._typed(action.parameters)}}} [{said}];" if action.parameters else f"{said};"
+        said = f"{called} =>\n    {' ^ '.join([*self._texts.fits(action.parameters), f'({some})'])}"
+        return (
+            f"forall_{{{self._texts.typed(action.parameters)}}} [{said}];"
+            if action.parameters
+            else f"{said};"
+        )
 
     # ---- what is paid
 
@@ -489,7 +292,7 @@ class _Writer:
                 with self._unsaid.of(None, f"the goal of `{self._problem.name}`"):
                     goal = self._formulas.condition(self._problem.goal)
                     self._refuse_closures(None, f"the goal of `{self._problem.name}`: ")
-                    before, after = self._formula(goal), self._formula(goal, after=True)
+                    before, after = self._texts.formula(goal), self._texts.formula(goal, after=True)
                     holds = "if ({}) then 1.0 else 0.0"
                     yield f"({weight}) * (({holds.format(after)}) - ({holds.format(before)}))"
             case RewardKind.GOAL:
@@ -504,27 +307,27 @@ class _Writer:
 
     def _by_functions(self, action: Action, weight: Fraction) -> Iterator[str]:
         """What the action is paid by values of functions for its objects, so many times what it costs."""
-        called = f"{self._name('action', action.name)}{self._arguments(action.parameters)}"
+        called = f"{self._texts.name('action', action.name)}{self._texts.arguments(action.parameters)}"
         for part in action.cost_parts:
             if amount := weight * part.weight:
-                variables, constants = self._for_constants(part.terms, action.parameters)
-                named = [f"{self._is('constant', c)}({self._variable(v)})" for v, c in constants.items()]
-                value = f"{self._fluent(part.symbol)}{self._arguments(variables)}"
-                done = " ^ ".join([called, *self._fits(action.parameters), *named])
-                bound = self._typed([*action.parameters, *constants])
+                variables, constants = self._texts.for_constants(part.terms, action.parameters)
+                named = self._texts.chosen(constants)
+                value = f"{self._texts.fluent(part.symbol)}{self._texts.arguments(variables)}"
+                done = " ^ ".join([called, *self._texts.fits(action.parameters), *named])
+                bound = self._texts.typed([*action.parameters, *constants])
                 summed = f"({done}) * {value}"
                 yield f"({_number(amount)}) * " + (f"(sum_{{{bound}}} [{summed}])" if bound else summed)
 
     def _counted(self, variables: Sequence[Variable], formula: Formula, *, after: bool) -> str:
-        said = " ^ ".join([*self._fits(variables), self._formula(formula, after=after)])
+        said = " ^ ".join([*self._texts.fits(variables), self._texts.formula(formula, after=after)])
         if not variables:
             return f"(if ({said}) then 1.0 else 0.0)"
-        return f"(sum_{{{self._typed(variables)}}} [{said}])"
+        return f"(sum_{{{self._texts.typed(variables)}}} [{said}])"
 
     def _done(self, action: Action) -> str:
         """1 where the action is done."""
         return self._counted(action.parameters, ALWAYS, after=False).replace(
-            "true", f"{self._name('action', action.name)}{self._arguments(action.parameters)}"
+            "true", f"{self._texts.name('action', action.name)}{self._texts.arguments(action.parameters)}"
         )
 
     # ---- the instance
@@ -535,10 +338,12 @@ class _Writer:
         things = (*self._domain.constants, *problem.objects)
         objects = []
         for root in (each.name for each in self._domain.types if each.parent is None):
-            names = ", ".join(self._name("object", o.name) for o in things if self._root(o.type) == root)
+            names = ", ".join(
+                self._texts.name("object", o.name) for o in things if self._texts.root(o.type) == root
+            )
             if not names:
                 self._unsaid.note(f"`{problem.name}` has no object of the type `{root}`", None)
-            objects.append(f"{self._type(root)}: {{{names}}};")
+            objects.append(f"{self._texts.type_of(root)}: {{{names}}};")
         fixed, begun = list(self._fixed(things)), list(self._facts(moving=True))
         facts = f"{self.instance}_facts"
         discount = print_float(problem.discount)
@@ -556,15 +361,15 @@ class _Writer:
         for kind in (each.name for each in self._domain.types if each.parent is not None):
             for thing in things:
                 if self._domain.is_a(thing.type, kind):
-                    yield f"{self._is('type', kind)}({self._name('object', thing.name)});"
-        for name in self._singled:
-            yield f"{self._is('constant', name)}({self._name('object', name)});"
+                    yield f"{self._texts.mark('type', kind)}({self._texts.name('object', thing.name)});"
+        for name in self._texts.singled:
+            yield f"{self._texts.mark('constant', name)}({self._texts.name('object', name)});"
         yield from self._facts(moving=False)
         for closure in self._formulas.closures.values():
             base = self._symbols[closure.closure or ""]
             for pair in sorted(closure_of(self._problem.state, base.name, base.symmetric)):
-                arguments = ", ".join(self._name("object", name) for name in pair)
-                yield f"{self._fluent(closure.name)}({arguments});"
+                arguments = ", ".join(self._texts.name("object", name) for name in pair)
+                yield f"{self._texts.fluent(closure.name)}({arguments});"
 
     def _facts(self, *, moving: bool) -> Iterator[str]:
         """The facts about what can change, or about what never does; symmetric ones both ways round."""
@@ -574,9 +379,11 @@ class _Writer:
                 continue
             ways = {fact.objects, fact.objects[::-1]} if symbol.symmetric else {fact.objects}
             for names in sorted(ways):
-                arguments = f"({', '.join(self._name('object', name) for name in names)})" if names else ""
-                value = "" if symbol.is_predicate else f" = {self._value(symbol, fact.value)}"
-                yield f"{self._fluent(symbol.name)}{arguments}{value};"
+                arguments = (
+                    f"({', '.join(self._texts.name('object', name) for name in names)})" if names else ""
+                )
+                value = "" if symbol.is_predicate else f" = {self._texts.value_of(symbol, fact.value)}"
+                yield f"{self._texts.fluent(symbol.name)}{arguments}{value};"
 
     # ---- what has to be told
 
@@ -595,7 +402,7 @@ class _Writer:
     def changed_names(self) -> Mapping[str, str]:
         """The names that could not stay, with what they have become."""
         kinds = ("type", "symbol", "action", "object", "file")
-        return {old: new for (kind, old), new in self._given.items() if kind in kinds and old != new}
+        return {old: new for (kind, old), new in self._texts.given.items() if kind in kinds and old != new}
 
 
 def _variables_of(ruled: _Ruled) -> Iterator[Term]:
