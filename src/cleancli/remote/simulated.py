@@ -35,6 +35,8 @@ class SimulatedDriver:
         self._table, self._real_time = table, real_time
         self._moved = threading.Condition()  # its lock also keeps the engine to one thread at a time
         self._periods, self._now = 0, Status.DONE
+        self._motion = 0  # how many have begun
+        self._error: Exception | None = None  # of the thread that moves the table
 
     @property
     def clock(self) -> float:
@@ -82,28 +84,39 @@ class SimulatedDriver:
             self._moved.wait_for(
                 lambda: self._periods != periods or self._now is not Status.RUNNING, LATE * PERIOD
             )
+            if self._error is not None:
+                raise self._error
             return self._now
 
     def stop(self) -> None:
         """At the end of the period under way."""
         with self._moved:
+            self._now = Status.DONE
             self._table.stop()
 
     def _set_off(self, begin: Callable[[], None]) -> None:
         with self._moved:
             begin()
-            self._now = Status.RUNNING
+            self._now, self._error = Status.RUNNING, None
+            self._motion += 1
+            number = self._motion
         if self._real_time:
-            threading.Thread(target=self._go_on, name="motion", daemon=True).start()
+            threading.Thread(target=self._go_on, args=(number,), name="motion", daemon=True).start()
 
-    def _go_on(self) -> None:
-        """A period of the table each period of real time, or later where it takes longer to compute."""
+    def _go_on(self, number: int) -> None:
+        """A period of the table each period of real time, or later where it takes longer to compute, until
+        the motion of this number is over, or another one has begun."""
         due = time.monotonic()
-        while self._now is Status.RUNNING:
+        while True:
             due = max(due + PERIOD, time.monotonic())
             time.sleep(max(0.0, due - time.monotonic()))
             with self._moved:
-                self._now = self._table.poll()
+                if self._motion != number or self._now is not Status.RUNNING:
+                    return
+                try:
+                    self._now = self._table.poll()
+                except Exception as error:  # for whoever polls: a thread has nobody to tell
+                    self._now, self._error = Status.FAILED, error
                 self._periods += 1
                 self._moved.notify_all()
 
