@@ -85,6 +85,19 @@ def test_in_real_time_motions_go_on_by_themselves_and_last_as_long() -> None:
 
 
 @pytest.mark.needs_pybullet
+def test_a_table_is_served_on_where_nobody_reads_what_it_says() -> None:
+    with serving("two_groups") as (process, address):
+        assert process.stdout is not None
+        process.stdout.close()
+        for _ in range(2):
+            with Client(address) as client:
+                assert client.state.trip == ""
+        process.send_signal(signal.SIGTERM)
+        assert process.stderr is not None
+        assert (process.stderr.read(), process.wait(timeout=20)) == ("", 5), "its lines could not be written"
+
+
+@pytest.mark.needs_pybullet
 def test_a_port_that_is_taken_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     with served(Toy()) as server:
         assert run(["robot", "serve", "two_groups", "--port", str(server.address.port)]) == 5

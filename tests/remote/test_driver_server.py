@@ -6,8 +6,9 @@ import socket
 import struct
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import replace
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from cleancli.remote.wire import Message, encoded
 from cleancli.scene.address import Address, address_of
 from cleancli.world.errors import RobotError
 from cleancli.world.robot import Status
-from support.toy_driver import TOY, Toy, path, served
+from support.toy_driver import ANYWHERE, TOY, Toy, path, served
 
 ACROSS = path((-0.4, 0.0, 0.05), (-0.4, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.0, 0.05))
 
@@ -153,6 +154,34 @@ def test_a_client_that_hangs_keeps_no_control(server: Server, client: Client) ->
         other.stop()
         with pytest.raises(RobotError, match=r"has ended the connection|can no longer be reached"):
             client.stop()
+
+
+def test_a_terminal_that_has_gone_ends_no_connection(toy: Toy) -> None:
+    def told(text: str) -> None:
+        raise BrokenPipeError
+
+    with closing(Server(toy, TOY, ANYWHERE, told)) as server:
+        Thread(target=server.serve, daemon=True).start()
+        for _ in range(2):
+            with Client(server.address) as client:
+                assert not client.state.trip
+                begun(client)
+                client.stop()
+
+
+def test_a_driver_that_can_take_no_more_clients_goes_on(
+    server: Server, client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def start(thread: Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as lacking:
+        lacking.setattr("cleancli.remote.server.threading.Thread.start", start)
+        with pytest.raises(RobotError, match="has ended the connection"):
+            Client(server.address, control=False)
+    with Client(server.address, control=False) as other:
+        other.refresh()
+    begun(client)
 
 
 def test_a_cut_connection_is_told_in_time(server: Server, client: Client) -> None:

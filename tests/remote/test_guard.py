@@ -231,6 +231,45 @@ def test_a_motion_under_way_is_stopped_when_the_driver_ends(toy: Toy) -> None:
     assert toy.stops == 1
 
 
+def test_a_motion_that_is_being_planned_is_stopped_when_the_driver_ends(
+    toy: Toy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the arm would set off when nobody watches it any more."""
+    plans, may_go = Event(), Event()
+
+    def planned(path: ToolPath) -> None:
+        plans.set()
+        may_go.wait()
+        Toy.start(toy, path)
+
+    monkeypatch.setattr(toy, "start", planned)
+    guard = Guard(toy, TOY)
+    asking, ending = Thread(target=guard.start, args=(ACROSS,)), Thread(target=guard.close)
+    asking.start()
+    plans.wait()
+    ending.start()
+    may_go.set()
+    for thread in (asking, ending):
+        thread.join()
+    assert toy.stops == 1
+    assert guard.start(ACROSS) == f"it has tripped: {guard.state.trip}"
+
+
+def test_who_cannot_be_told_keeps_nobody_from_watching(toy: Toy) -> None:
+    """As where the terminal of the driver has been closed."""
+
+    def told(reason: str) -> None:
+        raise BrokenPipeError
+
+    guard = Guard(toy, TOY, told)
+    for stops in (1, 2):
+        begun(guard)
+        time.sleep(TOY.lease + 0.1)
+        assert toy.stops == stops
+        guard.rearm()
+    guard.close()
+
+
 def test_drivers_need_nothing_but_numpy() -> None:
     script = (
         "import sys\n"

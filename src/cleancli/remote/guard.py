@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
@@ -21,6 +22,20 @@ from cleancli.world.robot import Mover, Status
 
 SLACK = 1e-9
 """Metres and m/s by which rounded numbers may miss a limit that they equal."""
+
+
+Told = Callable[[str], object]
+"""Is told what a person at the driver's terminal should know."""
+
+
+def heard(told: Told) -> Told:
+    """`told`, whose own failure harms nobody: where the terminal has gone, the watch must go on."""
+
+    def tell(text: str) -> None:
+        with suppress(Exception):
+            told(text)
+
+    return tell
 
 
 class Driver(Mover, Protocol):
@@ -37,11 +52,10 @@ class Guard:
     a poll while it moves. What stops it trips the guard, which `told` is told: it then refuses all motions
     until a person has said `rearm`. The watch is kept by a thread of its own, until `close`."""
 
-    def __init__(
-        self, driver: Driver, description: Description, told: Callable[[str], object] = lambda reason: None
-    ) -> None:
+    def __init__(self, driver: Driver, description: Description, told: Told = lambda reason: None) -> None:
         self.driver, self.description = driver, description
-        self._told = told
+        self._told = heard(told)
+        self._beginning = threading.Lock()  # held while a motion is planned, and begins
         self._state = threading.Condition()
         self._due: float | None = None  # when the lease of the motion under way ends; None without one
         self._motion, self._ended = 0, Poll(Status.DONE, "")
@@ -51,10 +65,13 @@ class Guard:
         self._watch.start()
 
     def close(self) -> None:
-        """End the watch; a motion that is under way is stopped first."""
-        self.lost("the driver ends")
+        """End the watch; a motion that is under way is stopped first, and one that is being planned is waited
+        for and stopped."""
         with self._state:
             self._is_open = False
+        with self._beginning:
+            self.lost("the driver ends")
+        with self._state:
             self._state.notify_all()
         self._watch.join()
 
@@ -135,22 +152,25 @@ class Guard:
             return f"it has tripped: {self._trip}"
         if self._due is not None:
             return "a motion is under way"
-        try:
-            begin()
-        except Exception as error:
-            self.trip(f"the driver failed: {error!r}")
-            return f"it has tripped: {self._trip}"
-        with self._state:
-            # Planning takes its time: the lease begins when the motion does.
-            self._due = time.monotonic() + self.description.lease
-            self._motion += 1
-            self._state.notify_all()
+        with self._beginning:
+            if not self._is_open:
+                return "the driver ends"
+            try:
+                begin()
+            except Exception as error:
+                self.trip(f"the driver failed: {error!r}")
+                return f"it has tripped: {self._trip}"
+            with self._state:
+                # Planning takes its time: the lease begins when the motion does.
+                self._due = time.monotonic() + self.description.lease
+                self._motion += 1
+                self._state.notify_all()
         return self._motion
 
     def _watched(self) -> None:
         while True:
             with self._state:
-                if not self._is_open:
+                if not self._is_open and self._due is None:
                     return
                 left = None if self._due is None else self._due - time.monotonic()
                 if left is None or left > 0:

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from cleancli.remote import messages
 from cleancli.remote.fields import Fields, fields_of
-from cleancli.remote.guard import Driver, Guard, beyond
+from cleancli.remote.guard import Driver, Guard, Told, beyond, heard
 from cleancli.remote.messages import Description
 from cleancli.remote.transport import Transport
 from cleancli.remote.wire import BadMessage, Message
@@ -42,10 +42,10 @@ class Server:
         driver: Driver,
         description: Description,
         address: Address,
-        told: Callable[[str], object] = lambda text: None,
+        told: Told = lambda text: None,
     ) -> None:
         self.guard = Guard(driver, description, lambda reason: told(f"tripped: {reason}"))
-        self._told = told
+        self._told = heard(told)
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
         try:
             self._listener = socket.create_server((address.host, address.port), family=family)
@@ -63,10 +63,10 @@ class Server:
         while self._is_open:
             try:
                 connection, _ = self._listener.accept()
-            except OSError:  # closed, or for the moment out of what connections take
+                client = Transport(connection)
+            except OSError:  # closed, gone already, or for the moment out of what connections take
                 time.sleep(RETRY)
                 continue
-            client = Transport(connection)
             with self._guarding:
                 is_one_too_many = len(self._clients) >= MOST_CLIENTS
                 if not is_one_too_many:
@@ -74,7 +74,10 @@ class Server:
             if is_one_too_many:
                 client.close()
                 continue
-            threading.Thread(target=self._converse, args=(client,), daemon=True).start()
+            try:
+                threading.Thread(target=self._converse, args=(client,), daemon=True).start()
+            except RuntimeError:  # the system has no thread to give; who has control keeps it
+                self._leave(client)
 
     def close(self) -> None:
         """Stop the robot if it moves, and listen no longer."""
