@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -182,6 +183,20 @@ def test_a_person_is_asked_and_told_of_bad_input(
     assert "unknown action `opne`" in told
     assert "shown: push(a)" in told
     assert "push (1 try, 0 changed something)" in told
+
+
+def test_a_teacher_who_presses_ctrl_c_is_heard_at_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def readline(size: int = -1) -> str:
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("the question waits for the end of the line")
+
+    monkeypatch.setattr("sys.stdin", typed := io.StringIO())
+    monkeypatch.setattr(typed, "readline", readline)
+    words = "execute own.nid p.nid --world true.nid --strategy explore --learn --no-video --seed 4"
+    assert run([*words.split(), "--teacher", "ask"]) == ExitCode.INTERRUPTED
+    assert "go on with: cleancli execute --resume" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ wrong."""
 from __future__ import annotations
 
 import io
+import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -251,3 +252,28 @@ def test_a_person_is_asked_before_each_motion(
     assert "the arm leaves the camera's view; may it? [y/N]" in asked
     assert ("1. moveToContainerFast(a1): from (" in asked) == (answers[:2] == "y\n")
     assert ("go on with: cleancli execute --resume" in asked) == (code == 130)
+
+
+class Interrupted(io.StringIO):
+    """Input in whose first line somebody presses Ctrl-C; what would come after it is a no."""
+
+    went_on = False
+
+    def readline(self, size: int | None = -1, /) -> str:
+        signal.raise_signal(signal.SIGINT)
+        self.went_on = True
+        return "n\n"
+
+
+def test_ctrl_c_is_heard_before_the_line_ends(
+    driver: ScriptedDriver,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sys.stdin", answers := Interrupted())
+    with scene_of(driver, tmp_path) as (scene, _):
+        words = ["execute", "cleaning", str(scene), "--strategy", "reactive", "--confirm"]
+        assert run([*words, "--runs", str(tmp_path / "runs")]) == 130
+    assert not answers.went_on
+    assert "stopped with the tool up" in capsys.readouterr().err

@@ -32,6 +32,7 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.progress import working
+from cleancli.cli.questions import answer
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
@@ -383,11 +384,7 @@ def _ask(event: Event) -> None:
             what = f"{number}. {move}: {_told(path)}"
         case _:
             return
-    try:
-        may_begin = click.confirm(f"{what}; may it?", default=False, err=True)
-    except click.Abort:  # nobody can answer
-        may_begin = False
-    if not may_begin:
+    if not answer(lambda: click.confirm(f"{what}; may it?", default=False, err=True)):
         raise KeyboardInterrupt
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from cleancli.cli.echo import echo
+from cleancli.cli.questions import answer
 from cleancli.execution.episode_state import Move
 from cleancli.execution.teaching import Question
 from cleancli.language.calls import read_action
@@ -16,14 +17,14 @@ def ask(asked: Question) -> Move | None:
     """What a person shows; None for an empty line, or where there is no more input."""
     echo(str(asked), err=True)
     while True:
-        try:
-            text = click.prompt(
+        said: str | None = answer(
+            lambda: click.prompt(
                 "what to do, or nothing to end here", default="", show_default=False, err=True
             )
-        except click.Abort:
+        )
+        if said is None:
             echo(err=True)
-            return None
-        if not text.strip():
+        if not (text := said or "").strip():
             return None
         try:
             return Move(*read_action(text, asked.domain, asked.problem))
