@@ -33,7 +33,7 @@ domain lamp {
 
 
 def planned(planner: str, inside: str) -> Plan:
-    return PLANNERS[planner](prepare(task(LAMP, inside)), Options(samples=200, seed=1, branches=5))
+    return PLANNERS[planner](prepare(task(LAMP, inside)), Options(samples=200, seed=1))
 
 
 @pytest.mark.parametrize("planner", ["exact", "prada+", "uct"])

@@ -145,7 +145,7 @@ def test_hoping_sees_a_dead_end_that_is_near() -> None:
     assert policy_search.goal_alone(task)
     prepared = prepare(task)
     way = policy_search.way_to_goal(prepared)
-    hope = policy_search.hopeful(prepared, way, policy_search.Effort(300, None, 0, 0))
+    hope = policy_search.hopeful(prepared, way, policy_search.Effort(300, None, 0))
     assert str(task.actions[hope.course.actions[0]]) == "go(r0, x)"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cleancli.api.asked import Asked, named
 from cleancli.api.checks import check_one_of
@@ -12,20 +12,23 @@ from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_p
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.semantics import reaches_goal, successors
+from cleancli.compiler.semantics import reaches_goal
 from cleancli.compiler.task import Objective, literal_text
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast, forecast
+from cleancli.planning.evaluation.goal_chance import GoalChance, goal_chance
 from cleancli.planning.evaluation.value import Evaluation, Sampled
 from cleancli.planning.evaluation.value import evaluate as values_of
 from cleancli.planning.plan import Branch, Plan, Reached
 from cleancli.planning.planners.prada import PradaOptions
+from cleancli.planning.policy import Policy, sequence
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.planning.request import PlanningRequest, numbered, requested, why_nothing
+from cleancli.planning.trajectory import branches
 
 _NOTHING = {
     "goal": "nothing worth doing: the goal holds already",
@@ -53,7 +56,7 @@ _SHORT = (
 LIKELY = 0.5
 """A plan without a step to spare that reaches the goal less often than this is told as short. Chosen."""
 
-_BESIDE = ("objects", "margin", "counted", "horizon_stated", "course_chance")
+_BESIDE = ("objects", "margin", "counted", "horizon_stated")
 """What only the text of a plan tells."""
 
 
@@ -63,17 +66,20 @@ BRANCHES = 5
 
 @dataclass(frozen=True, slots=True)
 class PlanBranch:
-    """What a policy does where its likeliest course comes to another result than it follows: after `step`
-    actions, with this `probability`, where the last of them has had these `effects`, if any."""
+    """What a policy does where a run of it leaves its likeliest course: after `step` actions of the course,
+    with this `probability`, where the last of them has had these `effects`, if any. `late`: those that the
+    course follows, when so many tries have been made that the policy does otherwise."""
 
     step: int
     probability: float
     effects: tuple[str, ...]
     plan: tuple[str, ...]
+    late: bool
 
     def told(self, action: str) -> str:
         """In words; the action is that of the step."""
         result = f"comes to {', '.join(self.effects)}" if self.effects else "changes nothing"
+        result += " late" if self.late else ""
         rest = " ".join(self.plan) or "nothing more"
         return f"if {self.step}. {action} {result} ({self.probability:.3f}): {rest}"
 
@@ -81,8 +87,8 @@ class PlanBranch:
 @dataclass(frozen=True, slots=True)
 class PlanResult:
     """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
-    is unlimited; `explained` is None unless that was asked for. `course_chance`: how likely the plan reaches
-    the goal in that each action comes off; None where the problem has no goal."""
+    is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
+    sequence; None where the problem has no goal."""
 
     problem: str
     planner: str
@@ -93,6 +99,7 @@ class PlanResult:
     horizon: int | None
     coverage: float | None
     goal_reached: bool
+    goal_chance: GoalChance | None
     empty_because: str | None
     ignored: tuple[str, ...]
     left_out: tuple[str, ...]
@@ -104,7 +111,6 @@ class PlanResult:
     margin: float
     counted: int
     horizon_stated: bool
-    course_chance: float | None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -142,16 +148,17 @@ class PlanResult:
         if self.explained is not None and self.plan and self.measure in ("policy", "hoped"):
             yield _OF_A_POLICY
         if self.explained is not None and self.branches:
-            yield from (
-                branch.told(self.plan[branch.step - 1]) for branch in self.branches if self._is_news(branch)
-            )
+            yield from (branch.told(self.plan[branch.step - 1]) for branch in self.branches)
         yield from not_planned_for(self.left_out, self.ignored, self.counted)
-        if self.course_chance is not None and not self.horizon_stated and self._is_short(self.course_chance):
-            within, longer = plural(len(self.plan), "action"), longer_horizon(len(self.plan))
-            yield _SHORT.format(within=within, chance=self.course_chance, longer=longer)
         if self.reached is not None:
             yield from reached_lines(self.reached, self.planner)
             return
+        if self.goal_chance is not None and self.plan and not self.goal_reached:
+            chance = self.goal_chance.probability
+            if not self.horizon_stated and self._is_short(chance):
+                within, longer = plural(len(self.plan), "action"), longer_horizon(len(self.plan))
+                yield _SHORT.format(within=within, chance=chance, longer=longer)
+            yield chance_line(self.goal_chance, self.horizon)
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
         coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"
         yield (
@@ -161,17 +168,14 @@ class PlanResult:
 
     def _is_short(self, chance: float) -> bool:
         """Whether the plan cannot reach the goal, or seldom does and has no step to spare."""
-        return bool(self.plan) and (not chance or (chance < LIKELY and len(self.plan) == self.horizon))
-
-    def _is_news(self, branch: PlanBranch) -> bool:
-        """Not that what has changed nothing is tried again, which holds of every plan of a policy."""
-        return bool(branch.effects) or branch.plan != self.plan[branch.step - 1 :]
+        return not chance or (chance < LIKELY and len(self.plan) == self.horizon)
 
 
 @dataclass(frozen=True, slots=True)
 class EvaluationResult:
     """What a sequence is worth: by PRADA's belief, exactly (None where too many states may occur), and
-    sampled. Both others are None where libPRADA's reading is asked for."""
+    sampled; and how likely it comes to the goal, None where the problem has none. All but the first are None
+    where libPRADA's reading is asked for."""
 
     problem: str
     plan: tuple[str, ...]
@@ -180,6 +184,7 @@ class EvaluationResult:
     factored: float
     exact: float | None
     sampled: Sampled | None
+    goal_chance: GoalChance | None
     seconds: Mapping[str, float]
     explained: Expected | None
 
@@ -211,6 +216,8 @@ class EvaluationResult:
 
     def ending(self) -> Iterator[str]:
         """What stands below the table: how long the sequence is, and what of it lies beyond the horizon."""
+        if self.goal_chance is not None:
+            yield chance_line(self.goal_chance, self.horizon)
         yield f"{plural(len(self.plan), 'action')}, horizon {self.horizon}"
         if self.beyond_horizon:
             one = "action lies beyond the horizon and is not counted"
@@ -243,7 +250,7 @@ def plan(
     given, seconds = load_problem(problem, domain), dict[str, float]()
     job, _ = _request(given, asked, seconds, planner=planner)
     with located_in(*given.sources), planning_refused(given.sources):
-        found = job.planners[0](job.prepared, replace(job.options, branches=BRANCHES))
+        found = job.planners[0](job.prepared, job.options)
         seconds |= found.seconds
         actions = numbered(job.task, [(action.name, action.objects) for action in found.actions])
         return plan_result(job, found, _forecast(job, actions, explain, seconds), seconds)
@@ -291,18 +298,18 @@ def plan_result(
         horizon=found.horizon,
         coverage=found.coverage,
         goal_reached=reaches_goal(job.task, job.task.initial),
+        goal_chance=_goal_chance(job, found),
         empty_because=None if found.actions else why_nothing(job.task),
         ignored=job.ignored,
         left_out=job.left_out,
         seconds=dict(seconds),
         reached=found.reached,
-        branches=tuple(_branch(job, branch) for branch in found.branches),
+        branches=_branches(job, found.policy),
         explained=None if expected is None else expected_of(job, expected),
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
         horizon_stated=job.problem.horizon is not None,
-        course_chance=_course_chance(job, found),
     )
 
 
@@ -316,22 +323,38 @@ def longer_horizon(steps: int) -> int:
     return max(2 * steps, 10)
 
 
-def _course_chance(job: PlanningRequest, found: Plan) -> float | None:
-    """How likely each action has the likeliest of the results that change something, and the goal holds after
-    them; None where the problem has no goal."""
-    task, state, chance = job.task, job.task.initial, 1.0
-    if not task.goal:
+def chance_line(chance: GoalChance, horizon: int | None) -> str:
+    """How likely the goal is reached within a horizon."""
+    how = f" (± {chance.error:.2g}, {chance.runs} drawn runs)" if chance.runs else ""
+    digits = 3 if chance.runs else 6
+    within = plural(horizon or 0, "action")
+    return f"reaches the goal with probability {chance.probability:.{digits}g}{how} within {within}"
+
+
+def _goal_chance(job: PlanningRequest, found: Plan) -> GoalChance | None:
+    """That of the plan's policy, or of its sequence."""
+    if found.reached is not None:
+        return GoalChance(found.reached.probability, found.reached.probability_error, None)
+    actions = tuple(numbered(job.task, [action.key for action in found.actions]))
+    return _chance_of(job, found.policy or sequence(job.task.initial, actions))
+
+
+def _chance_of(job: PlanningRequest, policy: Policy) -> GoalChance | None:
+    if not job.problem.goal or job.options.compat:  # there, rules may overlap
         return None
-    for action in numbered(task, [action.key for action in found.actions]):
-        results = [result for result in successors(task, state, action) if result[1] != state]
-        likely, state = max(results, key=lambda result: result[0], default=(1.0, state))
-        chance *= likely
-    return chance if reaches_goal(task, state) else 0.0
+    return goal_chance(job.task, policy, job.options.seed)
+
+
+def _branches(job: PlanningRequest, policy: Policy | None) -> tuple[PlanBranch, ...]:
+    """What a policy does off its likeliest course, in words; a sequence has no branches."""
+    told = () if policy is None else branches(job.task, policy, BRANCHES)
+    return tuple(_branch(job, branch) for branch in told)
 
 
 def _branch(job: PlanningRequest, branch: Branch) -> PlanBranch:
     effects = (literal_text(job.task.variables[variable], [value]) for variable, value in branch.effects)
-    return PlanBranch(branch.step, branch.probability, tuple(effects), tuple(map(str, branch.actions)))
+    actions = tuple(map(str, branch.actions))
+    return PlanBranch(branch.step, branch.probability, tuple(effects), actions, branch.late)
 
 
 def evaluation_result(
@@ -351,13 +374,14 @@ def evaluation_result(
         factored=found.factored,
         exact=found.exact,
         sampled=found.sampled,
+        goal_chance=_chance_of(job, sequence(job.task.initial, tuple(actions[: job.task.horizon]))),
         seconds=dict(seconds),
         explained=None if expected is None else expected_of(job, expected),
     )
 
 
 _OF_A_POLICY = (
-    "steps and branches: of the sequence, each done once; the policy goes by what it sees, and tries again"
+    "steps: of the sequence, each done once; branches: of the policy, which tries again what changed nothing"
 )
 
 _TAKES = {

@@ -92,9 +92,7 @@ def named_options(record: Any) -> dict[str, Field[Any]]:
 
 def _refuse(name: str, planners: Sequence[str]) -> NoReturn:
     """Say where an option belongs that no planner takes here."""
-    written = (
-        {field.name for field in fields(Options)} - named_options(Options()).keys() - {"previous", "branches"}
-    )
+    written = {field.name for field in fields(Options)} - named_options(Options()).keys() - {"previous"}
     if name.replace("-", "_") in written:
         _bad(f"`{name}` has an option of its own: --{name.replace('_', '-')}")
     owners = [planner.name for planner in PLANNERS.values() if name in named_options(planner.own)]

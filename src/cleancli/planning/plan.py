@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from cleancli.compiler.fluents import Values
 from cleancli.compiler.task import GroundAction, Objective
+from cleancli.planning.policy import Policy
 
 V = TypeVar("V", int, float, str)
 
@@ -26,17 +27,16 @@ class Options:
 
     `samples`: action sequences to draw (PRADA's n). `seed` of the planner's own random stream. `time_limit`
     in seconds: a planner that can returns the best so far when it is over. `threads` at most; results don't
-    depend on them. `previous`: what is left of the last plan, to start from. `branches` that a policy's plan
-    is to tell at most. `counted`: a problem in which the reward counts more objects is made smaller before it
-    is grounded (planning/reductions/subproblem.py). Where beliefs are computed, rules less likely than
-    `rule_threshold` are taken not to apply, and `compat` computes literally as libPRADA does."""
+    depend on them. `previous`: what is left of the last plan, to start from. `counted`: a problem in which
+    the reward counts more objects is made smaller before it is grounded (planning/reductions/subproblem.py).
+    Where beliefs are computed, rules less likely than `rule_threshold` are taken not to apply, and `compat`
+    computes literally as libPRADA does."""
 
     samples: int = 10_000
     seed: int = 0
     time_limit: float | None = None
     threads: int = 2
     previous: tuple[GroundAction, ...] = ()
-    branches: int = 0
     compat: bool = False
     counted: int = option(30, 1, 1_000_000)
     rule_threshold: float = option(0.03, 0, 1)
@@ -60,14 +60,16 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """What a policy does where its likeliest course comes to another result than it follows: after `step`
-    actions, with this `probability`, where the last of them has had these `effects` (variables of the task
-    and their values). The `actions` are the likeliest course from there."""
+    """What a policy does where a run of it leaves its likeliest course: after `step` actions of the course,
+    with this `probability`, where the last of them has had these `effects` (variables of the task and their
+    values). The `actions` are the likeliest course from there. `late`: the effects are those of the course,
+    but have taken so many tries that the policy does otherwise then."""
 
     step: int
     probability: float
     effects: tuple[tuple[int, int], ...]
     actions: tuple[GroundAction, ...]
+    late: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +81,9 @@ class Plan:
     `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
     (the sequence's own), "policy" (of acting on what is seen, of which the sequence is the likeliest course),
     or "hoped" (of the same, and a guess by how far a goal is). `coverage` is eq. 3's share of the sequences
-    that were sampled, None where none were; `seconds` per phase of the planner. `branches` of a policy, as
-    many as the options ask for, in the order of steps. `results`: what each action of its course sets
-    where it goes as the course says; none of a sequence, which is carried out whatever happens.
+    that were sampled, None where none were; `seconds` per phase of the planner. `policy`: whose likeliest
+    course the sequence is; None of a sequence that is carried out whatever happens. `results`: what each
+    action of its course sets where it goes as the course says; none of such a sequence.
     """
 
     planner: str
@@ -93,7 +95,7 @@ class Plan:
     coverage: float | None
     seconds: Mapping[str, float]
     reached: Reached | None = None
-    branches: tuple[Branch, ...] = ()
+    policy: Policy | None = field(default=None, compare=False, repr=False)
     results: tuple[Values, ...] = ()
 
 

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+import heapq
 import itertools
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from cleancli.compiler.fluents import Values
 from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
 from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch, Plan
+from cleancli.planning.policy import Course, Place, Policy
 from cleancli.planning.preference import preferred
 
 Choose = Callable[[int, GroundState], int | None]
 """What a policy does at a step in a state: an action's index, or None to stop."""
-
-
-class Course(NamedTuple):
-    """The `actions` of a policy where each has the result that is `followed`, and the `states` that these
-    results are. A sequence, which is carried out whatever its results are, has no states."""
-
-    actions: tuple[int, ...] = ()
-    states: tuple[GroundState, ...] = ()
 
 
 def likeliest_course(task: Task, choose: Choose) -> Course:
@@ -68,30 +63,96 @@ def remembering(prepared: Prepared, course: Course) -> Course:
     return Course(course.actions, tuple(states))
 
 
-CourseFrom = Callable[[int, GroundState], Course | None]
-"""The likeliest course of a policy after so many steps in a state; None where the policy does not say."""
+def stepwise(task: Task, choose: Choose) -> Policy:
+    """The policy that chooses by step and state, up to the horizon."""
+
+    def at(step: int, state: GroundState) -> Place:
+        action = choose(step, state) if step < task.horizon else None
+        return Place(state, -1 if action is None else action, step)
+
+    def course(place: Place) -> Course:
+        ahead = replace(task, initial=place.state, horizon=task.horizon - place.step)
+        return likeliest_course(ahead, lambda step, state: choose(place.step + step, state))
+
+    return Policy(at(0, task.initial), lambda place, state: at(place.step + 1, state), course)
 
 
-def branches(task: Task, course: Course, course_from: CourseFrom, most: int) -> tuple[Branch, ...]:
+LEAST_LIKELY = 0.0005
+"""What comes less often is not told: three decimals would show it as 0. Chosen."""
+
+NEGLIGIBLE = 1e-9
+"""Tries that are less likely are not followed. Chosen."""
+
+
+def branches(task: Task, policy: Policy, most: int) -> tuple[Branch, ...]:
     """What a policy does after other results than those that its likeliest course follows: at most so many of
-    them, those that are most likely to come."""
-    found: list[tuple[float, int, GroundState, GroundState]] = []
-    state, likelihood = task.initial, 1.0
-    for step, (action, expected) in enumerate(zip(*course, strict=True) if most else (), start=1):
-        likely = 0.0
-        for probability, after in successors(task, state, action):
-            if after == expected:
-                likely = probability
-            else:
-                found.append((likelihood * probability, step, state, after))
-        state, likelihood = expected, likelihood * likely
+    them, those that are most likely to come.
+
+    A run of the policy is on the course as long as its changes are those of the course: where nothing has
+    changed and the policy does the same again, it goes on from there. The probabilities are those of leaving
+    the course, and so exclude each other.
+    """
+    course = policy.course(policy.start)
     told: list[Branch] = []
-    for probability, step, before, after in sorted(found, key=lambda each: -each[0]):
-        way = course_from(step, after) if len(told) < most else None
-        if way is not None:
-            actions = tuple(task.actions[action] for action in way.actions)
-            told.append(Branch(step, probability, _effects(before, after), actions))
-    return tuple(sorted(told, key=lambda branch: branch.step))
+    before, on = task.initial, {policy.start: 1.0}
+    for step, expected in enumerate(course.states, start=1):
+        ahead, left = _one_step(task, policy, on, expected)
+        following = course.actions[step] if step < len(course.actions) else -1
+        late = {place: chance for place, chance in ahead.items() if place.action != following}
+        on = {place: chance for place, chance in ahead.items() if place.action == following}
+        told += [_branch(task, policy, step, before, places) for places in left.values()]
+        told += [_branch(task, policy, step, before, late, late=True)] if late else []
+        before = expected
+    likely = sorted(told, key=lambda branch: -branch.probability)[:most]
+    return tuple(sorted((b for b in likely if b.probability >= LEAST_LIKELY), key=lambda branch: branch.step))
+
+
+Chances = dict[Place, float]
+
+
+def _one_step(
+    task: Task, policy: Policy, on: Mapping[Place, float], expected: GroundState
+) -> tuple[Chances, dict[GroundState, Chances]]:
+    """Where the runs that are at these places, which have one state and action, come to by that action, done
+    again where it has changed nothing: on the course, and off it by the state."""
+    ahead: Chances = defaultdict(float)
+    left: dict[GroundState, Chances] = defaultdict(lambda: defaultdict(float))
+    trying, places = dict(on), [(place.step, place) for place in on]
+    heapq.heapify(places)  # by their steps, so that all that comes to one is known
+    while places:
+        _, place = heapq.heappop(places)
+        chance = trying[place]
+        if chance < NEGLIGIBLE:
+            continue
+        results = [
+            (p, policy.after(place, after)) for p, after in successors(task, place.state, place.action)
+        ]
+        ever = sum(p for p, after in results if after != place)  # the others are tries without an end
+        for p, after in results:
+            if after.state == expected:
+                ahead[after] += chance * p / ever
+            elif (after.state, after.action) != (place.state, place.action):
+                left[after.state][after] += chance * p / ever
+            elif after != place:
+                if after not in trying:
+                    heapq.heappush(places, (after.step, after))
+                trying[after] = trying.get(after, 0.0) + chance * p
+    return ahead, left
+
+
+def _branch(
+    task: Task,
+    policy: Policy,
+    step: int,
+    before: GroundState,
+    places: Mapping[Place, float],
+    *,
+    late: bool = False,
+) -> Branch:
+    """The branch to places that have one state; it goes on as from the likeliest of them."""
+    likeliest = max(places, key=lambda place: places[place])
+    actions = tuple(task.actions[action] for action in policy.course(likeliest).actions)
+    return Branch(step, sum(places.values()), _effects(before, likeliest.state), actions, late)
 
 
 def _effects(before: GroundState, after: GroundState) -> tuple[tuple[int, int], ...]:
@@ -123,9 +184,10 @@ def course_plan(
     times: Sequence[float],
     measure: str = "policy",
     samples: int = 0,
-    branches: tuple[Branch, ...] = (),
+    policy: Policy | None = None,
 ) -> Plan:
-    """The plan of a planner on exact states; an empty one has the value of stopping at once.
+    """The plan of a planner on exact states, which is the course of a policy or a sequence; an empty one has
+    the value of stopping at once.
 
     `times` are those at which lowering, compiling and the search began, and the end.
     """
@@ -139,6 +201,6 @@ def course_plan(
         horizon=task.horizon,
         coverage=None,
         seconds=dict(zip(("lower", "compile", "search"), seconds, strict=True)),
-        branches=branches if course.actions else (),
+        policy=policy if course.actions else None,
         results=results(task, course),
     )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from cleancli.api.plans import BRANCHES, evaluation_result, plan_result
+from cleancli.api.plans import evaluation_result, plan_result
 from cleancli.api.seen import seen, timed
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
@@ -150,7 +150,7 @@ def _refuse_together() -> None:
 
 def _plan(job: PlanningRequest, wanted: _Wanted, seconds: dict[str, float]) -> None:
     with working(_PLANNING):
-        plan = job.planners[0](job.prepared, replace(job.options, branches=BRANCHES))
+        plan = job.planners[0](job.prepared, job.options)
     seconds |= plan.seconds
     calls = [(action.name, action.objects) for action in plan.actions]
     expected = _expected(job, numbered(job.task, calls), wanted, seconds)

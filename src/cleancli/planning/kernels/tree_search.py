@@ -27,7 +27,8 @@ from cleancli.planning.kernels.policy_tree import (
 from cleancli.planning.kernels.relaxed import relaxed
 from cleancli.planning.kernels.state_graph import enter
 from cleancli.planning.kernels.transitions import rewarded
-from cleancli.planning.trajectory import Course, followed
+from cleancli.planning.policy import Course, Place, Policy
+from cleancli.planning.trajectory import followed
 
 
 class Node(NamedTuple):
@@ -35,18 +36,6 @@ class Node(NamedTuple):
 
     value: float
     worth: dict[int, float]  # of the actions that were tried
-
-
-class _Place(NamedTuple):
-    """Where the policy is, and what it does there, -1 to stop: at a node, or beyond the tree (-1), where a
-    base policy goes on at a place of its sequence."""
-
-    node: int
-    state: GroundState
-    step: int
-    base: int
-    place: int
-    action: int
 
 
 class Search:
@@ -137,50 +126,54 @@ class Search:
             passed.append((tuple(state), step, int(t.action[choice])))
         return passed
 
-    def course_from(self, step: int, state: GroundState) -> Course | None:
-        """The course from a state at a step on; None where it is not in the tree."""
-        node = self._number(state, step)
-        return None if node is None else self.course(node)
+    def policy(self) -> Policy:
+        """What the tree says, and beyond it the base policies of its nodes: a place's memory is the node, -1
+        beyond the tree, the base policy, and the place in its sequence."""
+        return Policy(self._at_node(0), self._after, self._course)
 
-    def course(self, node: int = 0) -> Course:
-        """The course from a node on, up to where the policy stops."""
-        actions, states, at = list[int](), list[GroundState](), self._at_node(node)
+    def course(self) -> Course:
+        """The likeliest course of the policy."""
+        return self._course(self._at_node(0))
+
+    def _course(self, at: Place) -> Course:
+        """The course from a place on, up to where the policy stops."""
+        actions, states = list[int](), list[GroundState]()
         while at.action >= 0:
             actions.append(at.action)
             states.append(followed(self._task, at.state, at.action, partial(self._repeats, at)))
             at = self._after(at, states[-1])
         return Course(tuple(actions), tuple(states))
 
-    def _repeats(self, at: _Place) -> bool:
+    def _repeats(self, at: Place) -> bool:
         """Whether the policy does the same again where it has changed nothing."""
         return self._after(at, at.state).action == at.action
 
-    def _after(self, at: _Place, state: GroundState) -> _Place:
+    def _after(self, at: Place, state: GroundState) -> Place:
         """Where the policy is when its action has led to a state."""
-        t = self._tree
-        choice = -1 if at.node < 0 else int(t.best[at.node])
+        t, (node, base, place) = self._tree, at.memory
+        choice = -1 if node < 0 else int(t.best[node])
         if choice < 0:
-            onward = at.base == TAIL or state != at.state
-            return self._beyond(-1, state, at.step + 1, at.base, at.place + int(onward))
+            onward = base == TAIL or state != at.state
+            return self._beyond(-1, state, at.step + 1, base, place + int(onward))
         nodes = t.successor[t.edge_start[choice] : t.edge_stop[choice]]
         (found,) = np.nonzero((t.states[nodes, :-1] == state).all(axis=1))
         return self._at_node(int(nodes[found[0]]))
 
-    def _at_node(self, node: int) -> _Place:
+    def _at_node(self, node: int) -> Place:
         t, best = self._tree, int(self._tree.best[node])
         *state, step = t.states[node].tolist()
         if best >= 0:
-            return _Place(node, tuple(state), step, STOP, step, int(t.action[best]))
+            return Place(tuple(state), int(t.action[best]), step, (node, STOP, step))
         base = STOP if best == -1 else int(t.base[node])
         return self._beyond(node, tuple(state), step, base, int(t.place[node]) if base == RETRIED else step)
 
-    def _beyond(self, node: int, state: GroundState, step: int, base: int, place: int) -> _Place:
+    def _beyond(self, node: int, state: GroundState, step: int, base: int, place: int) -> Place:
         """Where a base policy goes on."""
         left, action = len(self._bases.idle) - 1 - step, -1
         if left > 0:
             row = np.array(state, dtype=np.int32)
             place, action = next_choice(self._process, self._bases, row, base, place, left)
-        return _Place(node, state, step, base, place, action)
+        return Place(state, int(action), step, (node, base, int(place)))
 
 
 def base_mean(

@@ -12,8 +12,9 @@ from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.value import earliness, sampled
 from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.planners import beam
+from cleancli.planning.policy import Course
 from cleancli.planning.reductions.determinization import all_outcomes, likeliest_outcomes
-from cleancli.planning.trajectory import Course, beats_nothing, course_plan
+from cleancli.planning.trajectory import beats_nothing, course_plan
 
 RUNS = 10_000
 """Runs of the plan in the true process, for its value. Chosen."""

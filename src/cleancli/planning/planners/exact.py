@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,10 @@ from cleancli.array_types import Floats, Ints
 from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Branch, Options, Plan, TooManyStatesError, option
+from cleancli.planning.plan import Options, Plan, TooManyStatesError, option
 from cleancli.planning.planners import plain_graph, rational, reaching
-from cleancli.planning.trajectory import Course, branches, course_plan, likeliest_course, remembering
+from cleancli.planning.policy import Course, Place, Policy
+from cleancli.planning.trajectory import Choose, course_plan, remembering, stepwise
 
 _KEPT = "optimum"
 """What the last solution is called among those of a task."""
@@ -44,9 +45,10 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
     if own.arithmetic == "rational":
         times += [time.perf_counter()] * 2
         fraction, choose = rational.optimum(known.task, own.states)
-        course = remembering(prepared, likeliest_course(known.task, choose))
+        policy = _policy(prepared, choose)
+        course = policy.course(policy.start)
         times.append(time.perf_counter())
-        return course_plan("exact", prepared.task, course, float(fraction), times=times)
+        return course_plan("exact", prepared.task, course, float(fraction), times=times, policy=policy)
     if at_hand(prepared, own.states) is not None:
         times *= 3
     else:
@@ -55,10 +57,10 @@ def exact(prepared: Prepared, options: Options, own: ExactOptions) -> Plan:
         load(known)
         times.append(time.perf_counter())
     solution = optimum(prepared, own.states)
-    value, course = worth(prepared, solution)
-    told = told_branches(prepared, solution, course, options.branches)
+    value, policy = worth(prepared, solution)
+    course = policy.course(policy.start)
     times.append(time.perf_counter())
-    return course_plan("exact", prepared.task, course, value, times=times, branches=told)
+    return course_plan("exact", prepared.task, course, value, times=times, policy=policy)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,8 +142,8 @@ def _keep(prepared: Prepared, solution: Solution) -> Solution:
     return solution
 
 
-def worth(prepared: Prepared, solution: Solution) -> tuple[float, Course]:
-    """The optimal value of the present state, and the likeliest course of the policy."""
+def worth(prepared: Prepared, solution: Solution) -> tuple[float, Policy]:
+    """The optimal value of the present state, and the policy."""
     task = prepared.forgetful.task
     first, number = _met(solution, task.initial, max(task.horizon, 0))
 
@@ -149,17 +151,19 @@ def worth(prepared: Prepared, solution: Solution) -> tuple[float, Course]:
         action = solution.best[_met(solution, state, solution.steps - first - step)]
         return int(action) if action >= 0 else None
 
-    return float(solution.values[first, number]), remembering(prepared, likeliest_course(task, choose))
+    return float(solution.values[first, number]), _policy(prepared, choose)
 
 
-def told_branches(prepared: Prepared, solution: Solution, course: Course, most: int) -> tuple[Branch, ...]:
-    """The branches of the policy, as many as are asked for."""
-    task = prepared.task
+def _policy(prepared: Prepared, choose: Choose) -> Policy:
+    """The policy in states with nothing forgotten, by what is chosen in those of the forgetful task."""
+    known = stepwise(prepared.forgetful.task, choose)
 
-    def course_from(step: int, state: GroundState) -> Course:
-        return worth(prepared.at(state, task.horizon - step), solution)[1]
+    def course(place: Place) -> Course:
+        there = prepared.at(place.state)
+        return remembering(there, known.course(place._replace(state=there.forgetful.task.initial)))
 
-    return branches(task, course, course_from, most)
+    whole = stepwise(prepared.task, lambda step, state: choose(step, prepared.forget(state)))
+    return replace(whole, course=course)
 
 
 def _met(solution: Solution, state: GroundState, left: int) -> tuple[int, int]:

@@ -9,12 +9,11 @@ from typing import Any
 
 from cleancli.compiler.lowering.state_tables import lower_process
 from cleancli.compiler.task import Task
-from cleancli.planning import kernels, trajectory
+from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Branch
 from cleancli.planning.planners import beam, goal_beam
+from cleancli.planning.policy import Course, Policy
 from cleancli.planning.reductions.determinization import by_chance
-from cleancli.planning.trajectory import Course
 
 EXPLORATION = 10.0
 """The weight of the upper bounds (planning/kernels/policy_tree.py). Chosen by benchmarks/regret.py."""
@@ -46,55 +45,51 @@ Actions = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Policy:
-    """The likeliest course of a policy, what it is worth over fresh runs with its earliness, how many
-    descents found it, and its branches."""
+class Grown:
+    """A policy and its likeliest course, what it is worth over fresh runs with its earliness, and how many
+    descents found it."""
 
+    policy: Policy
     course: Course
     value: float
     earliness: float
     descents: int
-    branches: tuple[Branch, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """So many descents, or as many as there is time for until the deadline; the seed of what is drawn, and
-    how many branches are to be told."""
+    """So many descents, or as many as there is time for until the deadline; the seed of what is drawn."""
 
     descents: int
     deadline: float | None
     seed: int
-    branches: int
 
 
-def search(prepared: Prepared, starts: Sequence[Actions], runs: int, effort: Effort) -> Policy:
+def search(prepared: Prepared, starts: Sequence[Actions], runs: int, effort: Effort) -> Grown:
     """The policy that a search finds from the best of the sequences; its value is that of fresh runs."""
     seed = effort.seed
     tree = kernels.tree_search.Search(
         prepared, best_start(prepared, starts, seed), runs=runs, exploration=EXPLORATION, seed=seed
     )
-    course, told = _grown(prepared, tree, effort)
-    return Policy(course, *tree.mean(FRESH_RUNS, seed + 1), tree.played, told)
+    _grow(tree, effort)
+    return Grown(tree.policy(), tree.course(), *tree.mean(FRESH_RUNS, seed + 1), tree.played)
 
 
-def hopeful(prepared: Prepared, way: Actions, effort: Effort) -> Policy:
+def hopeful(prepared: Prepared, way: Actions, effort: Effort) -> Grown:
     """The policy that a search finds where nothing is paid but for a goal, and a new node is worth what that
     pays, less by how far it is. The way is what is tried first. Its value is a guess."""
     tree = kernels.tree_search.Search(
         prepared, way, exploration=HOPEFUL_EXPLORATION, seed=effort.seed, hope=HOPE
     )
-    course, told = _grown(prepared, tree, effort)
-    return Policy(course, tree.value, 0.0, tree.played, told)
+    _grow(tree, effort)
+    return Grown(tree.policy(), tree.course(), tree.value, 0.0, tree.played)
 
 
-def _grown(prepared: Prepared, tree: Any, effort: Effort) -> tuple[Course, tuple[Branch, ...]]:
-    """The likeliest course of a tree after so much effort, and its branches."""
+def _grow(tree: Any, effort: Effort) -> None:
+    """Puts so much effort into a tree."""
     descents, deadline = effort.descents, effort.deadline
     while tree.played < descents and not tree.solved and (deadline is None or time.perf_counter() < deadline):
         tree.run(min(ROUND, descents - tree.played))
-    course: Course = tree.course()
-    return course, trajectory.branches(prepared.task, course, tree.course_from, effort.branches)
 
 
 def goal_alone(task: Task) -> bool:

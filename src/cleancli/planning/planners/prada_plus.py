@@ -15,11 +15,12 @@ from dataclasses import dataclass, replace
 
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
-from cleancli.planning.plan import Branch, Options, Plan, option
+from cleancli.planning.plan import Options, Plan, option
 from cleancli.planning.planners import exact, policy_search, reaching, solving
 from cleancli.planning.planners.prada import PradaOptions, prada
+from cleancli.planning.policy import Course, Policy
 from cleancli.planning.preference import preferred
-from cleancli.planning.trajectory import Course, beats_nothing, course_plan
+from cleancli.planning.trajectory import beats_nothing, course_plan
 
 CHAINS = 4
 """Annealings, each over runs of its own: what one overrates, the others do not. Chosen."""
@@ -55,14 +56,14 @@ Actions = tuple[int, ...]
 @dataclass(frozen=True, slots=True)
 class Found:
     """A course, what it is worth with its earliness, whose value that is (`Plan`), and how many sequences and
-    descents were tried in all."""
+    descents were tried in all; the policy, of whose course that is."""
 
     course: Course
     value: float
     earliness: float
     measure: str
     tried: int
-    branches: tuple[Branch, ...] = ()
+    policy: Policy | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +94,10 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
         loaded = time.perf_counter()
     solved = solving.solution(prepared, limits) if own.solve else None
     if solved is not None:
-        value, course = exact.worth(prepared, solved)
-        told = exact.told_branches(prepared, solved, course, options.branches)
+        value, policy = exact.worth(prepared, solved)
+        course = policy.course(policy.start)
         times = (begun, lowered, loaded, time.perf_counter())
-        return course_plan("prada+", prepared.task, course, value, times=times, branches=told)
+        return course_plan("prada+", prepared.task, course, value, times=times, policy=policy)
     ended = time.perf_counter()
     _ = prepared.tables
     tabled = time.perf_counter()
@@ -113,7 +114,7 @@ def prada_plus(prepared: Prepared, options: Options, own: PradaPlusOptions) -> P
         times=tuple(itertools.accumulate((0.0, lowering, loading, searching))),
         measure=found.measure,
         samples=found.tried,
-        branches=found.branches,
+        policy=found.policy,
     )
 
 
@@ -131,25 +132,21 @@ def _searched(prepared: Prepared, options: Options, own: PradaPlusOptions) -> Fo
     way = policy_search.way_to_goal(prepared) if goal else ()
     if own.runs:
         starts = [best, way] if way else [best, *_other_starts(prepared, options, own, best)]
-        policy = policy_search.search(prepared, starts, own.runs, _effort(options, ends[1]))
-        found = replace(found, tried=tried + policy.descents)
-        if preferred(
-            policy.value, policy.earliness, *policy_search.carried_out(prepared, best, options.seed)
-        ):
-            found = Found(
-                policy.course, policy.value, policy.earliness, "policy", found.tried, policy.branches
-            )
+        grown = policy_search.search(prepared, starts, own.runs, _effort(options, ends[1]))
+        found = replace(found, tried=tried + grown.descents)
+        if preferred(grown.value, grown.earliness, *policy_search.carried_out(prepared, best, options.seed)):
+            found = Found(grown.course, grown.value, grown.earliness, "policy", found.tried, grown.policy)
     steps = len(way or found.course.actions)
     if goal and found.value < LIKELY * task.discount**steps * policy_search.prize(task):
         hope = policy_search.hopeful(prepared, way, _effort(options, ends[2]))
         if hope.course.actions:
-            return Found(hope.course, hope.value, 0.0, "hoped", found.tried + hope.descents, hope.branches)
+            return Found(hope.course, hope.value, 0.0, "hoped", found.tried + hope.descents, hope.policy)
     return found if beats_nothing(task, found.value, found.earliness) else replace(found, course=Course())
 
 
 def _effort(options: Options, deadline: float | None) -> policy_search.Effort:
     descents = -(-options.samples // DESCENT_SHARE)
-    return policy_search.Effort(descents, deadline, options.seed, options.branches)
+    return policy_search.Effort(descents, deadline, options.seed)
 
 
 def _other_starts(prepared: Prepared, options: Options, own: PradaOptions, best: Actions) -> list[Actions]:

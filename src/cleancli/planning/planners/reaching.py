@@ -22,7 +22,8 @@ from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Plan, PlanningRefused, Reached, TooManyStatesError
 from cleancli.planning.planners import rational_reaching
-from cleancli.planning.trajectory import Course, remembering, results
+from cleancli.planning.policy import Course, Place, Policy
+from cleancli.planning.trajectory import remembering, results
 
 SHARES = (1e-2, 1e-4)
 """Of the error that is asked for, what each component of states may leave open, in a first try and in a
@@ -77,8 +78,26 @@ def plan(planner: str, prepared: Prepared, limit: int, error: float | None) -> P
         coverage=None,
         seconds=dict(zip(("lower", "compile", "search"), seconds, strict=True)),
         reached=reached,
+        policy=_policy(prepared, solution) if way.actions else None,
         results=results(prepared.task, way),
     )
+
+
+def _policy(prepared: Prepared, solution: Solution) -> Policy:
+    """The policy in states of which nothing is forgotten, and the likeliest way that it may take from one."""
+    graph, choice = solution.graph, solution.policy.choice
+
+    def number(state: GroundState) -> int:
+        return int(solution.enumeration.index(prepared.forget(state)))
+
+    def at(state: GroundState) -> Place:
+        chosen = choice[number(state)]
+        return Place(state, int(graph.choice_action[chosen]) if chosen >= 0 else -1, 0)
+
+    def course(place: Place) -> Course:
+        return remembering(prepared.at(place.state), likeliest_way(solution, number(place.state)))
+
+    return Policy(at(prepared.task.initial), lambda _, state: at(state), course)
 
 
 def _kept(prepared: Prepared, error: float | None) -> tuple[Solution | None, int]:

@@ -9,7 +9,7 @@ from cleancli.compiler.task import GroundState
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, option
-from cleancli.planning.trajectory import course_plan, likeliest_course
+from cleancli.planning.trajectory import course_plan, stepwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +48,7 @@ def sst(prepared: Prepared, options: Options, own: SstOptions) -> Plan:
     look(0, task.initial, 0)  # makes numba load or compile what it will run
     times.append(time.perf_counter())
     value = look(0, task.initial, own.depth)[0]
-    course = likeliest_course(task, choose)
+    policy = stepwise(task, choose)
+    course = policy.course(policy.start)
     times.append(time.perf_counter())
-    return course_plan("sst", task, course, value, times=times)
+    return course_plan("sst", task, course, value, times=times, policy=policy)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Options, Plan, option
-from cleancli.planning.trajectory import Course, beats_nothing, branches, course_plan
+from cleancli.planning.policy import Course
+from cleancli.planning.trajectory import beats_nothing, course_plan
 
 ROUND = 100
 """Descents between two looks at the clock. Chosen."""
@@ -46,6 +47,6 @@ def uct(prepared: Prepared, options: Options, own: UctOptions) -> Plan:
         search.run(min(ROUND, options.samples - search.played))
     value = search.value
     course = search.course() if beats_nothing(task, value) else Course()
-    told = branches(task, course, search.course_from, options.branches)
     times.append(time.perf_counter())
-    return course_plan("uct", task, course, value, times=times, samples=search.played, branches=told)
+    policy, played = search.policy(), search.played
+    return course_plan("uct", task, course, value, times=times, samples=played, policy=policy)
