@@ -16,6 +16,7 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.find import find
 from cleancli.language.load import (
+    checked_despite,
     checked_domain,
     checked_problem,
     domain_named,
@@ -131,7 +132,7 @@ def check_file(
         case _:
             name = domain_named(source).text
             beside = path.parent / f"{name}.nid"
-            domain = open_loaded(str(beside) if beside.exists() else name)
+            domain = read_source(find(str(beside) if beside.exists() else name, "domains"))
             return _check_problem(source, domain)
 
 
@@ -162,22 +163,34 @@ def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, 
     return (), (source,)
 
 
-def _check_problem(source: Source, domain: LoadedDomain) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """The mistakes and warnings of a problem; without mistakes also what conflicts for its objects (E602),
-    and what it wants in vain (W403).
+def _check_problem(source: Source, text: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
+    """The mistakes and warnings of a problem, with those of its domain's text if that has mistakes; where
+    neither has one also what conflicts for its objects (E602), what it wants in vain (W403), and whether its
+    plans are too short (W404).
 
     Grounding is imported here: other files are checked without it.
     """
+    try:
+        domain = opened_domain(text, may_include_outside())
+    except Refused as refused:
+        if is_pddl(text) or kind_of(text) != "domain":
+            raise
+        found = checked_despite(source, text, may_include_outside())
+        return (*refused.diagnostics, *found.diagnostics), (*refused.sources, *found.sources)
     found = checked_problem(source, domain.model)
     if found.model is None:
         return found.diagnostics, found.sources
-    from cleancli.cli.unreached import warnings_of
+    from cleancli.cli.unreached import warnings_of, warnings_of_horizon
     from cleancli.compiler.ground import ground
 
     try:
-        ground(domain.model, found.model)
+        task = ground(domain.model, found.model)
     except Refused as refused:
         conflicts = [each for each in refused.diagnostics if each.code == "E602"]
         if conflicts:
             return (*found.diagnostics, *conflicts), (*domain.sources, *found.sources)
-    return (*found.diagnostics, *warnings_of(source, domain.model, found.model)), found.sources
+        short: tuple[Diagnostic, ...] = ()
+    else:
+        short = warnings_of_horizon(source, found.model, task)
+    vain = warnings_of(source, domain.model, found.model)
+    return (*found.diagnostics, *(vain or short)), found.sources

@@ -1,15 +1,19 @@
-"""Says that a goal can't be reached, or that a count can't fall to 0, before time goes into it (W403)."""
+"""Says of a problem what it wants in vain, before time goes into it: W403 and W404."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 
+from cleancli.api.plans import longer_horizon
 from cleancli.cli.echo import echo_refused
+from cleancli.compiler.short_horizon import ShortHorizon, short_horizon
+from cleancli.compiler.task import Task
 from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
 from cleancli.language.parsing.parse import kind_of
@@ -23,6 +27,12 @@ _PDDL_GOAL = re.compile(r"\(\s*(:goal)\b", re.I)
 def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagnostic, ...]:
     """W403 for what no action can bring about, at its place in the problem's text."""
     return tuple(_warning(each, problem, _place(source)) for each in unreached(domain, problem))
+
+
+def warnings_of_horizon(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
+    """W404 where the goal takes more actions than plans of the grounded problem have."""
+    found = short_horizon(task)
+    return () if found is None else (_too_short(found, problem, _place(source)),)
 
 
 def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) -> None:
@@ -60,3 +70,15 @@ def _warning(found: Unreached, problem: Problem, place: Span) -> Diagnostic:
         reason = untrue or "no action changes what it counts"
         help = "write a rule that brings it about, or take out of `init` what no action can end"
     return Diagnostic("W403", f"{what}: {reason}", place, help=help, level=Level.WARNING)
+
+
+def _too_short(found: ShortHorizon, problem: Problem, place: Span) -> Diagnostic:
+    takes = f"more than {found.horizon}" if found.least is None else f"at least {found.least}"
+    unstated = ": the problem states no horizon" if problem.horizon is None else ""
+    message = (
+        f"the goal of `{problem.name}` takes {takes} actions,"
+        f" and plans have {plural(found.horizon, 'action')} at most{unstated}"
+    )
+    longer = longer_horizon(found.least or found.horizon)
+    help = f"write for example `horizon = {longer}`, so that there is time for what fails and is tried again"
+    return Diagnostic("W404", message, place, help=help, level=Level.WARNING)

@@ -10,8 +10,8 @@ from typing import Generic, TypeVar
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.checking.domain import check_domain
 from cleancli.language.checking.include import Read, with_includes
-from cleancli.language.checking.problem import check_problem
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.checking.problem import check_despite, check_problem
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Problem
@@ -79,6 +79,18 @@ def checked_problem(source: Source, domain: Domain) -> Checked[Problem]:
         return Checked(None, refused.diagnostics, refused.sources)
     problem = check_problem(root, domain, findings) if isinstance(root, ProblemNode) else None
     return _checked(problem, findings)
+
+
+def checked_despite(source: Source, domain: Source, allow_outside: bool = False) -> Checked[Problem]:
+    """Check a problem whose domain has mistakes. Only mistakes are told, and none that may follow from those
+    of the domain; there is no model. Raises Refused where one of them is something else."""
+    root, of_domain = parse_as(domain, "domain")
+    node, findings = parse_as(source, "problem")
+    if isinstance(root, DomainNode) and isinstance(node, ProblemNode):
+        whole = with_includes(root, of_domain, allow_outside, read_source)
+        check_despite(node, whole, check_domain(whole, of_domain), of_domain, findings)
+    mistakes = tuple(each for each in findings.sorted if each.level is Level.ERROR)
+    return Checked(None, mistakes, tuple(findings.sources))
 
 
 def _checked(model: _Model | None, findings: Findings) -> Checked[_Model]:

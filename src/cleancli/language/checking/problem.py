@@ -21,12 +21,13 @@ from cleancli.language.checking.declarations import (
     read_objects,
     refuse_repeated,
     sections_of,
+    unsure_sections,
     without_point,
 )
 from cleancli.language.checking.domain import known_counts, scope_of
 from cleancli.language.checking.planner_block import PlannerOptions, check_planner
 from cleancli.language.checking.unreachable import warn_impossible
-from cleancli.language.diagnostics.diagnostic import Span
+from cleancli.language.diagnostics.diagnostic import Level, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import (
@@ -70,6 +71,31 @@ def check_problem(node: syntax.ProblemNode, domain: Domain, findings: Findings) 
     scope = Scope(scope.declared, everything, {}, findings)
     state = _state(node, domain, scope)
     return _with_aims(node, domain, objects, state, scope)
+
+
+def check_despite(
+    node: syntax.ProblemNode,
+    root: syntax.DomainNode,
+    domain: Domain,
+    of_domain: Findings,
+    findings: Findings,
+) -> None:
+    """Note the mistakes of a problem whose domain, with this tree, has mistakes too; none that may follow
+    from those. What could not be read may declare anything; of mistakes in rules nothing follows, and of
+    others that names may mean something else."""
+    findings.broken |= unsure_sections(of_domain)
+    findings.unclear |= of_domain.unclear
+    check_problem(node, domain, findings)
+    rules = [rule.span for rule in sections_of(root.sections, syntax.RuleNode)]
+    for mistake in of_domain.sorted:
+        place = mistake.span
+        unread, within = mistake.code.startswith("E1"), any(_lies_in(place, rule) for rule in rules)
+        if mistake.level is Level.ERROR and not unread and not within:
+            findings.fold(_OF_DOMAIN)
+
+
+def _lies_in(place: Span | None, whole: Span) -> bool:
+    return place is not None and place.path == whole.path and whole.start <= place.start < whole.end
 
 
 def check_aims(
