@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from cleancli.compiler.fluents import Values, values_of
+from cleancli.compiler.fluents import Fluent, Values, values_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import checked_domain, load_domain
 from cleancli.language.model import (
@@ -150,7 +150,52 @@ def test_an_action_without_arguments_changes_all_objects_that_satisfy_a_guard() 
     bare = replace(domain, rules=())
     (rule,) = revised(bare, compiled(bare, transitions), ["switch"]).added
     told = [print_result(each, symbols_of(domain)) for each in rule.outcomes]
-    assert told == ["forall ?n - lamp: not broken(?n) => lit(?n)", "nothing"]
+    assert told == ["forall ?m - lamp: not broken(?m) => lit(?m)", "nothing"]
+
+
+def test_references_and_guards_of_more_than_two_parts_are_found() -> None:
+    """A route may lead back to where it begins, so that a reference and a guard each have to ask for another
+    port beside what two literals ask for; and where a storm leaves its port, that port is not one of those
+    that it goes to."""
+    text = """domain storms {
+  types      { port; ship }
+  predicates {
+    at(?s - ship, ?p - port)  storm(?p - port)  open(?p - port)
+    route(?a ?b - port) [symmetric, static]
+  }
+  derived    { storms := count ?p - port: storm(?p) }
+  actions    { sail(?s - ship, ?to - port)  watch(?p - port) }
+  rule sail: sail(?s, ?to) {
+    with ?f - port: at(?s, ?f), route(?f, ?to), ?f != ?to
+    then 0.9: not at(?s, ?f), at(?s, ?to)
+         0.1: nothing
+  }
+  rule watch: watch(?p) {
+    when storm(?p)
+    then 0.5: not storm(?p), forall ?q - port: route(?p, ?q), open(?q), ?q != ?p => storm(?q)
+         0.5: nothing
+  }
+  reward     { decrease(storms) }
+}
+"""
+    domain = load_domain(Source("storms.nid", text))
+    rng = np.random.default_rng(1)
+    ports = [f"p{number}" for number in range(4)]
+    objects = (*(Object(name, "port") for name in ports), Object("s", "ship"))
+    keys: list[Fluent] = [(name, (port,)) for name in ("storm", "open") for port in ports]
+    keys += [("at", ("s", port)) for port in ports]
+    keys += [("route", pair) for pair in itertools.combinations_with_replacement(ports, 2)]
+    states: list[Start] = [(objects, {key: True for key in keys if rng.random() < 0.5}) for _ in range(100)]
+    transitions = list(itertools.islice(walks(domain, states, rng, steps=5), 600))
+    bare = replace(domain, rules=())
+    found = revised(bare, compiled(bare, transitions), ["sail", "watch"]).domain
+    (reference,) = next(rule for rule in found.rules if rule.action == "sail").references
+    assert {type(part).__name__ for part in reference.condition} == {"Literal", "Equality"}
+    assert len(reference.condition) == 3
+    (watch,) = (rule for rule in found.rules if rule.action == "watch")
+    guards = [each.condition for o in watch.outcomes for each in o.effects if isinstance(each, ForAll)]
+    assert [len(each) for each in guards] == [3]
+    assert variation(domain, found, transitions[:300]) < 0.03
 
 
 def test_terms_are_of_the_types_that_symbols_want() -> None:

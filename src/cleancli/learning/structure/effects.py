@@ -1,7 +1,8 @@
 """What actions change, told of variables: by arguments, constants and references, or by a `forall`.
 
 References and guards are found by set cover: a condition on one object more is tried for all objects that
-changed and that nothing names yet, and the one that names most of them is taken, until none names two.
+changed and that nothing names yet, and the one that names most of them is taken, until none names two. It has
+up to two parts, or a third with which it names more than with these two.
 """
 
 from __future__ import annotations
@@ -128,7 +129,7 @@ def _reference(
     def enough(satisfied: float) -> bool:
         return satisfied > least if best is None else satisfied >= best[0][0]
 
-    sought = _Open(rows, places, lambda satisfied: satisfied, enough)
+    sought = _Open(rows, places, lambda satisfied: satisfied, enough, lambda: best and best[1:])
     for parts, fits in _conditions(arrays, known, variable, sought):
         count = fits.sum(axis=1)
         covered = int((fits[rows, places] & (count[rows] == 1)).sum())
@@ -161,13 +162,59 @@ class _Open:
     """Objects that nothing names, by their rows and places, of which a condition is looked for.
 
     `whole` says of which units a condition tells wholly that satisfies these of the objects, (conditions,
-    objects) to (conditions, units); `enough`, whether so many of them may be the best so far.
+    objects) to (conditions, units); `enough`, whether so many of them may be the best so far; `best`, which
+    condition is the best so far, if any does, with the places that satisfy it.
     """
 
     rows: Longs
     places: Longs
     whole: Callable[[Bools], Bools]
     enough: Callable[[float], bool]
+    best: Callable[[], tuple[Parts, Bools] | None]
+
+
+_Told = tuple[Literal | Equality, Bools]
+"""A part of a condition on an object, and the places that satisfy it in each transition, (n, N)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Candidates:
+    """The parts that a condition on an object may have: those that are `positive`, and those that deny."""
+
+    positive: Sequence[_Told]
+    denied: Sequence[_Told]
+
+    def longer(self, parts: Parts, fits: Bools) -> Iterator[tuple[Parts, Bools]]:
+        """A condition with one part more, of something that it asks nothing of; first that objects differ,
+        which says least."""
+        for part, more in (*reversed(self.denied), *self.positive):
+            if all(_may_stand_beside(part, each) for each in parts):
+                yield (*parts, part), fits & more
+
+
+def _candidates(arrays: Arrays, known: Named, variable: Variable, sought: _Open) -> _Candidates:
+    """The parts that hold of most of the objects that are sought, and the opposites of such."""
+    terms = tuple(known.columns)
+    rows, places = sought.rows, sought.places
+    index, typed = ranging(arrays, index_of_terms(known), (variable,))
+    counted = []
+    for literal in literals(arrays.domain, (*terms, variable), variable):
+        if not _isdefined(literal, known):
+            continue
+        fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
+        fits = fits & defined(literal, known)[:, None]
+        counted.append((int(fits[rows, places].sum()), literal, fits))
+    counted.sort(key=lambda each: -each[0])
+    listed = counted[:MOST_PARTS]
+    denied: list[_Told] = []
+    for _, literal, fits in listed:
+        if (typed & ~fits)[rows, places].any():
+            without = typed & ~fits & defined(literal, known)[:, None]
+            denied.append((negated(arrays.domain, literal), without))
+    for equality in equalities(arrays.domain, (*terms, variable), variable):
+        same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
+        denied.append((replace(equality, equal=False), typed & ~same))
+    return _Candidates([(literal, fits) for count, literal, fits in listed if count > 0], denied)
 
 
 def _conditions(
@@ -175,40 +222,32 @@ def _conditions(
 ) -> Iterator[tuple[Parts, Bools]]:
     """Conditions of one or two parts on an object, one of two being positive, and which places satisfy them
     in each transition, (n, N); only those that hold for some of the objects that are sought, and of two parts
-    those that may be the best."""
-    terms = tuple(known.columns)
-    rows, places = sought.rows, sought.places
-    index, typed = ranging(arrays, index_of_terms(known), (variable,))
-    candidates = []
-    for literal in literals(arrays.domain, (*terms, variable), variable):
-        if not _isdefined(literal, known):
-            continue
-        fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
-        fits = fits & defined(literal, known)[:, None]
-        candidates.append((int(fits[rows, places].sum()), literal, fits))
-    candidates.sort(key=lambda each: -each[0])
-    listed = [(literal, fits) for _, literal, fits in candidates[:MOST_PARTS]]
-    positive = [(literal, fits) for count, literal, fits in candidates[:MOST_PARTS] if count > 0]
-    for literal, fits in positive:
-        yield (literal,), fits
-    denied: list[tuple[Literal | Equality, Bools, str]] = []
-    for literal, fits in listed:
-        if (typed & ~fits)[rows, places].any():
-            opposite = negated(arrays.domain, literal)
-            denied.append((opposite, ~fits, literal.symbol))
-            yield (opposite,), typed & ~fits & defined(literal, known)[:, None]
-    for equality in equalities(arrays.domain, (*terms, variable), variable):
-        same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
-        denied.append((replace(equality, equal=False), ~same, ""))
+    those that may be the best. Then the best of them with one part more."""
+    among = _candidates(arrays, known, variable, sought)
+    positive, denied = among.positive, among.denied
+    for part, fits in positive:
+        yield (part,), fits
+    for part, fits in denied:
+        if isinstance(part, Literal):
+            yield (part,), fits
     both, apart = (_whole(sought, positive, others) for others in (positive, denied))
     for number, (one, fits) in enumerate(positive):
         for place, (other, more) in enumerate(positive[number + 1 :], number + 1):
-            differ = one.symbol != other.symbol or one.terms != other.terms
-            if differ and sought.enough(both[number][place]):
+            if _may_stand_beside(one, other) and sought.enough(both[number][place]):
                 yield (one, other), fits & more
-        for place, (part, without, symbol) in enumerate(denied):
-            if symbol != one.symbol and sought.enough(apart[number][place]):
-                yield (one, part), fits & without
+        for place, (other, without) in enumerate(denied):
+            if _may_stand_beside(one, other) and sought.enough(apart[number][place]):
+                yield (one, other), fits & without
+    best = sought.best()
+    if best is not None:
+        yield from among.longer(*best)
+
+
+def _may_stand_beside(one: Literal | Equality, other: Literal | Equality) -> bool:
+    """Whether two parts ask for something of different fluents or terms."""
+    if isinstance(one, Literal) and isinstance(other, Literal):
+        return (one.symbol, one.terms) != (other.symbol, other.terms)
+    return one != other
 
 
 def _whole(
@@ -322,15 +361,16 @@ def _guard(
     holes: Sequence[tuple[int, int]],
     guards: set[Parts],
 ) -> tuple[tuple[int, int], ForAll] | None:
-    """The best guard of `forall` for a kind of change, with how many transitions it tells of."""
+    """The best guard of `forall` for a kind of change, with how many transitions it tells of. None asks that
+    the change is still to be made, which says nothing."""
     variable = fresh(replace(known, foralls=()), type_name)
     effect = Assign(symbol.name, tuple(variable if t is None else t for t in terms), symbol.values[value])
     every = sets(arrays, known, ForAll((variable,), (), (effect,)))
     open_places = np.zeros(every.applies.shape, dtype=bool)
     open_places[tuple(np.array(holes).T)] = True
-    would, right = every.applies & every.moves, every.right
+    would, wrong = every.applies & every.moves, every.applies & ~every.right
     has = open_places.any(axis=1)
-    best: tuple[tuple[int, int], ForAll] | None = None
+    best: tuple[tuple[int, int], Parts, Bools] | None = None
     rows, places = np.array(sorted(holes)).T
     least = max(1.0, LEAST_COVERED * len(rows))
 
@@ -342,16 +382,21 @@ def _guard(
     def enough(satisfied: float) -> bool:
         return satisfied > least if best is None else satisfied >= best[0][0]
 
-    sought = _Open(rows, places, whole, enough)
+    sought = _Open(rows, places, whole, enough, lambda: best and best[1:])
     all_of_them: tuple[Parts, Bools] = (), np.ones(would.shape, dtype=bool)
     conditions = _conditions(arrays, known, variable, sought)
+    still_open = negated(arrays.domain, Literal(symbol.name, effect.terms, frozenset({effect.value})))
     for parts, fits in itertools.chain([all_of_them], conditions):
-        wanted = fits & would
-        covered = int((has & (~wanted | right).all(axis=1) & (~open_places | wanted).all(axis=1)).sum())
+        if still_open in parts:
+            continue
+        missed = open_places & ~(fits & would)
+        covered = int((has & ~some(fits & wrong, 1) & ~some(missed, 1)).sum())
         rank = covered, -2 * len(parts) + (parts in guards)
         if covered > least and (best is None or rank > best[0]):
-            best = rank, ForAll((variable,), parts, (effect,))
-    return best
+            best = rank, parts, fits
+    if best is None:
+        return None
+    return best[0], ForAll((variable,), best[1], (effect,))
 
 
 # ---- outcomes
