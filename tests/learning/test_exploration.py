@@ -16,7 +16,7 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, explored
 from cleancli.learning.exploration.parts import signed
 from cleancli.learning.exploration.seeking import hopes_of, next_try, optimistic
-from cleancli.learning.exploration.worth import NEAR, UNCHANGED, UNTRIED, Try, least_worth, tries
+from cleancli.learning.exploration.worth import NEAR, OTHERWISE, UNCHANGED, UNTRIED, Try, least_worth, tries
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 from support.hidden_rules import domain_of, starts
@@ -148,7 +148,12 @@ def _slow_worth(known: ExploredAction, here: Sequence[bool]) -> float:
             alike = [
                 row for row in known.held if all(row[c] for c in has) and not all(row[c] for c in wanted)
             ]
-            worth = max(worth, NEAR * 0.7 ** (missing - 1) / (len(alike) + 1) ** 2)
+            own = [t for t, rule in zip(known.transitions, known.by, strict=True) if rule == each.rule]
+            still = sum(not t.changed for t in own)
+            # Rule of succession, again after each try in vain: the chance that none of them changes anything.
+            chance = math.prod((still + 1 + tried) / (len(own) + 2 + tried) for tried in range(len(alike)))
+            value = NEAR * chance + OTHERWISE / (len(alike) + 1) ** 2
+            worth = max(worth, value * 0.7 ** (missing - 1))
         else:
             number = sum(all(row[c] for c in wanted) for row in known.held)
             likely = [float(o.probability) for o in known.rules[each.rule].outcomes]

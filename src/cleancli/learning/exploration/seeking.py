@@ -34,7 +34,7 @@ from cleancli.language.model import (
 )
 from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction
 from cleancli.learning.exploration.parts import signed
-from cleancli.learning.exploration.worth import NEAR, UNCHANGED, Try, by_rule, least_worth, tries
+from cleancli.learning.exploration.worth import UNCHANGED, Try, by_rule, least_worth, near, tries
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.plan import Options, PlanningRefused
 from cleancli.planning.planner import Plans
@@ -42,7 +42,7 @@ from cleancli.planning.planner import Plans
 STEPS, DISCOUNT = 10, 0.95
 """Actions of a plan towards what is not known, and what each is worth less than the one before; chosen, the
 discount as in §6."""
-MOST_HOPES = 20
+MOST_HOPES = 10
 """Contexts that a plan may lead to, those that are worth most; chosen."""
 
 Key = tuple[str, tuple[str, ...]]
@@ -113,8 +113,8 @@ def _near(domain: Domain, known: ExploredAction, number: int) -> Iterator[Hope]:
                 opposite = signed(
                     domain, known.parts, (int(column) + len(known.parts)) % (2 * len(known.parts))
                 )
-                worth = NEAR / (without_it + 1) ** 2
-                yield Hope(rule.action, (*rule.condition, opposite), rule.references, worth)
+                condition = (*rule.condition, opposite)
+                yield Hope(rule.action, condition, rule.references, near(known, specific, without_it))
 
 
 def _planned(

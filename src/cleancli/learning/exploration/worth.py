@@ -4,7 +4,8 @@ Counts are of transitions in contexts of the rules now believed, never of states
 counts for all that the rules take to be like it. A probability p that rests on n examples is off by about
 the square root of p (1 - p) / n, so the next example takes away about that over n; and what has not happened
 in n tries happens in about one of n + 1 (Laplace's rule of succession), so the next one takes away about
-1 / (n + 1)².
+1 / (n + 1)². Whether a part of a context matters is settled sooner: by as many tries without it as it takes
+until it would be odd that none did what the rule does.
 """
 
 from __future__ import annotations
@@ -15,22 +16,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import betaln
 
 from cleancli.array_types import Bools, Floats
 from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Action, Domain, Object
 from cleancli.learning.experience import Transition
-from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, covering
+from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, Specific, covering
 from cleancli.learning.exploration.parts import held
-from cleancli.learning.structure.arrays import compiled
+from cleancli.learning.structure.arrays import ActionArrays, Arrays, compiled
 
 UNTRIED = 1.0
 """What an action is worth of which there is no transition."""
-NEAR, FURTHER = 0.5, 0.7
+NEAR, OTHERWISE, FURTHER = 0.5, 0.05, 0.7
 """What it is worth to try an action where one part does not hold of the most specific context in which it is
-known to do something, before anything was seen there; and by which factor less for each further part. Chosen
-by trying (benchmarks/exploration.py)."""
+known to do something, before anything was seen there: to learn whether the part matters, and whether anything
+else happens there; and by which factor less for each further part. Chosen by trying
+(benchmarks/exploration.py)."""
 UNCHANGED = 0.3
 """The same of an action that has changed nothing so far, where two parts hold together for the first time;
 chosen alike."""
@@ -59,13 +62,17 @@ def tries(
     found: Explored, objects: tuple[Object, ...], state: Values, rng: np.random.Generator
 ) -> Iterator[Try]:
     """All that can be tried in a state, with what it is worth."""
+    once: Arrays | None = None
     for action in found.domain.actions:
         arguments = arguments_of(found.domain, action, objects, rng)
         if not arguments:
             continue
         known = found.actions.get(action.name)
         pairs = [Transition(action.name, names, objects, state, state) for names in arguments]
-        worth = np.full(len(pairs), UNTRIED) if known is None else _worth(found.domain, known, pairs)
+        worth = np.full(len(pairs), UNTRIED)
+        if known is not None:
+            once = once or compiled(found.domain, pairs[:1])[action.name].arrays
+            worth = _worth(found.domain, known, pairs, _repeated(once, pairs))
         yield from (
             Try(action.name, names, value) for names, value in zip(arguments, worth.tolist(), strict=True)
         )
@@ -84,9 +91,17 @@ def arguments_of(
     return list(dict.fromkeys(drawn))
 
 
-def _worth(domain: Domain, known: ExploredAction, pairs: Sequence[Transition]) -> Floats:
-    """What an action is worth to be tried with these arguments in a state, (pairs,)."""
-    given = compiled(domain, pairs)[known.action.name]
+def _repeated(once: Arrays, pairs: Sequence[Transition]) -> ActionArrays:
+    """The arrays of one state, a row for each pair of an action in it."""
+    names = (each.name for each in (*once.domain.constants, *pairs[0].objects))
+    places = {name: place for place, name in enumerate(dict.fromkeys(names))}
+    columns = [[places[name] for name in pair.arguments] for pair in pairs]
+    at = np.array(columns, dtype=np.int64).reshape(len(pairs), len(pairs[0].arguments))
+    return ActionArrays(once.only(np.zeros(len(pairs), dtype=np.int64)), tuple(at.T))
+
+
+def _worth(domain: Domain, known: ExploredAction, pairs: Sequence[Transition], given: ActionArrays) -> Floats:
+    """What an action is worth to be tried with these arguments in a state, (pairs,); `given` as arrays."""
     here = held(known.action, given, known.parts)
     kinds, kind = np.unique(here, axis=0, return_inverse=True)
     worth = _by_context(known, kinds)[kind.reshape(-1)]
@@ -106,6 +121,21 @@ def _worth(domain: Domain, known: ExploredAction, pairs: Sequence[Transition]) -
 def by_rule(known: ExploredAction, rule: int) -> float:
     """What one more example of a rule is worth."""
     return _of_example(known, rule, int((known.by == rule).sum()))
+
+
+def near(known: ExploredAction, specific: Specific, number: int) -> float:
+    """What it is worth to try an action where one part of a specific context does not hold, after so many
+    such tries that changed nothing.
+
+    If the part did not matter, they would have changed nothing by a chance of which the rule's examples tell
+    (beta-binomial, from a uniform prior); so a few tries settle it. That something else happens there is as
+    likely as of anything that has not happened yet.
+    """
+    own = known.by == specific.rule
+    changing = int((known.changed & own).sum())
+    still = int(own.sum()) - changing
+    chance = math.exp(betaln(changing + 1, still + 1 + number) - betaln(changing + 1, still + 1))
+    return NEAR * chance + OTHERWISE / (number + 1) ** 2
 
 
 def _of_example(known: ExploredAction, rule: int, number: int) -> float:
@@ -134,7 +164,7 @@ def _by_context(known: ExploredAction, kinds: Bools) -> Floats:
             if missing:
                 # With as much of the context as the pair has, and not all: they tell if the rest matters.
                 alike = int(outside[:, each.holds & kind].all(axis=1).sum())
-                value = NEAR * FURTHER ** (missing - 1) / (alike + 1) ** 2
+                value = near(known, each, alike) * FURTHER ** (missing - 1)
             else:
                 value = _of_example(known, each.rule, int(inside.sum()))
             worth[place] = max(worth[place], value)
