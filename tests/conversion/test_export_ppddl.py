@@ -386,3 +386,17 @@ def test_what_makes_no_sense_is_told(tmp_path: Path) -> None:
 
 def test_libprada_alone_has_no_costs_and_its_notes_say_so() -> None:
     assert "costs" in cleancli.convert(DRIVEN, TOUR + "horizon = 3 }", to="libprada").notes[0]
+
+
+@pytest.mark.parametrize("to", ["ppddl", "rddl"])
+def test_what_an_outcome_pays_is_refused_where_it_stands(to: str) -> None:
+    text = (
+        "domain toll { predicates { there() } actions { go() }\n"
+        "rule go_there: go() { then 0.5: there(), reward += 2 rest: nothing } reward { goal - cost } }"
+    )
+    problem = "problem p { domain = toll goal { there() } horizon = 3 }"
+    with pytest.raises(Refused, match="what outcomes of `go_there` pay is not written yet") as refused:
+        cleancli.convert(text, problem, to=to)
+    span = refused.value.diagnostics[0].span
+    assert span is not None
+    assert text[span.start :].startswith("go_there: go()")

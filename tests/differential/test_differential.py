@@ -20,6 +20,7 @@ DOMAINS = 30
 OFTEN = {
     "transition": 300,
     "reward": 500,
+    "paid": 300,
     "standing": 60,
     "goal": 60,
     "rule": 100,

@@ -78,6 +78,10 @@ def constructs_of_rules(domain: Domain) -> Iterator[str]:
         yield f"{len(rule.outcomes)} outcomes"
         for outcome in rule.outcomes:
             yield f"outcome {outcome.idle or 'change'}"
+            yield from (f"reward {'+' if outcome.reward > 0 else '-'}=" for _ in range(bool(outcome.reward)))
+            yield from ("cost +=" for _ in range(bool(outcome.cost)))
+            pays_alone = (outcome.reward or outcome.cost) and not outcome.effects
+            yield from ("an outcome that only pays" for _ in range(bool(pays_alone)))
             yield f"probability {'number' if outcome.said[0].isdigit() else outcome.said}"
             yield from (word for word in ("prior", "seen", "fixed") if word in outcome.marks)
             yield from ("rest counted" for _ in range(outcome.said == "rest" and "seen" in outcome.marks))
@@ -152,6 +156,7 @@ EXPECTED = (
     *(f"action of {number}" for number in (0, 1, 2)),
     *(f"duration {timed}, cost {paid}" for timed in (True, False) for paid in (True, False)),
     *(f"{kind} {sign}" for kind in ("decrease", "count", "goal", "cost") for sign in "+-"),
+    *("reward +=", "reward -=", "cost +=", "an outcome that only pays"),
     *("waiting", "include", "types below types", "constants", "a type without objects"),
     *(f"default {default}" for default in (None, "1: nothing", "1: noise", "rest: noise", COUNTED)),
     *(f"discount {discount}" for discount in (None, "0", "1", "0.5")),

@@ -8,6 +8,7 @@ from cleancli.editor.completion import MARKS, completions
 from cleancli.editor.context import context
 from support.editor_texts import DOMAIN, PROBLEM, SCENE, marked
 
+PAID = ["reward", "cost"]
 SYMBOLS = ["dirt", "near", "traversal", "size", "weight"]
 FAR = "functions { far(?a - area): 0..9 [static] }"
 RULE = DOMAIN[: DOMAIN.index("  rule join_two")]
@@ -37,7 +38,8 @@ def offered(name: str, text: str) -> list[str]:
         ("rule r: push(?a) { when weight(?a) >= |", ["small", "large"]),
         ("rule r: push(?a) { then |", ["rest"]),
         ("rule r: push(?a) { then 0.5 [|", ["fixed", "prior", "seen"]),
-        ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, "forall", "if", "noise", "not", "nothing"]),
+        ("rule r: push(?a) { then 0.5: |", [*SYMBOLS, *PAID, "forall", "if", "noise", "not", "nothing"]),
+        ("rule r: push(?a) { then 0.5: dirt(?a), |", [*SYMBOLS, *PAID, "forall", "if", "not"]),
         ("rule r: push(?a) { then 0.5: size(?a) := |", ["small", "medium", "big"]),
         ("rule r: push(?a) { then 0.5: forall ?m - |", ["place", "area", "container"]),
         ("rule r: push(?a) { then 0.5: forall ?m - area: near(?a, |", ["?a", "?m"]),

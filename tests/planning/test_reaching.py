@@ -86,7 +86,7 @@ def case(seed: int, found: tuple[Domain, Problem] | None, folder: Path) -> Case 
         return None
     meaning = Meaning(*found)
     objective = objective_of(seed, meaning)
-    model = reachable(meaning, cost_of(meaning, objective), MOST)
+    model = reachable(meaning, cost_of(meaning, objective), MOST, objective == "cost")
     if model is None or len(model.states) < 3 or not any(choice.cost for choice in model.choices):
         return None
     product.write(folder, *found, seed)

@@ -367,6 +367,8 @@ def _results(terms: Typed, condition: list[list[str]], world: World, rng: Random
             head = ["level", "(", rng.choice(terms)[0], ")"]
             value = [":=", *_integer(world.levels[-1])]
             effects.append([*head, *rng.choice((["+=", "1"], ["-=", "2"], value))])
+        if rng.random() < 0.2:
+            effects.append([*rng.choice((["reward", "+="], ["reward", "-="], ["cost", "+="])), "2/3"])
         same = frozenset(" ".join(effect) for effect in effects)
         if effects and same not in told:
             told.add(same)

@@ -23,7 +23,12 @@ from cleancli.language.model import (
     Symbol,
     Value,
 )
-from cleancli.language.printing.printer import print_condition, print_fraction, symbols_of
+from cleancli.language.printing.printer import (
+    print_condition,
+    print_fraction,
+    print_payments,
+    symbols_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +179,8 @@ def _outcome(outcome: OutcomeHere) -> str:
 
 
 def _effects(outcome: OutcomeHere) -> list[str]:
-    return [effect_text(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
+    changes = [effect_text(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
+    return [*changes, *print_payments(outcome.reward, outcome.cost)]
 
 
 def effect_text(symbol: str, objects: tuple[str, ...], value: Value) -> str:

@@ -25,6 +25,8 @@ from cleancli.planning.plan import BadOption
 _LANGUAGES = {"ppddl": "PPDDL", "libprada": "libPRADA", "rddl": "RDDL"}
 """What messages call them."""
 
+_ONE_PAYMENT = "let the action cost what its outcomes cost on average"
+
 
 def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -> ConversionResult:
     """The files of another language, `to`, that a domain and its problems become: names of shipped files,
@@ -33,6 +35,9 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     domain, problems = _opened(files, include_outside)
     models = [each.model for each in problems if isinstance(each.model, Problem)]
     unsaid = Unsaid(_LANGUAGES[to], domain.sources)
+    for rule in domain.model.rules:
+        if any(each.reward or each.cost for each in rule.outcomes) and to != "libprada":
+            unsaid.note(f"what outcomes of `{rule.name}` pay is not written yet", rule.span, _ONE_PAYMENT)
     if to == "ppddl":
         return _result(domain, problems, ppddl(domain.model, models, noise, unsaid))
     if len(models) != 1:

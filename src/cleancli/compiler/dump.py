@@ -52,6 +52,7 @@ def as_data(task: Task) -> dict[str, object]:
                         "probability": float(o.probability),
                         "kind": o.kind.value,
                         "effects": _assignments(task, o),
+                        "cost": float(o.cost),
                     }
                     for o in rule.outcomes
                 ],
@@ -112,7 +113,8 @@ def _literals(task: Task, condition: GroundCondition) -> list[str]:
 
 
 def _effects(task: Task, outcome: GroundOutcome) -> str:
-    return ", ".join(_assignments(task, outcome)) or outcome.kind.value
+    said = ", ".join(_assignments(task, outcome)) or outcome.kind.value
+    return said + (f" [cost {float(outcome.cost):g}]" if outcome.cost else "")
 
 
 def _assignments(task: Task, outcome: GroundOutcome) -> list[str]:

@@ -81,11 +81,14 @@ class FactChange:
 
 @dataclass(frozen=True, slots=True)
 class OutcomeHere:
-    """An outcome as it would be in this state; `changes` are sorted and leave out what is there already."""
+    """An outcome as it would be in this state; `changes` are sorted and leave out what is there already.
+    `reward` and `cost` as in `Outcome`."""
 
     probability: Fraction
     kind: OutcomeKind
     changes: tuple[FactChange, ...]
+    reward: Fraction
+    cost: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +143,7 @@ def _outcome_here(view: StateView, outcome: Outcome, changes: Mapping[Fluent, Va
         for key in sorted(changes)
         if view.value(key) != changes[key]
     )
-    return OutcomeHere(outcome.probability, outcome.kind, listed)
+    return OutcomeHere(outcome.probability, outcome.kind, listed, outcome.reward, outcome.cost)
 
 
 def _attempt(domain: Domain, view: StateView, index: int, binding: Binding) -> Attempt:

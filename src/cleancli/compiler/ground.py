@@ -165,9 +165,10 @@ def _groundings(
 ) -> list[RuleGroundings]:
     """The ground rules of each rule, in no order; those of the same objects and rule in that of its cases."""
     words = PlainWords(reach.vocabulary, numbering, reach.known, compat)
-    by_columns = [from_columns(plain, domain.rules[plain.rule], words, join) for plain in reach.plain]
+    weight = weight_of(domain, RewardKind.COST)
+    by_columns = [from_columns(plain, domain.rules[plain.rule], words, join, weight) for plain in reach.plain]
     one_by_one = [
-        from_cases(number, domain.rules[number], several, numbering, reach.known, compat)
+        from_cases(number, domain.rules[number], several, numbering, reach.known, compat, weight)
         for number, several in cases.items()
     ]
     return [*by_columns, *one_by_one]
@@ -180,15 +181,16 @@ def _ground_actions(
     waiting: bool,
     named: Collection[Called],
 ) -> tuple[GroundAction, ...]:
-    """Those that are named or can change something by at least one of their rules; all that have a rule where
-    waiting can pay."""
+    """Those that are named, or can change or cost something by at least one of their rules; all that have a
+    rule where waiting can pay."""
     found = set(named)
     for each in groundings:
-        name = domain.rules[each.rule].action
+        rule = domain.rules[each.rule]
+        every = waiting or any(outcome.reward or outcome.cost for outcome in rule.outcomes)
         found |= {
-            (name, objects)
+            (rule.action, objects)
             for objects, changes in zip(each.objects, each.changes, strict=True)
-            if changes or waiting
+            if changes or every
         }
     durations = {action.name: action.duration for action in domain.actions}
     costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}

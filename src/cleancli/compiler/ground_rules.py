@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -42,14 +43,22 @@ class RuleGroundings:
 
 
 def from_cases(
-    number: int, rule: Rule, cases: Sequence[Case], numbering: Numbering, known: Known, compat: bool
+    number: int,
+    rule: Rule,
+    cases: Sequence[Case],
+    numbering: Numbering,
+    known: Known,
+    compat: bool,
+    cost_weight: Fraction,
 ) -> RuleGroundings:
-    """The ground rules of a rule that falls into cases."""
+    """The ground rules of a rule that falls into cases; in the reward a cost counts `cost_weight` times."""
     outcomes = []
     for case in cases:
         kept = [_kept(case, changes, known, compat) for changes in case.changes]
         pairs = zip(rule.outcomes, kept, strict=True)
-        outcomes.append(tuple([_outcome(outcome, numbering.effects(changes)) for outcome, changes in pairs]))
+        outcomes.append(
+            tuple([_outcome(each, numbering.effects(changes), cost_weight) for each, changes in pairs])
+        )
     return RuleGroundings(
         rule=number,
         objects=[case.objects for case in cases],
@@ -69,9 +78,10 @@ def _kept(case: Case, changes: Changes, known: Known, compat: bool) -> Changes:
     }
 
 
-def _outcome(outcome: Outcome, effects: tuple[tuple[int, int], ...]) -> GroundOutcome:
-    changing = effects or outcome.kind is OutcomeKind.NOISE
-    return GroundOutcome(outcome.probability, outcome.kind if changing else OutcomeKind.NOTHING, effects)
+def _outcome(outcome: Outcome, effects: tuple[tuple[int, int], ...], cost_weight: Fraction) -> GroundOutcome:
+    kind = outcome.kind if effects or outcome.kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
+    cost = -outcome.reward - cost_weight * outcome.cost
+    return GroundOutcome(outcome.probability, kind, effects, cost, outcome.cost)
 
 
 class PlainWords:
@@ -106,12 +116,14 @@ class PlainWords:
         self.slot: Longs = np.array(slots, dtype=np.int64)
 
 
-def from_columns(plain: PlainInstances, rule: Rule, words: PlainWords, join: ColumnJoin) -> RuleGroundings:
-    """The ground rules of a plain rule."""
+def from_columns(
+    plain: PlainInstances, rule: Rule, words: PlainWords, join: ColumnJoin, cost_weight: Fraction
+) -> RuleGroundings:
+    """The ground rules of a plain rule; `cost_weight` as in `from_cases`."""
     count = len(plain.objects)
     changes = np.zeros(count, dtype=np.bool_)
     outcomes = [
-        _outcomes_of(outcome, rows, assigned, plain.literals, words, changes)
+        _outcomes_of(outcome, rows, assigned, plain.literals, words, changes, cost_weight)
         for outcome, (rows, assigned) in zip(rule.outcomes, plain.assigned, strict=True)
     ]
     names = [[join.names[number] for number in column] for column in plain.objects.T.tolist()]
@@ -142,11 +154,17 @@ def _conditions(literals: Longs, words: PlainWords) -> list[GroundCondition]:
 
 
 def _outcomes_of(
-    outcome: Outcome, rows: Longs, assigned: Longs, literals: Longs, words: PlainWords, changes: Bools
+    outcome: Outcome,
+    rows: Longs,
+    assigned: Longs,
+    literals: Longs,
+    words: PlainWords,
+    changes: Bools,
+    cost_weight: Fraction,
 ) -> list[GroundOutcome]:
     """The outcome for each row, one object where it is the same; marks rows that it changes something in."""
     if not len(rows):
-        return [_outcome(outcome, ())] * len(literals)
+        return [_outcome(outcome, (), cost_weight)] * len(literals)
     slots = words.slot[assigned]
     kept = slots != _NEVER
     for column in literals.T:
@@ -156,5 +174,8 @@ def _outcomes_of(
     entries = iter(slots[np.lexsort((slots, rows))].tolist())
     lengths = np.bincount(rows, minlength=len(literals)).tolist()
     changed = [tuple(itertools.islice(entries, length)) for length in lengths]
-    known = {each: _outcome(outcome, tuple([words.pairs[slot] for slot in each])) for each in set(changed)}
+    known = {
+        each: _outcome(outcome, tuple([words.pairs[slot] for slot in each]), cost_weight)
+        for each in set(changed)
+    }
     return [known[each] for each in changed]

@@ -110,7 +110,7 @@ def by_functions(
 
 def waiting_can_pay(domain: Domain) -> bool:
     """Whether a step that changes nothing can be worth taking before others: a state is paid for what it is,
-    a decrease or the goal has a negative weight, or an action earns by its cost.
+    a decrease or the goal has a negative weight, or an action earns by its cost, or by what its outcome pays.
 
     Otherwise what is done later is worth no more than done now, so that waiting gains nothing.
     """
@@ -131,7 +131,8 @@ def costs_of(domain: Domain) -> dict[str, Fraction]:
 
 
 def least_costs(domain: Domain) -> dict[str, Fraction]:
-    """As `costs_of`, the least that each action may cost, whatever values the functions have."""
+    """As `costs_of`, the least that each action may cost, whatever values the functions have and whichever
+    outcome happens."""
     weight = weight_of(domain, RewardKind.COST)
     ends = {symbol.name: (symbol.values[0], symbol.values[-1]) for symbol in domain.symbols}
     least = costs_of(domain)
@@ -141,6 +142,9 @@ def least_costs(domain: Domain) -> dict[str, Fraction]:
             end = low if weight <= 0 else high
             assert isinstance(end, int), "the checker lets only integers count"
             least[action.name] -= weight * part.weight * end
+        own = [rule for rule in domain.rules if rule.action == action.name]
+        earned = [each.reward + weight * each.cost for rule in own for each in rule.outcomes]
+        least[action.name] -= max([Fraction(0), *earned])
     return least
 
 
@@ -154,7 +158,9 @@ def usual_objective(domain: Domain, problem: Problem) -> Objective:
     where the domain has some, or else how many actions it takes."""
     if not isinstance(problem.horizon, Unlimited):
         return Objective.REWARD
-    return Objective.COST if any(action.has_cost for action in domain.actions) else Objective.PROBABILITY
+    outcomes = (outcome for rule in domain.rules for outcome in rule.outcomes)
+    costly = any(action.has_cost for action in domain.actions) or any(each.cost for each in outcomes)
+    return Objective.COST if costly else Objective.PROBABILITY
 
 
 def _name(count: str | None) -> str:

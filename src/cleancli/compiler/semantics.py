@@ -72,10 +72,17 @@ def standing(task: Task, assignment: GroundState) -> float:
 
 
 def reward(task: Task, before: GroundState, action: int | None, after: GroundState) -> float:
-    """The reward of a step by an action, given by index; None for a step after the end of a plan (eq. 2, and
-    what else is paid)."""
+    """The reward of a step by an action, given by index, but for what its outcome pays; None for a step after
+    the end of a plan (eq. 2, and what else is paid)."""
     cost = 0.0 if action is None else float(task.actions[action].cost)
     return decreasing(task, before) - decreasing(task, after) + standing(task, after) - cost
+
+
+def outcome_cost(task: Task, assignment: GroundState, action: int) -> float:
+    """What the reward of a step loses on average by which outcome of the action happens."""
+    rule = covering_rule(task, assignment, action)
+    outcomes = () if rule is None else rule.outcomes
+    return float(sum(outcome.probability * outcome.cost for outcome in outcomes))
 
 
 def reaches_goal(task: Task, assignment: GroundState) -> bool:
@@ -84,8 +91,8 @@ def reaches_goal(task: Task, assignment: GroundState) -> bool:
 
 
 def progress(task: Task, before: GroundState, after: GroundState) -> float:
-    """What a step is paid without its action's cost, and 1 if the goal comes to hold in it (-1 if it is
-    lost)."""
+    """What a step is paid without what its action and outcome cost, and 1 if the goal comes to hold in it (-1
+    if it is lost)."""
     reached = reaches_goal(task, after) - reaches_goal(task, before)
     return reward(task, before, None, after) + reached
 
@@ -113,10 +120,11 @@ def exact_value(task: Task, actions: Sequence[int]) -> float:
     expected, value = decreasing(task, task.initial), 0.0
     paid, factor = standing(task, task.initial), 1.0
     for action in actions:
+        by_outcome = sum(mass * outcome_cost(task, s, action) for s, mass in distribution.items())
         distribution = forward(task, distribution, action)
         remaining = sum(mass * decreasing(task, s) for s, mass in distribution.items())
         paid = sum(mass * standing(task, s) for s, mass in distribution.items())
-        step = expected - remaining - float(task.actions[action].cost) + paid
+        step = expected - remaining - float(task.actions[action].cost) - by_outcome + paid
         value += factor * payment(task, action) * step
         factor *= task.discounts[action]
         expected = remaining

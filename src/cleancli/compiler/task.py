@@ -58,11 +58,15 @@ class GroundAction:
 
 @dataclass(frozen=True, slots=True)
 class GroundOutcome:
-    """`effects` are pairs (variable, value index), sorted; empty for noise and for nothing."""
+    """`effects` are pairs (variable, value index), sorted; empty for noise and for nothing. `cost` is what
+    the reward of a step loses by the outcome, `declared_cost` what the domain says that it costs, both beside
+    those of the action."""
 
     probability: Fraction
     kind: OutcomeKind
     effects: tuple[tuple[int, int], ...]
+    cost: Fraction = Fraction(0)
+    declared_cost: Fraction = Fraction(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +83,17 @@ class GroundRule:
     def changes(self) -> bool:
         """Whether one of its outcomes has an effect."""
         return any(outcome.effects for outcome in self.outcomes)
+
+    @property
+    def pays(self) -> bool:
+        """Whether one of its outcomes costs or earns something."""
+        return any(outcome.cost or outcome.declared_cost for outcome in self.outcomes)
+
+    @property
+    def declared_cost(self) -> Fraction:
+        """What its outcomes cost on average, by what the domain says."""
+        parts = (each.probability * each.declared_cost for each in self.outcomes if each.declared_cost)
+        return sum(parts, Fraction(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +124,10 @@ class Reaching:
     objective: Objective
     costs: tuple[Fraction, ...]
 
+    def by_outcome(self, rule: GroundRule) -> Fraction:
+        """What the outcomes of a rule cost on average beside its action."""
+        return rule.declared_cost if self.objective is Objective.COST else Fraction(0)
+
 
 def reaching_by(objective: Objective, actions: Sequence[GroundAction]) -> Reaching:
     """What counts without a horizon by an objective. By time all actions have durations. A reward counts up
@@ -135,7 +154,8 @@ def in_seconds(duration: float | None) -> Fraction:
 class Task:
     """A grounded problem.
 
-    The reward of a step is what `rewards` pay, plus `constant_reward`, less the action's cost; a step after
+    The reward of a step is what `rewards` pay, plus `constant_reward`, less the costs of the action and of
+    the outcome that happens; a step after
     the end of a plan is paid in the same way, and costs nothing. The conditions of `goal` exclude each other,
     and one of them holds where the goal does; there are none without a goal, or where it can never hold. As
     many conditions of `counted` hold as the count says that eq. 2 wants decreased (#dirt of eq. 3); None

@@ -21,6 +21,7 @@ from cleancli.study.kinds import Named
 from cleancli.study.schema import INNER as OF_STUDY
 from cleancli.study.schema import keys_of
 
+PAYMENTS = ("reward", "cost")
 MARKS = {"predicates": ("static", "symmetric"), "functions": ("static",), "actions": ("cost", "duration")}
 """What declarations of a section may be marked with; the words beside a probability are the grammar's."""
 
@@ -179,6 +180,9 @@ def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Comp
             return
     for kind in _named_here(place):
         yield from _declared(place, asked, library, kind)
+    if place.accepted is not None and "IF" in place.accepted:  # an effect begins
+        for word in PAYMENTS:
+            yield Completion(word, Kind.MARK, place.start, "what an outcome pays")
     if place.takes("VARIABLE"):
         yield from _variables(place)
 

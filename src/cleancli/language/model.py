@@ -159,8 +159,9 @@ class Outcome(Record):
     `seen` may be no whole number, since one transition may count for several outcomes in part. `is_rest`
     means that the text says `rest` and no number; it has no `prior`, which is what the others leave.
     `parameter` names the shared parameter that the text says instead of a number; its marks are then the
-    parameter's. The learner does not touch what is `fixed`. `probability_span` covers the probability's own
-    token, `weight_span` that token with its `[prior p, seen n]`, if it has one.
+    parameter's. The learner does not touch what is `fixed`. In a step in which it happens, the reward is
+    `reward` more, and the action costs `cost` more (0 or more). `probability_span` covers the probability's
+    own token, `weight_span` that token with its `[prior p, seen n]`, if it has one.
     """
 
     probability: Fraction
@@ -173,6 +174,8 @@ class Outcome(Record):
     fixed: bool = False
     probability_span: Span | None = field(default=None, compare=False)
     weight_span: Span | None = field(default=None, compare=False)
+    reward: Fraction = Fraction(0)
+    cost: Fraction = Fraction(0)
 
 
 class Rule(Record):

@@ -43,7 +43,9 @@ def _reaching(task: Task, objective: Objective) -> Task:
                 "ask for `--objective probability`, `cost` or `time`, or give the problem a horizon",
             )
         case Objective.COST:
-            if task.actions and not any(action.declared_cost for action in task.actions):
+            costly = any(action.declared_cost for action in task.actions)
+            costly = costly or any(rule.declared_cost for rule in task.rules)
+            if task.actions and not costly:
                 raise PlanningRefused(
                     "no action that matters here has a cost",
                     "declare one: `[cost = 2]`, or ask for `--objective probability` or `time`",

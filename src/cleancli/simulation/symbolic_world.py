@@ -14,7 +14,7 @@ import numpy as np
 from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.compiler.ground import ground
 from cleancli.compiler.rewards import by_functions, costs_of
-from cleancli.compiler.semantics import payment, reaches_goal, reward, sample
+from cleancli.compiler.semantics import covering_rule, payment, reaches_goal, reward, sample
 from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held
 from cleancli.language.model import Action, Domain, Fact, Problem, RewardKind, State, weight_of
 
@@ -115,9 +115,13 @@ def do(
             more = by_functions(world.priced[action.name], action.objects, values_of(world.rest))
     task = world.task
     drawn, after = sample(task, state, number, rng)
-    if drawn is None:
-        rng.random()
     paid = reward(task, state, number, after) + float(world.cost_weight * more)
+    rule = covering_rule(task, state, number)
+    if drawn is None or rule is None:
+        rng.random()
+    else:
+        paid -= float(rule.outcomes[drawn].cost)
+        more += rule.outcomes[drawn].declared_cost
     cost, seconds = float(task.actions[number].declared_cost + more), task.actions[number].duration
     return DrawnStep(action, paid, payment(task, number), task.discounts[number], cost, seconds), after
 

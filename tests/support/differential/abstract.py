@@ -138,7 +138,10 @@ class Outcome:
     marks: str
     effects: tuple[Setting | ForEach, ...]
     idle: str = ""
-    """`nothing` or `noise`, where there are no effects."""
+    """`nothing` or `noise`, where there are no effects and nothing is paid."""
+    reward: Fraction = Fraction(0)
+    cost: Fraction = Fraction(0)
+    """What it pays, and what it adds to what its action costs."""
 
 
 @dataclass(frozen=True, slots=True)

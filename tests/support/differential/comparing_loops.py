@@ -77,8 +77,7 @@ def returns_of_step(
     if equals[0] is STOP:
         return stopped
     found: Returns = {}
-    for there, chance in worth.after(state, equals[0]).items():
-        paid = worth.reward(state, equals[0], there)
+    for chance, there, paid in worth.results(state, equals[0]):
         for later, share in returns(worth, there, done + 1, known).items():
             value = paid + Fraction(worth.discount) * later
             found[value] = found.get(value, Fraction(0)) + chance * share

@@ -37,10 +37,13 @@ def compare_states(
             expected = worth.after(state, asked)
             if asked not in numbers:
                 comparison.same("dropped", {state: Fraction(1)}, expected, f"{asked} in {place}")
+                comparison.same("dropped", Fraction(0), worth.paid_by_outcome(state, asked), f"{asked}")
                 continue
             covering = meaning.covering(asked, state)
             rule, actual = grounded.successors(assignment, numbers[asked])
             comparison.same("transition", expected, actual, f"{asked} in {place}")
+            paid = -grounded.outcome_cost(assignment, numbers[asked])
+            comparison.same("paid", worth.paid_by_outcome(state, asked), paid, f"{asked} in {place}")
             if expected != {state: Fraction(1)}:
                 comparison.same("rule", covering and covering[0].name, rule, f"{asked} in {place}")
             for there in expected:
@@ -73,6 +76,7 @@ def compare_explanations(
                 (
                     outcome.probability,
                     outcome.idle or "change",
+                    (outcome.reward, outcome.cost),
                     {
                         (*meaning.key(symbol, objects), value)
                         for (symbol, objects), value in meaning.changes(outcome, binding, state).items()
@@ -86,6 +90,7 @@ def compare_explanations(
                 (
                     outcome.probability,
                     outcome.kind.value,
+                    (outcome.reward, outcome.cost),
                     {
                         (*meaning.key(each.fact.symbol, each.fact.objects), each.fact.value)
                         for each in outcome.changes
@@ -118,7 +123,9 @@ def compare_draws(
                 comparison.differ("draw", f"{place}: {shown(meaning, after)} cannot follow")
                 break
             if drawn[after] == 1:
-                comparison.same("drawn reward", worth.reward(state, asked, after), step.reward, place)
+                paid = [each for _, there, each in worth.results(state, asked) if there == after]
+                closest = min(paid, key=lambda each: abs(float(each) - step.reward))
+                comparison.same("drawn reward", closest, step.reward, place)
         else:
             compare_frequencies(comparison, expected, drawn, place)
 

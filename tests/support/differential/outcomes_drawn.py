@@ -36,14 +36,25 @@ class OutcomeDrawer:
     def outcomes(self) -> tuple[Outcome, ...]:
         drawn: list[Outcome] = []
         idle = self.drawer.random.sample(("nothing", "noise"), 2)
+        pays = self.drawer.often(0.15)
         for probability, said, marks in self.chances():
             effects = self.effects() if not idle or self.drawer.often(0.8) else ()
+            paid = self.payments() if pays else ()
+            if any(paid) and all((effects, *paid) != (o.effects, o.reward, o.cost) for o in drawn):
+                drawn.append(Outcome(probability, said, marks, effects, "", *paid))
+                continue
             if any(effects == other.effects and effects for other in drawn):
                 effects = ()
             if not effects and not idle:
                 return self.idle(Fraction(1))
             drawn.append(Outcome(probability, said, marks, effects, "" if effects else idle.pop()))
         return tuple(drawn)
+
+    def payments(self) -> tuple[Fraction, Fraction]:
+        """What an outcome pays, and what it costs more."""
+        amounts = (Fraction(0), Fraction(1, 3), Fraction(5, 2), Fraction(3))
+        reward = self.drawer.random.choice(amounts) * self.drawer.random.choice((1, 1, -1))
+        return reward, self.drawer.random.choice(amounts) if self.drawer.often(0.4) else Fraction(0)
 
     def idle(self, probability: Fraction) -> tuple[Outcome, ...]:
         if self.drawer.often(0.7):

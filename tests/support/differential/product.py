@@ -18,7 +18,14 @@ import numpy as np
 from cleancli.cli.main import run
 from cleancli.compiler.explain import Explanation, explain
 from cleancli.compiler.ground import ground
-from cleancli.compiler.semantics import covering_rule, exact_value, reaches_goal, reward, standing
+from cleancli.compiler.semantics import (
+    covering_rule,
+    exact_value,
+    outcome_cost,
+    reaches_goal,
+    reward,
+    standing,
+)
 from cleancli.compiler.task import GroundState, Task, by_time
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
@@ -135,6 +142,9 @@ class Grounded:
 
     def reward(self, before: GroundState, number: int, after: GroundState) -> float:
         return reward(self.task, before, number, after)
+
+    def outcome_cost(self, state: GroundState, number: int) -> float:
+        return outcome_cost(self.task, state, number)
 
     def standing(self, state: GroundState) -> float:
         return standing(self.task, state)

@@ -60,13 +60,14 @@ class Reachable:
 def machine(seed: int) -> tuple[Domain, Problem]:
     """A domain of one number, whose rules lead from anywhere to anywhere."""
     random = Random(seed)
+    prices = Random(f"prices of {seed}")
     number = random.randint(4, 11)
     names = [f"do{index}" for index in range(random.randint(2, 3))]
     actions = tuple(
         Action(name, (), f"{random.randint(1, 9)} s", random.choice(("0", "0", "2.5"))) for name in names
     )
     rules = [
-        Rule(f"r{at}_{name}", name, (), _where(at), (), _chances(random, at, number))
+        Rule(f"r{at}_{name}", name, (), _where(at), (), _chances(random, at, number, prices))
         for at in range(number)
         for name in names
         if random.random() < 0.6
@@ -89,14 +90,15 @@ def _where(at: int) -> tuple[Comparison]:
     return (Comparison("at", (), "=", at),)
 
 
-def _chances(random: Random, state: int, number: int) -> tuple[Outcome, ...]:
+def _chances(random: Random, state: int, number: int, prices: Random) -> tuple[Outcome, ...]:
+    paid = prices.choice(((Fraction(0),), (Fraction(0), Fraction(3, 2), Fraction(1, 3))))
     near = random.random() < 0.7
     pool = [s for s in range(number) if not near or abs(s - state) <= 2]
     targets = random.sample(pool, min(random.choice((1, 2, 2, 3, 3)), len(pool)))
     parts = [random.randint(1, 9) for _ in targets]
     shares = [Fraction(part, sum(parts)) for part in parts]
     return tuple(
-        Outcome(share, str(share), "", (SetValue("at", (), target),))
+        Outcome(share, str(share), "", (SetValue("at", (), target),), cost=prices.choice(paid))
         for share, target in zip(shares, targets, strict=True)
     )
 
@@ -131,9 +133,9 @@ def drawn(seed: int) -> tuple[Domain, Problem] | None:
 # ---- states
 
 
-def reachable(meaning: Meaning, cost: Mapping[str, float], most: int) -> Reachable | None:
+def reachable(meaning: Meaning, cost: Mapping[str, float], most: int, by_outcome: bool) -> Reachable | None:
     """The states of a problem, found breadth first; None where they are more than so many, or a rule is
-    refused in one of them."""
+    refused in one of them. `cost` is that of each action, `by_outcome` tells whether outcomes cost more."""
     calls = meaning.calls()
     states, number = [meaning.initial()], {meaning.initial(): 0}
     goal, choices = list[bool](), list[Choice]()
@@ -141,7 +143,8 @@ def reachable(meaning: Meaning, cost: Mapping[str, float], most: int) -> Reachab
         goal.append(meaning.all_hold(meaning.problem.goal, state, {}))
         for call in () if goal[-1] else calls:
             try:
-                if meaning.covering(call, state) is None:
+                covering = meaning.covering(call, state)
+                if covering is None:
                     continue
                 chances = meaning.successors(call, state)
             except (TwoRules, TwoValues):
@@ -151,7 +154,8 @@ def reachable(meaning: Meaning, cost: Mapping[str, float], most: int) -> Reachab
                     number[after] = len(states)
                     states.append(after)
             after_by_number = {number[after]: float(chance) for after, chance in chances.items()}
-            choices.append(Choice(at, call, cost[call[0]], after_by_number))
+            more = sum((o.probability * o.cost for o in covering[0].outcomes if by_outcome), Fraction(0))
+            choices.append(Choice(at, call, cost[call[0]] + float(more), after_by_number))
         if len(states) > most:
             return None
     return Reachable(tuple(states), tuple(goal), tuple(choices))

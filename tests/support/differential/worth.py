@@ -110,7 +110,8 @@ class Worth:
         return bool(goal) and self.meaning.all_hold(goal, state, {})
 
     def reward(self, before: State, call: Call, after: State, *, cost: bool = True) -> Fraction:
-        """What a step is paid. Without `cost`, what it is paid for what it brings about."""
+        """What a step is paid, but for what its outcome pays. Without `cost`, what it is paid for what it
+        brings about."""
         counts, held = self.what_is_paid_for(before)
         counts_after, holds = self.what_is_paid_for(after)
         action = self.meaning.actions[call[0]]
@@ -125,6 +126,29 @@ class Worth:
             }
             total += payment.weight * paid[payment.kind]
         return total
+
+    def results(self, state: State, call: Call) -> list[tuple[Fraction, State, Fraction]]:
+        """For each outcome its probability, the state after it, and the reward of the step."""
+        covering = self.meaning.covering(call, state)
+        if covering is None:
+            return [(Fraction(1), state, self.reward(state, call, state))]
+        rule, binding = covering
+        weight = sum((each.weight for each in self.meaning.domain.reward if each.kind == "cost"), Fraction(0))
+        return [
+            (
+                outcome.probability,
+                after := self.meaning.after(outcome, binding, state),
+                self.reward(state, call, after) + outcome.reward + weight * outcome.cost,
+            )
+            for outcome in rule.outcomes
+            if outcome.probability
+        ]
+
+    def paid_by_outcome(self, state: State, call: Call) -> Fraction:
+        """What is expected of which outcome happens, beside what the states say."""
+        after = self.after(state, call).items()
+        by_states = sum((chance * self.reward(state, call, there) for there, chance in after), Fraction(0))
+        return self.expected(state, call) - by_states
 
     def standing(self, state: State) -> Fraction:
         """What a state is paid for each step in which nothing is done."""
@@ -151,8 +175,7 @@ class Worth:
         return self.transitions[state, call]
 
     def expected(self, state: State, call: Call) -> Fraction:
-        after = self.after(state, call)
-        return sum((chance * self.reward(state, call, there) for there, chance in after.items()), Fraction(0))
+        return sum((chance * paid for chance, _, paid in self.results(state, call)), Fraction(0))
 
     def of_sequence(self, calls: Sequence[Call], state: State | None = None) -> Number:
         """What the actions are worth, up to the horizon, and then nothing is done."""
@@ -211,7 +234,7 @@ class Worth:
         return self.coverings[state]
 
     def acted(self, state: State, call: Call, left: int) -> tuple[Number, Number]:
-        value: Number = self.discount * 0
+        value: Number = self.discount * 0 + self.payment_of(call) * self.paid_by_outcome(state, call)
         soon: Number = Fraction(0)
         for there, chance in self.after(state, call).items():
             then = self.choice(there, left - 1)

@@ -154,8 +154,19 @@ class Writer:
 
     def outcome(self, outcome: Outcome) -> str:
         marks = f" [{outcome.marks}]" if outcome.marks else ""
-        effects = ", ".join(map(self.effect, outcome.effects)) or outcome.idle
-        return f"{outcome.said}{marks}: {effects}"
+        said = [*map(self.effect, outcome.effects), *self.payments(outcome)]
+        return f"{outcome.said}{marks}: {', '.join(said) or outcome.idle}"
+
+    def payments(self, outcome: Outcome) -> list[str]:
+        """A payment may be said in two parts."""
+        parts = [("reward", outcome.reward), ("cost", outcome.cost)]
+        if outcome.reward > 1 and self.random.random() < 0.3:
+            parts[:1] = [("reward", Fraction(1)), ("reward", outcome.reward - 1)]
+        return [
+            f"{what} {'+=' if each > 0 else '-='} {number(abs(each), self.random)}"
+            for what, each in parts
+            if each
+        ]
 
     def effect(self, effect: Setting | ForEach) -> str:
         if not isinstance(effect, ForEach):

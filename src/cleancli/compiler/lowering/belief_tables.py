@@ -28,8 +28,8 @@ class Tables(NamedTuple):
     A belief is N numbers: S slots, one per value of each variable, then sums of slots, one per literal that
     allows several values, then the number 1. So a literal's probability is one of these numbers, and a
     condition's is the product of some. Slots and sums of one action or rule ascend. Rules that change nothing
-    are left out, unless they are taken as independent or waiting is a choice. (A named tuple and no
-    dataclass, because compiled code takes it as it is.)
+    and cost nothing are left out, unless they are taken as independent or waiting is a choice. (A named tuple
+    and no dataclass, because compiled code takes it as it is.)
 
     An update by a rule with probability p adds p · `shift` to slots, and takes p · `loss` · P(slot | given)
     from others.
@@ -44,6 +44,7 @@ class Tables(NamedTuple):
     condition: Indices  # (n,) numbers that each condition multiplies (a rule's: beside the guard)
     rule_start: Indices  # (A + 1,) rules of each action; rules are sorted by action
     useful: Bools  # (R,) whether an outcome of the rule changes something, or waiting is a choice
+    rule_cost: Floats  # (R,) what the reward of a step loses on average by which outcome of the rule happens
     shift_start: Indices  # (R + 1,)
     shift_slot: Indices  # (n,)
     shift: Floats  # (n,)
@@ -60,7 +61,7 @@ class Tables(NamedTuple):
     cost: Floats  # (A,) what the reward of a step loses by each action
     payment: Floats  # (A,) what the reward of a step by each action is multiplied by
     discount: Floats  # (A,) what all that comes after each action is multiplied by
-    most: Floats  # (A,) what an action is paid at most for conditions that end, less its cost
+    most: Floats  # (A,) what an action is paid at most for conditions that end, less its costs
     decrease: Floats  # (C,) what each reward condition pays when it ends
     state: Floats  # (C,) what each reward condition pays after a step in which it holds
     advance: Floats  # (C,) how much of a step's progress the end of each condition is
@@ -76,7 +77,7 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
     variables, as independent of each other. Then rules may overlap.
     """
     everything = task.waiting or independent
-    columns = rule_columns([rule for rule in task.rules if everything or rule.changes])
+    columns = rule_columns([rule for rule in task.rules if everything or rule.changes or rule.pays])
     wanted, actions = asked(task), len(task.actions)
     literals = [literal for each in wanted for literal in each.condition]
     numbers = Numbers(task.variables, [*columns.literals, *literals])
@@ -100,6 +101,7 @@ def lower(task: Task, *, independent: bool = False) -> Tables:
         condition=_indices(np.concatenate([conditions.entries, numbers.of(literals)])),
         rule_start=_indices(np.searchsorted(columns.action, np.arange(actions + 1))),
         useful=columns.changes | (task.waiting and not independent),
+        rule_cost=columns.cost,
         shift_start=_indices(shift_start),
         shift_slot=_indices(shift_slot),
         shift=shift,
@@ -130,7 +132,7 @@ def _indices(values: Longs | Ints) -> Indices:
 
 
 def _most(task: Task, columns: RuleColumns, numbers: Numbers) -> Floats:
-    """Per action what it is paid at most for the conditions that may end or begin, less its cost.
+    """Per action what it is paid at most for the conditions that may end or begin, less what it costs.
 
     A rule as likely as p changes a literal's probability by at most p times that of the outcomes that change
     it, and a product of probabilities by at most the sum of what its factors change.
@@ -148,6 +150,7 @@ def _most(task: Task, columns: RuleColumns, numbers: Numbers) -> Floats:
     rule = columns.effect_rule[effect]
     order = np.lexsort((effect, payers[payer, 0], columns.effect_variable[effect], rule))
     paid = (columns.effect_probability[effect] * payers[payer, 1])[order]
+    by_rule = np.bincount(rule[order], paid, minlength=len(columns.action)) - columns.cost
     best = np.zeros(len(task.actions))
-    np.maximum.at(best, columns.action, np.bincount(rule[order], paid, minlength=len(columns.action)))
+    np.maximum.at(best, columns.action, by_rule)
     return best - floats(action.cost for action in task.actions)

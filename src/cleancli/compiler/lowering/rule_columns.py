@@ -26,10 +26,12 @@ class RuleColumns:
 
     action: Longs  # (R,)
     changes: Bools  # (R,) whether an outcome has an effect at all
+    cost: Floats  # (R,) what the reward of a step loses on average by which outcome happens
     literal_rule: Longs  # (n,)
     literal: Longs  # (n,) which of `literals`
     literals: Sequence[GroundLiteral]
     probability: Floats  # (o,)
+    outcome_cost: Floats  # (o,) what the reward of a step loses by it
     effect_outcome: Longs  # (m,)
     effect_rule: Longs  # (m,)
     effect_variable: Longs  # (m,)
@@ -63,19 +65,27 @@ def rule_columns(rules: Sequence[GroundRule]) -> RuleColumns:
     changes = np.zeros(len(rules), dtype=np.bool_)
     changes[outcome_rule[which]] = True
     probability = floats(outcome.probability for outcome in outcomes)[outcome]
+    outcome_cost = floats(outcome.cost for outcome in outcomes)[outcome]
     return RuleColumns(
         action=np.array([rule.action for rule in rules], dtype=np.int64),
         changes=changes,
+        cost=_summed(outcome_rule, probability * outcome_cost, len(rules)),
         literal_rule=np.repeat(everything, [len(rule.condition) for rule in rules]),
         literal=literal,
         literals=literals,
         probability=probability,
+        outcome_cost=outcome_cost,
         effect_outcome=which,
         effect_rule=outcome_rule[which],
         effect_variable=variable[entry],
         effect_value=value[entry],
         effect_probability=probability[which],
     )
+
+
+def _summed(rule: Longs, terms: Floats, rules: int) -> Floats:
+    """The sum of each rule's terms."""
+    return np.bincount(rule, terms, minlength=rules).astype(np.float64)
 
 
 def _distinct(items: Sequence[_Item]) -> tuple[list[_Item], Longs]:

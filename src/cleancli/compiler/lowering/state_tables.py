@@ -32,6 +32,7 @@ class Process(NamedTuple):
     slot_start: Ints  # (V + 1,) slots of each variable, one a value
     rule_start: Ints  # (A + 1,) rules of each action; rules are sorted by action
     rule_useful: Bools  # (R,) whether an outcome of the rule changes something, or waiting is a choice
+    rule_pays: Bools  # (R,) whether an outcome of the rule costs or earns something
     literal_start: Ints  # (R + C + 1,) literals of each condition
     literal_variable: Ints  # (n,)
     literal_row: Ints  # (n,) where the literal's row starts in `allowed`
@@ -40,6 +41,7 @@ class Process(NamedTuple):
     literal_slot: Ints  # (k,)
     outcome_start: Ints  # (R + 1,) outcomes of each rule, with probability 0 too, in the domain's order
     probability: Floats  # (O,)
+    outcome_cost: Floats  # (O,) what the reward of a step loses by it, beside what its action costs
     cumulated: Floats  # (O,) within each rule; exactly 1 at its last outcome
     effect_start: Ints  # (O + 1,)
     effect_variable: Ints  # (n,)
@@ -68,6 +70,7 @@ def lower_process(task: Task) -> Process:
         slot_start=literals.slot_start,
         rule_start=_ints(np.searchsorted(columns.action, np.arange(len(task.actions) + 1))),
         rule_useful=columns.changes | task.waiting,
+        rule_pays=np.array([rule.pays for rule in task.rules], dtype=np.bool_),
         literal_start=literals.start,
         literal_variable=literals.variable,
         literal_row=literals.row,
@@ -76,6 +79,7 @@ def lower_process(task: Task) -> Process:
         literal_slot=literals.of_slot,
         outcome_start=starts(rule.outcomes for rule in task.rules),
         probability=columns.probability,
+        outcome_cost=columns.outcome_cost,
         cumulated=_cumulated(task.rules),
         effect_start=_ints(np.searchsorted(columns.effect_outcome, np.arange(len(columns.probability) + 1))),
         effect_variable=_ints(columns.effect_variable),

@@ -1,4 +1,4 @@
-"""The check of what actions cost by values of functions.
+"""The check of what actions cost by values of functions, and of what outcomes pay.
 
 Guaranteed before: the actions with what they cost anyway, and all symbols.
 """
@@ -58,4 +58,32 @@ def _may_count(symbol: Symbol, node: syntax.Priced, scope: Scope) -> bool:
     else:
         return True
     scope.findings.error("E228", message, node.application.span, help=help)
+    return False
+
+
+def check_payments(node: syntax.Effects, scope: Scope) -> tuple[Fraction, Fraction]:
+    """What an outcome adds to the reward of its step, and to what its action costs (E229, E302)."""
+    paid = {"reward": Fraction(0), "cost": Fraction(0)}
+    for item in node.effects:
+        if isinstance(item, syntax.PayNode) and _may_pay(item, scope):
+            paid[item.what.text] += item.amount.value if item.rises else -item.amount.value
+    return paid["reward"], paid["cost"]
+
+
+def _may_pay(node: syntax.PayNode, scope: Scope) -> bool:
+    what, sign = node.what.text, "+=" if node.rises else "-="
+    if node.amount.denominator_is_zero:
+        scope.findings.error("E302", "division by zero", node.amount.span)
+        return False
+    if what not in ("reward", "cost"):
+        message, help = f"an outcome pays by `reward` or `cost`, not by `{what}`", ""
+        if what in scope.declared.symbols:
+            help = f"to change the function, write its objects: `{what}(...) {sign} n`"
+    elif what == "cost" and not node.rises:
+        message, help = "no cost is below 0", "say what it brings: `reward += n`"
+    elif node.amount.value == 0:
+        message, help = "this pays nothing", "leave it out; an outcome without effects is `nothing`"
+    else:
+        return True
+    scope.findings.error("E229", message, node.span, help=help)
     return False

@@ -42,7 +42,7 @@ def check_effects(
     effects: list[Assign | Shift | ForAll] = []
     done: _Done = {}
     inner: list[tuple[syntax.ForAllNode | syntax.IfNode, ForAll]] = []
-    for item in node.effects:
+    for item in changing(node):
         if isinstance(item, syntax.ForAllNode | syntax.IfNode):
             effect = _forall(item, scope) if isinstance(item, syntax.ForAllNode) else _if(item, scope)
             inner.append((item, effect))
@@ -55,6 +55,11 @@ def check_effects(
     for item, effect in inner:
         _refuse_inner(item, effect, done, same, scope)
     return tuple(effects)
+
+
+def changing(node: syntax.Effects) -> tuple[syntax.Assignment | syntax.ForAllNode | syntax.IfNode, ...]:
+    """The effects that change something, in their order; the others only pay."""
+    return tuple(item for item in node.effects if not isinstance(item, syntax.PayNode))
 
 
 def _refuse_inner(

@@ -9,8 +9,9 @@ from fractions import Fraction
 
 from cleancli.language import syntax
 from cleancli.language.checking.conditions import Scope
+from cleancli.language.checking.costs import check_payments
 from cleancli.language.checking.declarations import Once, sections_of
-from cleancli.language.checking.effects import check_effects
+from cleancli.language.checking.effects import changing, check_effects
 from cleancli.language.checking.equivalence import Asked, asked_by, doing, idle_because
 from cleancli.language.checking.notes import is_fixed, mark_of, times_seen
 from cleancli.language.diagnostics.diagnostic import Span
@@ -119,14 +120,17 @@ def _outcome(
     node: syntax.OutcomeNode, rest: Fraction, scope: Scope, condition: Condition, fixed: bool
 ) -> Outcome:
     kind, effects = _result(node.result, scope, condition)
+    paid = check_payments(node.result, scope) if isinstance(node.result, syntax.Effects) else ()
     prior, seen, marked = _marks(node.weight, scope)
     chance = node.weight.chance
-    spans = chance.span, node.weight.span
+    rest_of_it = chance.span, node.weight.span, *paid
     match chance:
         case syntax.Number():
-            return Outcome(chance.value, kind, effects, prior, seen, False, None, fixed or marked, *spans)
+            return Outcome(
+                chance.value, kind, effects, prior, seen, False, None, fixed or marked, *rest_of_it
+            )
         case syntax.Rest():
-            return Outcome(rest, kind, effects, prior, seen, True, None, fixed or marked, *spans)
+            return Outcome(rest, kind, effects, prior, seen, True, None, fixed or marked, *rest_of_it)
         case syntax.Share(name):
             if node.weight.marks:
                 scope.findings.error(
@@ -145,7 +149,7 @@ def _outcome(
                 )
             return Outcome(
                 shared.probability, kind, effects, shared.prior, shared.seen, False, shared.name,
-                shared.fixed, *spans,
+                shared.fixed, *rest_of_it,
             )  # fmt: skip
 
 
@@ -194,18 +198,19 @@ def check_default(node: syntax.Default, header: Span, scope: Scope) -> tuple[Out
 def _refuse_same(
     nodes: tuple[syntax.OutcomeNode, ...], outcomes: tuple[Outcome, ...], condition: Condition, scope: Scope
 ) -> None:
-    """E309 for two outcomes that no observation can tell apart, W301 for effects without effect."""
+    """E309 for two outcomes that neither an observation nor what they pay can tell apart, W301 for effects
+    without effect."""
     # libPRADA takes the condition and what is set as independent, so there all that is set counts.
     asked = Asked({}, {}, idle=False) if scope.compat else asked_by(condition, scope.declared)
     written: dict[str, syntax.OutcomeNode] = {}
     done: dict[object, syntax.OutcomeNode] = {}
     for node, outcome in zip(nodes, outcomes, strict=True):
-        if isinstance(node.result, syntax.Effects) and len(outcome.effects) < len(node.result.effects):
+        if isinstance(node.result, syntax.Effects) and _has_mistakes(node.result, outcome):
             continue
         if not scope.compat:
             _warn_idle(node, outcome, asked, scope)
         shown = print_result(outcome, scope.declared.symbols)
-        real = doing(outcome, asked, scope.declared)
+        real = doing(outcome, asked, scope.declared), outcome.reward, outcome.cost
         if shown in written:
             line = scope.findings.line(written[shown].span)
             help = f"add its probability to the outcome in {line}"
@@ -218,9 +223,16 @@ def _refuse_same(
         done.setdefault(real, node)
 
 
+def _has_mistakes(node: syntax.Effects, outcome: Outcome) -> bool:
+    """Whether an outcome lacks effects, or all payments, that its text has."""
+    effects = changing(node)
+    unpaid = len(effects) < len(node.effects) and not (outcome.reward or outcome.cost)
+    return unpaid or len(outcome.effects) < len(effects)
+
+
 def _warn_idle(node: syntax.OutcomeNode, outcome: Outcome, asked: Asked, scope: Scope) -> None:
     """W301 for plain effects that set what the rule's condition says already."""
-    items = node.result.effects if isinstance(node.result, syntax.Effects) else ()
+    items = changing(node.result) if isinstance(node.result, syntax.Effects) else ()
     for item, known in zip(items, idle_because(outcome, asked, scope.declared), strict=True):
         if known is not None:
             why = f"the rule applies only where `{print_literal(known, scope.declared.symbols)}`"

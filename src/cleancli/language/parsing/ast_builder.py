@@ -294,6 +294,10 @@ class Builder:
         application, sign, amount = c
         return syntax.ShiftNode(application, sign == "+=", self._number(amount), span=span)
 
+    def build_pay(self, c: list[_Child], span: Span) -> syntax.PayNode:
+        what, sign, amount = c
+        return syntax.PayNode(self._name(what), sign == "+=", amount, span=span)
+
     def build_forall(self, c: list[_Child], span: Span) -> syntax.ForAllNode:
         return syntax.ForAllNode(c[0], c[1], c[2], span=span)
 

@@ -34,6 +34,8 @@ _IMPLIED = {
     "GRASP": "NAME",
 }
 """Terminals that are not said to be expected where another one is."""
+_BEHIND_SYMBOLS = ({"LPAR"}, {"LPAR", "RISE", "FALL"})
+"""What may follow a symbol alone; in an outcome `reward` and `cost` have other things behind them."""
 _MOST_SAID = 13
 _FAR = 80
 """How many characters behind a token are looked at for what was meant."""
@@ -146,7 +148,8 @@ class Reader:
         if comma and ("LPAR" in at.accepted or is_end):
             place = self._span(comma.start(), comma.start() + 1)
             return Diagnostic("E104", "nothing stands behind this comma", place, help="remove it")
-        if at.accepted == {"LPAR"} and word and at.token != ":" and not for_token(at):
+        pays = word is not None and word.group() in ("reward", "cost")
+        if at.accepted in _BEHIND_SYMBOLS and word and not pays and at.token != ":" and not for_token(at):
             return self._bare(word.group(), word.start(), "", "")
         return self._bare_in_condition(at)
 

@@ -232,7 +232,18 @@ def print_result(outcome: Outcome, symbols: Symbols) -> str:
     """What happens in an outcome, without its probability."""
     if outcome.kind is not OutcomeKind.CHANGE:
         return str(outcome.kind.value)
-    return ", ".join(_effect(effect, symbols) for effect in outcome.effects)
+    return ", ".join(
+        [
+            *(_effect(effect, symbols) for effect in outcome.effects),
+            *print_payments(outcome.reward, outcome.cost),
+        ]
+    )
+
+
+def print_payments(reward: Fraction, cost: Fraction) -> list[str]:
+    """What an outcome pays, `reward += 5` and `cost += 1/3`; only what is not 0."""
+    paid = ("reward", reward), ("cost", cost)
+    return [f"{what} {'+=' if each > 0 else '-='} {print_fraction(abs(each))}" for what, each in paid if each]
 
 
 def _effect(effect: Assign | Shift | ForAll, symbols: Symbols) -> str:

@@ -92,6 +92,7 @@ USED: Mapping[tuple[type[syntax.Node], str], Kind] = {
     (syntax.ClosureNode, "of"): Kind.SYMBOL,
     (syntax.RuleNode, "action"): Kind.ACTION,
     (syntax.Share, "name"): Kind.PARAMETER,
+    (syntax.PayNode, "what"): Kind.MARK,
     (syntax.Decrease, "count"): Kind.COUNT,
     (syntax.CountValue, "count"): Kind.COUNT,
     (syntax.HorizonNode, "count"): Kind.COUNT,

@@ -48,6 +48,14 @@ class IfNode(Node):
     effects: tuple[Assignment, ...]
 
 
+class PayNode(Node):
+    """`reward += n`, `reward -= n` or `cost += n`."""
+
+    what: Name
+    rises: bool
+    amount: Number
+
+
 class Nothing(Node):
     """The result `nothing`."""
 
@@ -59,7 +67,7 @@ class Noise(Node):
 class Effects(Node):
     """A result that lists effects."""
 
-    effects: tuple[Assignment | ForAllNode | IfNode, ...]
+    effects: tuple[Assignment | ForAllNode | IfNode | PayNode, ...]
 
 
 class Rest(Node):

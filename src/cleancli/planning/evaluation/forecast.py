@@ -25,6 +25,7 @@ from cleancli.planning.evaluation.state_distribution import (
     drawn,
     marginals,
     paying,
+    spent,
 )
 
 FEW_STATES = 10_000
@@ -119,7 +120,7 @@ def _forecast(
             p,
             course[i],
             action,
-            reward=paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - float(p.cost[action]),
+            reward=paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - spent(p, course[i], action),
             remaining=counts[i + 1],
         )
         for i, action in enumerate(actions)

@@ -96,6 +96,16 @@ def paying(p: Process, spread: Spread) -> tuple[float, float]:
     return float(chance @ p.decrease), float(chance @ p.state + p.constant[0])
 
 
+def spent(p: Process, spread: Spread, action: int) -> float:
+    """Expected: what the reward of a step loses by the action, and by which outcome of it happens."""
+    if not p.rule_pays.any():
+        return float(p.cost[action])
+    rules = len(p.outcome_start) - 1
+    chance = np.bincount(covering(p, spread.states, action) + 1, spread.weights, minlength=rules + 1)[1:]
+    by_outcome = np.repeat(chance, np.diff(p.outcome_start)) @ (p.probability * p.outcome_cost)
+    return float(p.cost[action] + by_outcome)
+
+
 def ahead(p: Process, spread: Spread) -> float:
     """Expected: what is to be decreased for progress (compiler/semantics.py)."""
     rules = len(p.outcome_start) - 1

@@ -18,7 +18,7 @@ from cleancli.planning import kernels
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.evaluation.forecast import FEW_STATES, drawn_course, exact_course
-from cleancli.planning.evaluation.state_distribution import ahead, paying
+from cleancli.planning.evaluation.state_distribution import ahead, paying, spent
 from cleancli.planning.plan import Options, PlanningRefused
 
 RUNS = 100_000
@@ -73,12 +73,12 @@ def exact(prepared: Prepared, actions: Sequence[int], limit: int = SUPPORT_LIMIT
     task, p = prepared.task, prepared.process
     actions = actions[: max(task.horizon, 0)]
     try:
-        paid = [paying(p, spread) for spread in exact_course(prepared, actions, limit)]
+        course = exact_course(prepared, actions, limit)
     except SupportTooLargeError:
         return None
-    value, factor = 0.0, 1.0
+    paid, value, factor = [paying(p, spread) for spread in course], 0.0, 1.0
     for i, action in enumerate(actions):
-        step = paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - p.cost[action]
+        step = paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - spent(p, course[i], action)
         value += factor * p.payment[action] * step
         factor *= p.discount[action]
     rest = idle_worth(task.discount, task.horizon - len(actions))[-1]

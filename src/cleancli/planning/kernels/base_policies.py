@@ -67,7 +67,8 @@ def one_step(
             apply(p, after, outcome)
             decreasing, now, still = touched(p, after, action)
         now += standing - stood
-        value += p.probability[outcome] * (p.payment[action] * (before - decreasing) + idle * now)
+        paid = before - decreasing - p.outcome_cost[outcome]
+        value += p.probability[outcome] * (p.payment[action] * paid + idle * now)
         early += p.probability[outcome] * (left * (ahead - still + now) + standing_earliness(left - 1) * now)
     return value - p.payment[action] * p.cost[action], early
 

@@ -93,14 +93,17 @@ def _weigh_all(t: Tables, belief: Belief) -> None:
 
 
 @inlined
-def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
-    """Each rule, as likely as `cover` says, sets slots and leaves the rest alone."""
+def _update_numbers(t: Tables, belief: Belief, action: int) -> float:
+    """Each rule, as likely as `cover` says, sets slots and leaves the rest alone; returns what their outcomes
+    cost on average."""
     number, cover, change = belief.number, belief.cover, belief.change
     shift_start, shift_slot, shift = t.shift_start, t.shift_slot, t.shift
     loss_start, loss_slot, loss_given, loss = t.loss_start, t.loss_slot, t.loss_given, t.loss
+    rule_cost, spent = t.rule_cost, 0.0
     for rule in range(t.rule_start[action], t.rule_start[action + 1]):
         p = cover[rule]
         if p > 0.0:
+            spent += p * rule_cost[rule]
             for i in range(shift_start[rule], shift_start[rule + 1]):
                 change[shift_slot[i]] += p * shift[i]
             for i in range(loss_start[rule], loss_start[rule + 1]):
@@ -113,6 +116,7 @@ def _update_numbers(t: Tables, belief: Belief, action: int) -> None:
     sum_start, sum_slot, first_sum = t.sum_start, t.sum_slot, len(change)
     for i in range(t.touched_sum_start[action], t.touched_sum_start[action + 1]):
         number[first_sum + sums[i]] = _sum(sum_start, sum_slot, number, sums[i])
+    return spent
 
 
 @inlined
@@ -136,14 +140,14 @@ def _update_rewards(t: Tables, belief: Belief, action: int) -> tuple[float, floa
 @inlined
 def _apply(t: Tables, belief: Belief, action: int) -> tuple[float, float, float]:
     """`follow` for the action that was weighed last, and how much of the step's progress ends are."""
-    _update_numbers(t, belief, action)
+    spent = _update_numbers(t, belief, action)
     ended, rise, advanced = _update_rewards(t, belief, action)
-    return ended - t.cost[action], rise, advanced
+    return ended - t.cost[action] - spent, rise, advanced
 
 
 @compiled
 def follow(t: Tables, belief: Belief, action: int) -> tuple[float, float]:
-    """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its cost),
+    """Updates the belief by an action, but no weights; returns what it pays itself (eq. 2, less its costs),
     and the rise of what doing nothing is paid from then on."""
     _weigh(t, belief, action, -1.0)
     paid, rise, _ = _apply(t, belief, action)

@@ -160,6 +160,8 @@ def check(t: Tables) -> None:
     per_action, per_reward = (t.cost, t.payment, t.discount, t.most), (t.decrease, t.state, t.advance)
     assert all(array.dtype == np.float64 for array in (*per_action, *per_reward, t.constant))
     assert all(array.shape == (actions,) for array in per_action)
+    assert t.rule_cost.dtype == np.float64
+    assert t.rule_cost.shape == (rules,)
     assert all(array.shape == (rewards,) for array in per_reward)
     assert t.useful.dtype == t.independent.dtype == np.bool_
     assert (t.useful.shape, t.independent.shape, t.constant.shape) == ((rules,), (1,), (1,))

@@ -159,11 +159,12 @@ def _act(
     action: int,
     use: int,
     seed: np.uint64,
-) -> bool:
-    """Draws what the action does in each run; whether it changes one, or is a choice in one that waits."""
-    word, useful = runs.word, False
+) -> tuple[bool, float]:
+    """Draws what the action does in each run; whether it changes one, or is a choice in one that waits, and
+    what the outcomes cost in all runs."""
+    word, useful, spent = runs.word, False, 0.0
     for rule in range(p.rule_start[action], p.rule_start[action + 1]):
-        if not p.rule_useful[rule]:
+        if not (p.rule_useful[rule] or p.rule_pays[rule]):
             continue
         for w in range(word.shape[3]):
             held = _held(p, word, source, place, rule, w)
@@ -174,10 +175,12 @@ def _act(
             first = p.outcome_start[rule]
             for outcome in range(first, p.outcome_start[rule + 1]):
                 comes = held & luck.word[entry, outcome - first, w]
+                if p.outcome_cost[outcome] != 0.0:
+                    spent += p.outcome_cost[outcome] * _ones(comes)
                 if comes != NONE and p.effect_start[outcome] < p.effect_start[outcome + 1]:
                     _set(p, word, target, place + 1, outcome, w, comes)
                     useful = True
-    return useful
+    return useful, spent
 
 
 @inner
@@ -207,8 +210,10 @@ def _run(
         use = 0
         for earlier in range(place):
             use += actions[earlier] == action
-        gain, progress, standing = -p.cost[action], 0.0, runs.standing[source, place]
-        if _act(p, runs, luck, source, target, place, action, use, seed):
+        useful, spent = _act(p, runs, luck, source, target, place, action, use, seed)
+        gain, progress = -p.cost[action] - spent / (64 * words), 0.0
+        standing = runs.standing[source, place]
+        if useful:
             before, stood, ahead = _paid(p, runs, source, place, action)
             after, stands, still = _paid(p, runs, target, place + 1, action)
             gain += (before - after) / (64 * words)

@@ -38,7 +38,7 @@ from cleancli.planning.kernels.jit import better, compiled, inlined, inner, stan
 from cleancli.planning.kernels.relaxed import goal_distance, relaxed_plan
 from cleancli.planning.kernels.rng import GOLDEN, mixed, split, uniform
 from cleancli.planning.kernels.state_graph import change, digit, find
-from cleancli.planning.kernels.transitions import choosable, rewarded
+from cleancli.planning.kernels.transitions import choosable, mean_cost, rewarded
 
 NODES, CHOICES, EDGES, PASSED = 0, 1, 2, 3
 """What is counted in `Tree.used`."""
@@ -80,7 +80,7 @@ class Tree(NamedTuple):
     tried: Ints  # (M,) descents that took the choice
     worth: Floats  # (M,) what follows from the choice
     soon: Floats  # (M,) its earliness
-    reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
+    reward: Floats  # (M,) expected reward of the step, with what it costs, without its `payment`
     progress: Floats  # (M,) expected progress of the step
     closed: Bools  # (M,) whether all that the choice leads to is known
     edge_start: Ints  # (M,) of choices that were tried
@@ -239,7 +239,8 @@ def _expand(p: Process, t: Tree, b: Bases, m: Manner, node: int, choice: int) ->
         h ^= digit(last, at) ^ digit(last, at + 1)
         changed = p.effect_start[outcome] < p.effect_start[outcome + 1]
         after = _enter(p, t, b, m, h, place + 1 if follows and changed else place)
-        reward += chance * (t.decreasing[node] - t.decreasing[after] + t.standing[after])
+        paid = t.decreasing[node] - t.decreasing[after] + t.standing[after] - p.outcome_cost[outcome]
+        reward += chance * paid
         progress += chance * (t.ahead[node] - t.ahead[after] + t.standing[after])
         e = begin
         while e < edges and t.successor[e] != after:
@@ -386,7 +387,8 @@ def _run(p: Process, t: Tree, b: Bases, state: Ints, stream: np.uint64) -> tuple
             drawn -= t.chance[e]
             e += 1
         after, action = int(t.successor[e]), int(t.action[choice])
-        paid = t.decreasing[node] - t.decreasing[after] + t.standing[after] - p.cost[action]
+        paid = t.decreasing[node] - t.decreasing[after] + t.standing[after]
+        paid -= p.cost[action] + mean_cost(p, int(t.rule[choice]))
         value += factor * p.payment[action] * paid
         early += left * (t.ahead[node] - t.ahead[after] + t.standing[after])
         factor *= p.discount[action]

@@ -53,7 +53,7 @@ def _look_ahead(
                     rows[level + 1, v] = rows[level, v]
                 apply(p, rows[level + 1], outcome)
                 left_over, after, still = rewarded(p, rows[level + 1])
-                paid += count * (decreasing - left_over + after)
+                paid += count * (decreasing - left_over + after - p.outcome_cost[outcome])
                 gained += count * (ahead - still + after)
                 stream = mixed(stream + GOLDEN)
                 worth, soon = _look_ahead(p, rows, counts, best, idle, branching, level + 1, stream)

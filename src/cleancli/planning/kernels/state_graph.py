@@ -38,7 +38,8 @@ class Graph(NamedTuple):
     ahead: Floats  # (N,) whose decrease is progress
     choice_start: Ints  # (N + 1,) choices in each state
     choice_action: Ints  # (M,) ascending within a state
-    choice_reward: Floats  # (M,) expected reward of the step, with the action's cost, without its `payment`
+    choice_rule: Ints  # (M,) the rule that covers the state
+    choice_reward: Floats  # (M,) expected reward of the step, with what it costs, without its `payment`
     choice_progress: Floats  # (M,) expected progress of the step (compiler/semantics.py)
     edge_start: Ints  # (M + 1,) transitions of each choice
     edge_successor: Ints  # (E,)
@@ -55,6 +56,7 @@ class _Room(NamedTuple):
     ahead: Floats
     choice_start: Ints
     choice_action: Ints
+    choice_rule: Ints
     choice_reward: Floats
     choice_progress: Floats
     edge_start: Ints
@@ -144,10 +146,10 @@ def change(
 def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
     """Adds the choices in a state and its successors."""
     states, hashes, decreasing, standing = room.states, room.hashes, room.decreasing, room.standing
-    ahead, choice_progress = room.ahead, room.choice_progress
+    ahead, choice_rule, choice_progress = room.ahead, room.choice_rule, room.choice_progress
     choice_action, choice_reward, edge_start = room.choice_action, room.choice_reward, room.edge_start
     edge_successor, edge_probability, table = room.edge_successor, room.edge_probability, room.table
-    outcome_start, probability, cost = p.outcome_start, p.probability, p.cost
+    outcome_start, probability, cost, outcome_cost = p.outcome_start, p.probability, p.cost, p.outcome_cost
     effect_start, effect_variable, effect_value = p.effect_start, p.effect_variable, p.effect_value
     number, choices, edges = used[0], used[1], used[2]
     for action in range(len(cost)):
@@ -165,7 +167,8 @@ def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
                 after, number = number, number + 1
                 table[place], hashes[after] = after, h
                 decreasing[after], standing[after], ahead[after] = rewarded(p, states[after])
-            reward += probability[outcome] * (decreasing[s] - decreasing[after] + standing[after])
+            paid = decreasing[s] - decreasing[after] + standing[after] - outcome_cost[outcome]
+            reward += probability[outcome] * paid
             progress += probability[outcome] * (ahead[s] - ahead[after] + standing[after])
             e = begin
             while e < edges and edge_successor[e] != after:
@@ -177,7 +180,8 @@ def _choices(p: Process, room: _Room, used: Longs, s: int) -> None:
         if edges == begin + 1 and edge_successor[begin] == s and not p.waiting[0]:
             edges = begin
             continue
-        choice_action[choices], choice_reward[choices], choice_progress[choices] = action, reward, progress
+        choice_action[choices], choice_rule[choices] = action, rule
+        choice_reward[choices], choice_progress[choices] = reward, progress
         choices += 1
         edge_start[choices] = edges
     used[0], used[1], used[2] = number, choices, edges
@@ -311,7 +315,7 @@ class Enumeration:
         after = renumbered[room.edge_successor[last]]
         stays = after >= 0
         room.edge_successor[last.start : last.start + stays.sum()] = after[stays]
-        for array in (room.choice_action, room.choice_reward, room.choice_progress):
+        for array in (room.choice_action, room.choice_rule, room.choice_reward, room.choice_progress):
             array[last.start : last.start + stays.sum()] = array[last][stays]
         before = np.concatenate([[0], np.cumsum(stays)])
         starts = room.choice_start[layer.start : layer.stop + 1]
@@ -335,6 +339,7 @@ class Enumeration:
             room.ahead[:number],
             room.choice_start[: number + 1],
             room.choice_action[:choices],
+            room.choice_rule[:choices],
             room.choice_reward[:choices],
             room.choice_progress[:choices],
             room.edge_start[: choices + 1],
@@ -378,6 +383,7 @@ def _room(variables: int, states: int, choices: int, edges: int) -> _Room:
         np.zeros(states),
         np.zeros(states),
         np.zeros(states + 1, dtype=np.int32),
+        np.zeros(choices, dtype=np.int32),
         np.zeros(choices, dtype=np.int32),
         np.zeros(choices),
         np.zeros(choices),

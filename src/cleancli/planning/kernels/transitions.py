@@ -113,14 +113,26 @@ def touched(p: Process, state: Ints, action: int) -> tuple[float, float, float]:
 @compiled
 def carry_out(p: Process, state: Ints, action: int, outcome: int) -> tuple[float, float, float]:
     """Changes the state as an outcome of the action says (none where it is -1); returns what the action pays
-    (eq. 2, less its cost), the rise of what doing nothing is paid from then on, and the decrease that is
+    (eq. 2, less what it costs), the rise of what doing nothing is paid from then on, and the decrease that is
     progress."""
-    if outcome < 0 or p.effect_start[outcome] == p.effect_start[outcome + 1]:
+    if outcome < 0:
         return -p.cost[action], 0.0, 0.0
+    spent = p.cost[action] + p.outcome_cost[outcome]
+    if p.effect_start[outcome] == p.effect_start[outcome + 1]:
+        return -spent, 0.0, 0.0
     decreasing, standing, ahead = touched(p, state, action)
     apply(p, state, outcome)
     left, after, still = touched(p, state, action)
-    return decreasing - left - p.cost[action], after - standing, ahead - still
+    return decreasing - left - spent, after - standing, ahead - still
+
+
+@compiled
+def mean_cost(p: Process, rule: int) -> float:
+    """What the reward of a step loses on average by which outcome of a rule happens."""
+    mean = 0.0
+    for outcome in range(p.outcome_start[rule], p.outcome_start[rule + 1]):
+        mean += p.probability[outcome] * p.outcome_cost[outcome]
+    return mean
 
 
 @compiled

@@ -152,16 +152,19 @@ def _best(
 
 @dataclass(frozen=True, slots=True)
 class _Rule(Generic[N]):
-    """A rule of an action with its cost, and with the outcomes that can happen."""
+    """A rule of an action with what that costs, and the outcomes that can happen, each with its probability
+    and with what it costs."""
 
     action: int
     cost: N
     condition: GroundCondition
-    outcomes: tuple[tuple[N, tuple[tuple[int, int], ...]], ...]
+    outcomes: tuple[tuple[N, N, tuple[tuple[int, int], ...]], ...]
 
 
 def _rule(task: Task, rule: GroundRule, number: Callable[[Fraction], N]) -> _Rule[N]:
-    outcomes = tuple((number(o.probability), o.effects) for o in rule.outcomes if o.probability)
+    outcomes = tuple(
+        (number(o.probability), number(o.cost), o.effects) for o in rule.outcomes if o.probability
+    )
     return _Rule(rule.action, number(task.actions[rule.action].cost), rule.condition, outcomes)
 
 
@@ -171,7 +174,7 @@ def _choice(
     """What comes of a rule in a state; adds the states that may follow."""
     decreasing, _, ahead = graph.paid[graph.numbers[state]]
     reward, progress, after = -rule.cost, rule.cost - rule.cost, dict[int, N]()
-    for probability, effects in rule.outcomes:
+    for probability, cost, effects in rule.outcomes:
         values = list(state)
         for variable, value in effects:
             values[variable] = value
@@ -180,7 +183,7 @@ def _choice(
         if successor == len(graph.paid):
             graph.paid.append(paying(changed))
         left, standing, still = graph.paid[successor]
-        reward += probability * (decreasing - left + standing)
+        reward += probability * (decreasing - left + standing - cost)
         progress += probability * (ahead - still + standing)
         after[successor] = after[successor] + probability if successor in after else probability
     return Choice(rule.action, reward, progress, tuple(after.items()))

@@ -94,7 +94,8 @@ def _grow(tree: Any, effort: Effort) -> None:
 
 def goal_alone(task: Task) -> bool:
     """Whether nothing is paid but for a goal."""
-    return bool(task.goal) and all(reward.condition in task.goal for reward in task.rewards)
+    earning = any(outcome.cost < 0 for rule in task.rules for outcome in rule.outcomes)
+    return bool(task.goal) and not earning and all(each.condition in task.goal for each in task.rewards)
 
 
 def prize(task: Task) -> float:

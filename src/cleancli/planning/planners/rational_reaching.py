@@ -38,7 +38,11 @@ def solve(task: Task, reaching: Reaching, enumeration: Any, graph: Any, goal: Bo
     floats. `enumeration` and `graph` are those of kernels.state_graph."""
     loops = kernels.goal_policy
     after = _transitions(task, enumeration, graph)
-    costs = [reaching.costs[action] for action in graph.choice_action.tolist()]
+    by_outcome = list(map(reaching.by_outcome, task.rules))
+    costs = [
+        reaching.costs[action] + by_outcome[rule]
+        for action, rule in zip(graph.choice_action.tolist(), graph.choice_rule.tolist(), strict=True)
+    ]
     known = kernels.decision_graph.DecisionGraph(
         graph.choice_start,
         graph.edge_start,

@@ -122,13 +122,16 @@ def enumerated(prepared: Prepared, limit: int) -> tuple[Any, Any, Bools]:
 
 def decisions(task: Task, graph: Any) -> Any:
     """The graph with what its choices cost, as kernels.goal_policy solves it."""
-    costs = np.array([float(cost) for cost in reaching_of(task).costs])
+    reaching = reaching_of(task)
+    costs = np.array([float(cost) for cost in reaching.costs])[graph.choice_action]
+    if any(rule.pays for rule in task.rules):
+        costs += np.array([float(reaching.by_outcome(rule)) for rule in task.rules])[graph.choice_rule]
     return kernels.decision_graph.DecisionGraph(
         graph.choice_start,
         graph.edge_start,
         graph.edge_successor,
         graph.edge_probability,
-        costs[graph.choice_action],
+        costs,
     )
 
 

@@ -13,7 +13,7 @@ def likeliest_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
     """The task where each rule has its likeliest outcome alone, and the action that each of its actions is.
 
     Of equals it is the first that changes something. A rule whose likeliest outcome changes nothing is
-    dropped, unless it has no other and waiting is a choice.
+    dropped, unless waiting is a choice and it pays or the rule has no other.
     """
     rules = [(rule, rule.action, _likeliest(rule)) for rule in task.rules]
     return _determinized(task, range(len(task.actions)), rules)
@@ -22,7 +22,8 @@ def likeliest_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
 def all_outcomes(task: Task) -> tuple[Task, tuple[int, ...]]:
     """The task where each outcome that can happen is an action of its own, and the action that each is.
 
-    Outcomes that change nothing are left out, unless the rule has no others and waiting is a choice.
+    Outcomes that change nothing are left out, unless waiting is a choice and they pay or the rule has no
+    others.
     """
     origins: list[int] = []
     rules: list[tuple[GroundRule, int, GroundOutcome]] = []
@@ -69,7 +70,8 @@ def _determinized(
     certain = tuple(
         GroundRule(rule.rule, action, rule.condition, (replace(outcome, probability=Fraction(1)),))
         for rule, action, outcome in rules
-        if outcome.effects or (task.waiting and not any(each.effects for each in rule.outcomes))
+        if outcome.effects
+        or (task.waiting and (outcome.cost or not any(each.effects for each in rule.outcomes)))
     )
     made = replace(
         task,
