@@ -116,7 +116,7 @@ def explorer(hidden: Hidden, seed: int, actions: int) -> Explored:
         objects, values = hidden.starts[order[episodes % len(order)]]
         episodes += 1
         for step in range(min(STEPS, actions - len(done))):
-            problem = Problem("here", hidden.domain.name, objects, _facts(values))
+            problem = Problem("here", hidden.domain.name, objects, facts_of(values))
             asked = Options(SAMPLES, int(rng.integers(2**63)), threads=1)
             chosen = next_try(found, problem, round(known), planner, asked)
             if chosen is None:
@@ -150,7 +150,8 @@ def at_random(hidden: Hidden, seed: int, actions: int, episodes: int) -> list[Tr
     return done
 
 
-def _facts(values: Values) -> frozenset[Fact]:
+def facts_of(values: Values) -> frozenset[Fact]:
+    """The facts of a state."""
     return frozenset(
         Fact(name, names, value) for (name, names), value in values.items() if value is not False
     )
