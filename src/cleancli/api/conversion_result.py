@@ -17,8 +17,8 @@ class ConversionResult:
     """The texts of a domain and its problems, by their names, and what has to be told about them.
 
     `functions` has the predicates of libPRADA that a function stands for; `sources` has the texts that
-    `diagnostics` point into; `texts` has all texts by the names of their files, the domain's first; `names`
-    tells what became of names that could not stay. Prints as the domain's text.
+    `diagnostics` point into; `texts` has all texts by the names of their files, the domain's first where it
+    is made; `names` tells what became of names that could not stay. Prints as the domain's text.
     """
 
     name: str

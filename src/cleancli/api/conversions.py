@@ -8,7 +8,8 @@ from pathlib import Path
 
 from cleancli.api.checks import check_between, check_one_of, check_share
 from cleancli.api.conversion_result import ConversionResult
-from cleancli.api.exports import exported
+from cleancli.api.experience_files import is_experience, is_trajectory, with_experience
+from cleancli.api.exports import exported, opened
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
 from cleancli.conversion.export.written import NOISE
@@ -16,7 +17,8 @@ from cleancli.conversion.pddl.convert import Wishes
 from cleancli.conversion.pddl.convert import convert as convert_pddl
 from cleancli.conversion.pddl.recognized import SUFFIXES, is_pddl
 from cleancli.language.diagnostics.diagnostic import Source
-from cleancli.language.load import read_source
+from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Problem
 from cleancli.planning.plan import BadOption
 
 FORMATS = ("nid", "pddl", "libprada")
@@ -40,8 +42,10 @@ def convert(
 
     With `to="ppddl"` a domain and its problems, .nid or PPDDL, are written as PPDDL: names of shipped files,
     paths or texts; with `to="rddl"` or `to="libprada"` a domain and one problem so. `noise` says what becomes
-    of noise there. `reward`, `discount` and `predicates` are for libPRADA's files. Raises Refused with every
-    mistake in the files, or with all that can't be said, and BadOption.
+    of noise there. `reward`, `discount` and `predicates` are for libPRADA's files. Experience
+    (.jsonl) becomes trajectories of PDDL with `to="ppddl"`, and trajectories (.trajectory) become experience;
+    both are given beside their domain. Raises Refused with every mistake in the files, or with all that can't
+    be said, and BadOption.
     """
     wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
     return converted([str(file) for file in files], wanted)
@@ -76,12 +80,19 @@ def converted(
             "RDDL is not converted: only PDDL, PPDDL and libPRADA's files are; it can be written (`rddl`)"
         )
     of_libprada = wanted.reward is not None or wanted.discount is not None or wanted.predicates
+    traced = [name for name in files if is_trajectory(name)]
     if wanted.to != "nid":
+        if traced:
+            raise BadOption("trajectories become experience: leave out `to`")
         _refuse_for_export(wanted, of_libprada)
         return exported(files, wanted.to, wanted.noise, include_outside)
     if wanted.noise != NOISE[0]:
         raise BadOption("noise has a word of its own in .nid files: `noise` is for what is written of them")
+    if traced:
+        return _from_trajectories(files, traced, wanted, include_outside)
     format = wanted.format or _format_of(files)
+    if any(map(is_experience, files)):
+        raise BadOption("this is experience: say what to write of it, and of its domain: ppddl")
     if format == "nid":
         raise BadOption(f"these are .nid files: say what to write: {', '.join(TARGETS[1:])}")
     if format == "pddl":
@@ -118,6 +129,23 @@ def _from_pddl(files: Sequence[str], wishes: Wishes) -> ConversionResult:
     told = (made.notes, made.diagnostics, made.sources)
     texts = _files({made.name: made.domain, **made.problems})
     return ConversionResult(made.name, made.domain, made.problems, {}, *told, texts, {})
+
+
+def _from_trajectories(
+    files: Sequence[str], traced: Sequence[str], wanted: Wanted, include_outside: bool
+) -> ConversionResult:
+    """Experience of a domain that is given: of a .nid file, or of PPDDL, which is converted too."""
+    rest = [name for name in files if name not in traced]
+    if _format_of(rest) == "pddl":
+        made = _from_pddl(rest, Wishes(wanted.domain_name, wanted.horizon))
+        domain = load_domain(Source(f"{made.name}.nid", made.domain))
+        texts = made.problems.items()
+        problems = [load_problem(Source(f"{name}.nid", text), domain) for name, text in texts]
+        return with_experience(made, traced, domain, problems, whole=False)
+    loaded, given = opened(rest, include_outside)
+    made = ConversionResult(loaded.name, str(loaded), {}, {}, (), (), (), {}, {})
+    models = [each.model for each in given if isinstance(each.model, Problem)]
+    return with_experience(made, traced, loaded.model, models, whole=True)
 
 
 def _from_libprada(files: Sequence[str], wishes: LibpradaWishes, folder: Path) -> ConversionResult:

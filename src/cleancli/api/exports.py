@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
+from cleancli.api.experience_files import is_experience, with_trajectories
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.compiler.horizon import first_horizon
 from cleancli.conversion.export.libprada import libprada
@@ -32,14 +33,18 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     """The files of another language, `to`, that a domain and its problems become: names of shipped files,
     paths or texts, .nid or PPDDL. Raises Refused with everything that can't be said, and BadOption."""
     check_one_of("noise", noise, NOISE)
-    domain, problems = _opened(files, include_outside)
+    experience = [name for name in files if is_experience(name)]
+    if experience and to == "rddl":
+        raise BadOption("RDDL has no files of experience")
+    domain, problems = opened([name for name in files if name not in experience], include_outside)
     models = [each.model for each in problems if isinstance(each.model, Problem)]
     unsaid = Unsaid(_LANGUAGES[to], domain.sources)
     for rule in domain.model.rules:
         if any(each.reward or each.cost for each in rule.outcomes) and to != "libprada":
             unsaid.note(f"what outcomes of `{rule.name}` pay is not written yet", rule.span, _ONE_PAYMENT)
     if to == "ppddl":
-        return _result(domain, problems, ppddl(domain.model, models, noise, unsaid))
+        made = ppddl(domain.model, models, noise, unsaid)
+        return with_trajectories(_result(domain, problems, made), domain.model, experience)
     if len(models) != 1:
         raise BadOption("give one problem: only in PPDDL a domain stands for itself")
     (problem,) = models
@@ -62,7 +67,7 @@ def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Writt
     return ConversionResult(domain.name, first, texts, {}, made.notes, (), (), made.texts, made.names)
 
 
-def _opened(files: Sequence[str], include_outside: bool) -> tuple[LoadedDomain, list[LoadedProblem]]:
+def opened(files: Sequence[str], include_outside: bool) -> tuple[LoadedDomain, list[LoadedProblem]]:
     """The one domain among the files, and all problems; raises Refused and BadOption."""
     sources = [_source(given, number) for number, given in enumerate(files, 1)]
     domains = [source for source in sources if _defines(source, "domain")]

@@ -11,6 +11,7 @@ import click
 
 from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.conversions import FORMATS, TARGETS, Wanted, converted
+from cleancli.api.experience_files import is_experience, is_trajectory
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
@@ -22,6 +23,9 @@ from cleancli.language.diagnostics.diagnostic import Level
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.parsing.lexemes import NAME
+
+FEW = 3
+"""Files of experience that are named one by one."""
 
 
 def _named(context: click.Context, option: click.Parameter, name: str | None) -> str | None:
@@ -91,7 +95,8 @@ def command(
 ) -> int:
     """Convert PDDL and PPDDL files, a domain and any number of its problems; or rules.dat, state.dat and
     symbols.dat of libPRADA, of a folder or under other names. With --to, a domain and its problems (.nid or
-    PPDDL) are written as files of another language.
+    PPDDL) are written as files of another language. Experience becomes trajectories of PDDL, and trajectories
+    become experience, where they are given beside their domain.
 
     Writes a domain and its problems into the folder --out, with comments that say what is from where. What
     the checker finds in them is printed; the exit code is 1 then.
@@ -105,14 +110,21 @@ def command(
     return ExitCode.REFUSED if Level.ERROR in found else ExitCode.DONE
 
 
+def _few(paths: Sequence[str]) -> list[str]:
+    """The paths, or the first and the last of many."""
+    return [*paths] if len(paths) <= FEW else [f"{paths[0]} to {paths[-1]}"]
+
+
 def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> None:
     if made.diagnostics:
         echo_refused(Refused(made.diagnostics, made.sources))
-    domain, *problems = map(str, targets)
+    experience = [str(path) for path in targets if is_experience(path.name) or is_trajectory(path.name)]
+    written = [str(path) for path in targets if str(path) not in experience]
     if as_data:
         data = {
-            "domain": domain,
-            "problems": problems,
+            "domain": written[0] if written else None,
+            "problems": written[1:],
+            "experience": experience,
             "functions": made.functions,
             "notes": made.notes,
             "names": made.names,
@@ -121,7 +133,7 @@ def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> N
         }
         click.echo(json.dumps(data, indent=2))
         return
-    echo(f"wrote {' and '.join([domain, *problems])}")
+    echo(f"wrote {' and '.join([*written, *_few(experience)])}")
     for name, members in made.functions.items():
         echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
     for old, new in made.names.items():

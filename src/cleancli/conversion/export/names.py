@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 
-from cleancli.language.model import Value
+from cleancli.language.model import Symbol, Value
 
 
 class Naming:
@@ -44,22 +44,29 @@ class Naming:
 
 class Predicates:
     """What symbols are called, and the predicates that stand for the values of functions; `joined` makes a
-    name of a function's and a value's."""
+    name of a function's and a value's. `asked` has the functions of whose values a predicate was wanted."""
 
     def __init__(self, naming: Naming, joined: Callable[[str, str], str]) -> None:
-        self._naming = naming
+        self.naming = naming
+        self.asked: set[str] = set()
         self._joined = joined
         self._values: dict[tuple[str, Value], str] = {}
 
     def of(self, symbol: str, value: Value | None = None) -> str:
         """The predicate of a symbol, or of one value of a function."""
         if value is None:
-            return self._naming.of(symbol)
+            return self.naming.of(symbol)
+        self.asked.add(symbol)
+        return self._named(symbol, value)
+
+    def claim(self, symbols: Iterable[Symbol]) -> None:
+        """Give the values of functions their names in this order, whatever is asked for first."""
+        for symbol in symbols:
+            for value in () if symbol.is_predicate else symbol.values:
+                self._named(symbol.name, value)
+
+    def _named(self, symbol: str, value: Value) -> str:
         if (symbol, value) not in self._values:
             shown = f"minus_{-value}" if isinstance(value, int) and value < 0 else str(value)
-            self._values[symbol, value] = self._naming.fresh(self._joined(symbol, shown))
+            self._values[symbol, value] = self.naming.fresh(self._joined(symbol, shown))
         return self._values[symbol, value]
-
-    def has_values(self, symbol: str) -> bool:
-        """Whether the predicate of one of a function's values was asked for."""
-        return any(name == symbol for name, _ in self._values)

@@ -12,9 +12,9 @@ from fractions import Fraction
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.cost_functions import CostFunctions
 from cleancli.conversion.export.formulas import Formulas
-from cleancli.conversion.export.names import Naming, Predicates
+from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.payments import Payment, payments_of
-from cleancli.conversion.export.ppddl_formulas import OBJECT, WORDS, FormulaWriter
+from cleancli.conversion.export.ppddl_formulas import OBJECT, WORDS, FormulaWriter, predicates_of
 from cleancli.conversion.export.s_expressions import Node, laid_out
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.export.written import Written, closure_of, counted
@@ -62,14 +62,12 @@ class _Writer:
         self._noise = "noise" if noise == "predicate" else None
         self._unsaid = unsaid
         self._texts = FormulaWriter(domain)
-        self._schemas, self._symbols = (Naming(WORDS, folded=True) for _ in range(2))
-        self._predicates = Predicates(self._symbols, lambda symbol, value: f"{symbol}-{value}")
-        for name in [symbol.name for symbol in domain.symbols] + [each.name for each in domain.derived]:
-            self._symbols.of(name)
+        self._schemas = Naming(WORDS, folded=True)
+        self._predicates = predicates_of(domain)
         self._formulas = Formulas(
             domain, self._predicates, [counted(domain, problem) for problem in problems]
         )
-        self._costs = CostFunctions(domain, self._symbols)
+        self._costs = CostFunctions(domain, self._predicates.naming)
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
         costly = any(action.has_cost for action in domain.actions)
@@ -148,7 +146,7 @@ class _Writer:
 
     def _is_number(self, symbol: Symbol) -> bool:
         """Whether costs alone ask for a function: then it has no predicates."""
-        return symbol.name in self._costs.symbols and not self._predicates.has_values(symbol.name)
+        return symbol.name in self._costs.symbols and symbol.name not in self._predicates.asked
 
     def _closures(self) -> Iterator[Node]:
         """Axioms of PDDL 2.2."""
@@ -335,7 +333,7 @@ class _Writer:
 
     def changed_names(self) -> Mapping[str, str]:
         """The names that could not stay, with what they have become."""
-        kinds = (self._texts.types, self._texts.objects, self._schemas, self._symbols)
+        kinds = (self._texts.types, self._texts.objects, self._schemas, self._predicates.naming)
         return {old: new for naming in kinds for old, new in naming.changed.items()}
 
 

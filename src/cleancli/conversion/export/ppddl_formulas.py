@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from cleancli.conversion.export.names import Naming
+from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.s_expressions import Node
 from cleancli.conversion.pddl.formula import Both, Either, Formula, Quantified, negated
 from cleancli.language.model import Domain, Equality, Literal, Object, Term, Variable
@@ -42,6 +42,16 @@ OBJECT = "object"
 """The type above all others."""
 
 
+def predicates_of(domain: Domain) -> Predicates:
+    """What the predicates of a domain are called, whichever file asks first."""
+    naming = Naming(WORDS, folded=True)
+    for name in (*(each.name for each in domain.symbols), *(each.name for each in domain.derived)):
+        naming.of(name)
+    predicates = Predicates(naming, lambda symbol, value: f"{symbol}-{value}")
+    predicates.claim(domain.symbols)
+    return predicates
+
+
 class FormulaWriter:
     """Writes formulas over predicates that have their names already; types, objects and variables get
     theirs."""
@@ -49,6 +59,10 @@ class FormulaWriter:
     def __init__(self, domain: Domain) -> None:
         self._domain = domain
         self.types, self.objects, self._variables = (Naming(WORDS, folded=True) for _ in range(3))
+        for each in domain.types:
+            self.type_of(each.name)
+        for constant in domain.constants:
+            self.objects.of(constant.name)
 
     def above(self, parent: str | None) -> str:
         """The type that stands above one whose parent this is."""
