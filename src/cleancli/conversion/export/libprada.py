@@ -14,7 +14,8 @@ from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.formulas import Formulas, NotSaid
-from cleancli.conversion.export.names import Naming, Predicates
+from cleancli.conversion.export.libprada_names import SAME, LibpradaNames
+from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.export.written import Written, closure_of, counted
 from cleancli.conversion.pddl.effects import Change
@@ -49,18 +50,19 @@ MOST_CASES = 64
 _DIGITS = 15
 """Digits of a probability that is no decimal."""
 
-_SAME = "same"
-
 Known = tuple[Literal | Equality, ...]
 """A case: literals and equalities that all hold."""
 
 
-def libprada(domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> Written:
-    """The three files; `noise` is one of `NOISE`.
+def libprada(
+    domain: Domain, problem: Problem, noise: str, unsaid: Unsaid, names: LibpradaNames | None = None
+) -> Written:
+    """The three files; `noise` is one of `NOISE`; `names` are those of further files beside them.
 
     What can't be said is told to `unsaid`, and then Refused raised with all of it (E919).
     """
-    writer = _Writer(domain, problem, noise, unsaid)
+    names = LibpradaNames(domain, problem) if names is None else names
+    writer = _Writer(domain, problem, noise, unsaid, names)
     texts = {"rules.dat": writer.rules(), "symbols.dat": writer.symbols(), "state.dat": writer.state()}
     unsaid.refuse()
     return Written(texts, writer.notes(), writer.changed_names())
@@ -69,25 +71,16 @@ def libprada(domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> Wr
 class _Writer:
     """Writes the files of a domain and a problem, with the same names in all of them."""
 
-    def __init__(self, domain: Domain, problem: Problem, noise: str, unsaid: Unsaid) -> None:
+    def __init__(
+        self, domain: Domain, problem: Problem, noise: str, unsaid: Unsaid, names: LibpradaNames
+    ) -> None:
         self._domain, self._problem, self._unsaid = domain, problem, unsaid
         self._noise = "noise" if noise == "predicate" else None
-        self._names = Naming(["default", "noise", _SAME], folded=False)
-        self._given: dict[tuple[str, str], str] = {}
-        self._predicates = Predicates(Naming((), folded=False), lambda symbol, value: f"{symbol}_{value}")
-        self._formulas = Formulas(domain, self._predicates, [counted(domain, problem)])
-        things = (*domain.constants, *problem.objects)
-        self._numbers = _numbers([thing.name for thing in things])
-        self._things = things
-        self._typed = len(domain.types) > 1
+        self._names = names
+        self._formulas = Formulas(domain, names.predicates, [counted(domain, problem)])
+        self._things = (*domain.constants, *problem.objects)
         self._uses_same = False
         self._counts_left_out: list[str] = []
-
-    def _name(self, name: str, kind: str = "symbol") -> str:
-        """What a symbol is called: libPRADA's begin with a small letter."""
-        if (kind, name) not in self._given:
-            self._given[kind, name] = self._names.fresh(name[:1].lower() + name[1:])
-        return self._given[kind, name]
 
     # ---- rules.dat
 
@@ -153,7 +146,9 @@ class _Writer:
         variables: Mapping[Variable, str],
     ) -> str:
         typed = [*rule.variables, *_referred(rule)[0]]
-        kinds = [f"{self._name(v.type, 'type')}({variables[v]})" for v in typed] if self._typed else []
+        kinds = (
+            [f"{self._names.of(v.type, 'type')}({variables[v]})" for v in typed] if self._names.typed else []
+        )
         context = [*kinds, *(self._said(part, variables) for part in case)]
         lines: dict[str, Fraction] = {}
         for outcome, changes in done:
@@ -164,46 +159,49 @@ class _Writer:
             ]
             text = " ".join(dict.fromkeys(effects)) or _KINDS[_kind(outcome)]
             lines[text] = lines.get(text, Fraction(0)) + outcome.probability
-        head = f"{self._name(rule.action, 'action')}({' '.join(variables[v] for v in rule.variables)})"
+        head = f"{self._names.of(rule.action, 'action')}({' '.join(variables[v] for v in rule.variables)})"
         return _rule(head, " ".join(context) or "--", [(chance, text) for text, chance in lines.items()])
 
     def _said(self, part: Literal | Equality, variables: Mapping[Variable, str]) -> str:
         if isinstance(part, Equality):
             self._uses_same = True
             terms = f"{self._term(part.left, variables)} {self._term(part.right, variables)}"
-            return f"{'' if part.equal else '-'}{_SAME}({terms})"
+            return f"{'' if part.equal else '-'}{SAME}({terms})"
         return self._atom(part.symbol, part.terms, True in part.values, variables)
 
     def _atom(
         self, symbol: str, terms: Sequence[Term], value: bool, variables: Mapping[Variable, str]
     ) -> str:
         said = " ".join(self._term(term, variables) for term in terms)
-        name = symbol if symbol == self._noise else self._name(symbol)
+        name = symbol if symbol == self._noise else self._names.of(symbol)
         return f"{'' if value else '-'}{name}({said})"
 
     def _term(self, term: Term, variables: Mapping[Variable, str]) -> str:
-        return self._numbers[term.name] if isinstance(term, Object) else variables[term]
+        return self._names.numbers[term.name] if isinstance(term, Object) else variables[term]
 
     # ---- symbols.dat
 
     def symbols(self) -> str:
         """Actions, predicates and counts."""
         lines = [
-            f"{self._name(a.name, 'action')} {len(a.parameters)} action binary" for a in self._domain.actions
+            f"{self._names.of(a.name, 'action')} {len(a.parameters)} action binary"
+            for a in self._domain.actions
         ]
-        if self._typed:
-            lines += [f"{self._name(kind.name, 'type')} 1 primitive binary" for kind in self._domain.types]
+        if self._names.typed:
+            lines += [
+                f"{self._names.of(kind.name, 'type')} 1 primitive binary" for kind in self._domain.types
+            ]
         # Values of one function come first: who reads the files may find that they exclude each other.
         for symbol in sorted(self._domain.symbols, key=lambda symbol: symbol.is_predicate):
             for value in [None] if symbol.is_predicate else symbol.values:
-                name = self._name(self._predicates.of(symbol.name, value))
+                name = self._names.of(self._names.predicates.of(symbol.name, value))
                 lines.append(f"{name} {len(symbol.parameters)} primitive binary")
-        lines += [f"{self._name(name)} 2 primitive binary" for name in self._formulas.closures]
+        lines += [f"{self._names.of(name)} 2 primitive binary" for name in self._formulas.closures]
         if self._noise is not None:
             lines.append(f"{self._noise} 0 primitive binary")
         counts = [line for count in self._domain.counts for line in self._count(count)]
         if self._uses_same:
-            lines.append(f"{_SAME} 2 primitive binary")
+            lines.append(f"{SAME} 2 primitive binary")
         return "\n".join([*lines, *counts]) + "\n"
 
     def _count(self, count: Count) -> Iterator[str]:
@@ -219,10 +217,10 @@ class _Writer:
         if len(plain) < len(parts) or not variables:
             self._counts_left_out.append(count.name)
             return
-        bound = list(variables.items()) if self._typed else []
-        kinds = [f"{self._name(variable.type, 'type')}({name})" for variable, name in bound]
+        bound = list(variables.items()) if self._names.typed else []
+        kinds = [f"{self._names.of(variable.type, 'type')}({name})" for variable, name in bound]
         said = " ".join([*kinds, *(self._said(part, variables) for part in plain)])
-        yield f"{self._name(count.name)} 0 count integers <-- Num {' '.join(variables.values())} {said}"
+        yield f"{self._names.of(count.name)} 0 count integers <-- Num {' '.join(variables.values())} {said}"
 
     # ---- state.dat
 
@@ -231,25 +229,29 @@ class _Writer:
         found: dict[str, list[str]] = {}
 
         def holds(name: str, objects: Sequence[str]) -> None:
-            found.setdefault(name, []).append(f"{name}({' '.join(self._numbers[each] for each in objects)})")
+            found.setdefault(name, []).append(
+                f"{name}({' '.join(self._names.numbers[each] for each in objects)})"
+            )
 
-        for kind in self._domain.types if self._typed else ():
+        for kind in self._domain.types if self._names.typed else ():
             for thing in self._things:
                 if self._domain.is_a(thing.type, kind.name):
-                    holds(self._name(kind.name, "type"), [thing.name])
+                    holds(self._names.of(kind.name, "type"), [thing.name])
         for fact in sorted(self._problem.state, key=lambda f: (f.symbol, f.objects)):
             symbol = self._formulas.symbols[fact.symbol]
-            name = self._name(self._predicates.of(fact.symbol, None if symbol.is_predicate else fact.value))
+            name = self._names.of(
+                self._names.predicates.of(fact.symbol, None if symbol.is_predicate else fact.value)
+            )
             ways = {fact.objects, fact.objects[::-1]} if symbol.symmetric else {fact.objects}
             for objects in sorted(ways):
                 holds(name, objects)
         for closure in self._formulas.closures.values():
             base = self._formulas.symbols[closure.closure or ""]
             for pair in sorted(closure_of(self._problem.state, base.name, base.symmetric)):
-                holds(self._name(closure.name), pair)
+                holds(self._names.of(closure.name), pair)
         if self._uses_same:
             for thing in self._things:
-                holds(_SAME, [thing.name, thing.name])
+                holds(SAME, [thing.name, thing.name])
         return "\n".join(" ".join(facts) for facts in found.values()) + "\n"
 
     # ---- what has to be told
@@ -261,16 +263,16 @@ class _Writer:
             found.append(
                 f"left out: counts that ask for more than literals: {', '.join(self._counts_left_out)}"
             )
-        if self._typed:
+        if self._names.typed:
             found.append("types are predicates")
         if self._uses_same:
-            found.append(f"`{_SAME}` holds of each object and itself: libPRADA has no equality")
+            found.append(f"`{SAME}` holds of each object and itself: libPRADA has no equality")
         return tuple(found)
 
     def changed_names(self) -> Mapping[str, str]:
         """The names that could not stay, with what they have become."""
-        told = {old: new for (_, old), new in self._given.items() if old != new}
-        return told | {old: new for old, new in self._numbers.items() if old != new}
+        told = {old: new for (_, old), new in self._names.given.items() if old != new}
+        return told | {old: new for old, new in self._names.numbers.items() if old != new}
 
 
 _KINDS = {OutcomeKind.NOTHING: "<no-change>", OutcomeKind.NOISE: "<noise>"}
@@ -295,22 +297,6 @@ def _referred(rule: Rule) -> tuple[tuple[Variable, ...], Mapping[Term, Term]]:
         if not set(reference.variables) <= again.keys():
             raise NotSaid("a rule has several references, each of which has to be the only one")
     return first.variables, again
-
-
-def _numbers(names: Sequence[str]) -> dict[str, str]:
-    """Objects as numbers, which libPRADA's are: `o10` is 10, others begin with 10."""
-    taken = {name[1:] for name in names if name[0] == "o" and name[1:].isdecimal()}
-    found: dict[str, str] = {}
-    number = 10
-    for name in names:
-        if name[1:] in taken and name[0] == "o":
-            found[name] = name[1:]
-            continue
-        while str(number) in taken:
-            number += 1
-        found[name] = str(number)
-        number += 1
-    return found
 
 
 def _question(
