@@ -131,7 +131,7 @@ def faults(before: Points, now: Points, half: Points, pressed: float, carried: b
 
 def random_action(rng: np.random.Generator, scene: Scene) -> tuple[str, tuple[Ellipse, ...]]:
     """An action that the robot has, and its ellipses, up to 10 cm off the table."""
-    able = [a for a, areas in ARITIES.items() if a not in TO_ZONE and can_execute(a, areas, scene.robot)]
+    able = [a for a, areas in ARITIES.items() if a not in TO_ZONE and can_execute(a, areas, scene.arms)]
     action = str(rng.choice(sorted(able)))
     corner = np.array((scene.surface.width, scene.surface.depth)) / 2 + OFF
     ellipses = []

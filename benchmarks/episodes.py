@@ -52,8 +52,8 @@ def placed(
     model: Domain, place: Scene, options: EpisodeOptions, stand_in: type[KinematicTable] | None
 ) -> Opened:
     """The same of a domain and a scene that are read already."""
-    way = usual_job(model, place.robot)
-    setup = EpisodeSetup(model, within_reach(model, place.robot, way), place, way, options)
+    way = usual_job(model, place.arms)
+    setup = EpisodeSetup(model, within_reach(model, place.arms, way), place, way, options)
     drawn = derived(options.seed, Stream.WORLD)
     if stand_in is not None:
         table = stand_in(place, drawn)

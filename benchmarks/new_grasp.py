@@ -44,6 +44,7 @@ from cleancli.learning.estimate import ESTIMATORS, FITTED
 from cleancli.learning.evidence import Evidence
 from cleancli.learning.expectation import SlipRates, maximised, nothing_counted, prior_beliefs, told
 from cleancli.learning.method import DEFAULT, Method
+from cleancli.scene.robots import ARMS
 from learning import taught
 from planning import layout
 
@@ -137,7 +138,7 @@ def told_rules(shipped: Domain, true: Domain, examples: int, seed: int) -> Domai
 
 def series(grasp: str, kind: str, seed: int, episodes: int, areas: int, samples: int) -> list[float]:
     """The robot's seconds in each episode."""
-    shipped = within_reach(load_domain(read_source(find("cleaning", "domains"))), "gantry")
+    shipped = within_reach(load_domain(read_source(find("cleaning", "domains"))), ARMS["gantry"])
     true = true_rules(shipped, measured(), grasp)
     known, found = shipped, list[float]()
     if kind == "true":

@@ -181,8 +181,8 @@ def episode(name: str, seed: int) -> Row:
     """One episode in a cell, and what is truly left of its dirt."""
     model, scene = load_domain(read_source(find(DOMAIN, "domains"))), place()
     options = EpisodeOptions(seed=seed, max_actions=MOST_ACTIONS, by_time=discounts_time(model))
-    way = usual_job(model, scene.robot)
-    setup = EpisodeSetup(model, within_reach(model, scene.robot, way), scene, way, options)
+    way = usual_job(model, scene.arms)
+    setup = EpisodeSetup(model, within_reach(model, scene.arms, way), scene, way, options)
     with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
         cell = TableCell(model, scene, Misplaced(table, CELLS[name]), seed)
         ended = next(event for event in clean(setup, cell) if isinstance(event, Ended))

@@ -51,7 +51,7 @@ class SlowTable(KinematicTable):
 def setup_of(learning: Method | None = None) -> EpisodeSetup:
     options = EpisodeOptions(strategy="reactive", seed=1, max_actions=2, learning=learning)
     return EpisodeSetup(
-        DOMAIN, within_reach(DOMAIN, SCENE.robot, Job.CONTAINER), SCENE, Job.CONTAINER, options
+        DOMAIN, within_reach(DOMAIN, SCENE.arms, Job.CONTAINER), SCENE, Job.CONTAINER, options
     )
 
 

@@ -23,6 +23,7 @@ from cleancli.learning.experience import read_experience
 from cleancli.recording.journal_writer import Entries
 from cleancli.recording.run_folder import Recorder
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 from cleancli.world.table import PybulletTable
 from support.pictures import picture
 from support.shipped import shipped_domain, shipped_scene
@@ -139,33 +140,35 @@ def test_the_same_seed_sees_the_same(domain: Domain, scene: Scene) -> None:
 
 
 def test_a_one_armed_robot_is_not_asked_to_pick_up(domain: Domain) -> None:
-    names = {action.name for action in within_reach(domain, "gantry").actions}
+    names = {action.name for action in within_reach(domain, ARMS["gantry"]).actions}
     assert names == {a.name for a in domain.actions} - {"pickUp"}
-    assert {rule.action for rule in within_reach(domain, "gantry").rules} == names
+    assert {rule.action for rule in within_reach(domain, ARMS["gantry"]).rules} == names
 
 
 def test_a_job_leaves_out_the_other_way_of_cleaning(domain: Domain) -> None:
     everything = {a.name for a in domain.actions}
     pushes = {"moveToContainerFast", "moveToContainerStraight"}
-    assert {a.name for a in within_reach(domain, "reem", Job.DUSTPAN).actions} == everything - pushes
-    assert {a.name for a in within_reach(domain, "reem", Job.CONTAINER).actions} == everything - {"pickUp"}
+    assert {a.name for a in within_reach(domain, ARMS["reem"], Job.DUSTPAN).actions} == everything - pushes
+    pushing = {a.name for a in within_reach(domain, ARMS["reem"], Job.CONTAINER).actions}
+    assert pushing == everything - {"pickUp"}
 
 
 def test_what_a_robot_does_unless_told_otherwise(domain: Domain) -> None:
-    assert [usual_job(domain, robot) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
+    assert [usual_job(domain, ARMS[robot]) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
     board = shipped_domain("wiping_ink")
-    assert [usual_job(board, robot) for robot in ("gantry", "reem")] == [Job.WIPE, Job.WIPE]
-    assert within_reach(board, "gantry", Job.WIPE) == board
+    assert [usual_job(board, ARMS[robot]) for robot in ("gantry", "reem")] == [Job.WIPE, Job.WIPE]
+    assert within_reach(board, ARMS["gantry"], Job.WIPE) == board
     both = replace(domain, actions=(*domain.actions, *board.actions))
     neither = replace(domain, actions=())
     for known in (both, neither):
-        assert [usual_job(known, robot) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
+        assert [usual_job(known, ARMS[robot]) for robot in ("gantry", "reem")] == [Job.CONTAINER, Job.DUSTPAN]
 
 
 def test_two_arms_sweep_several_areas_onto_the_dustpan_and_one_into_the_container() -> None:
     """docs/execution.md: the same domain for both."""
     sweeping = shipped_domain("sweeping")
     picking, pushing = {"pickUp", "pickUp2", "pickUp3"}, {"sweep1", "sweep2", "sweep3"}
-    assert {a.name for a in within_reach(sweeping, "reem", usual_job(sweeping, "reem")).actions} == picking
-    assert {a.name for a in within_reach(sweeping, "reem", Job.CONTAINER).actions} == pushing
-    assert {a.name for a in within_reach(sweeping, "gantry").actions} == pushing
+    usual = within_reach(sweeping, ARMS["reem"], usual_job(sweeping, ARMS["reem"]))
+    assert {a.name for a in usual.actions} == picking
+    assert {a.name for a in within_reach(sweeping, ARMS["reem"], Job.CONTAINER).actions} == pushing
+    assert {a.name for a in within_reach(sweeping, ARMS["gantry"]).actions} == pushing

@@ -30,9 +30,7 @@ SCENE = shipped_scene("scattered_40")
 def test_a_table_gets_clean(domain: str, strategy: str) -> None:
     model = shipped_domain(domain)
     options = EpisodeOptions(strategy=strategy, seed=7, samples=500, by_time=True)
-    setup = EpisodeSetup(
-        model, within_reach(model, SCENE.robot, Job.CONTAINER), SCENE, Job.CONTAINER, options
-    )
+    setup = EpisodeSetup(model, within_reach(model, SCENE.arms, Job.CONTAINER), SCENE, Job.CONTAINER, options)
     table = KinematicTable(SCENE, derived(7, Stream.WORLD))
     events = list(clean(setup, KinematicCell(model, SCENE, table)))
     ended = events[-1]

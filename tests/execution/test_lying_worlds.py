@@ -39,7 +39,7 @@ def run(domain: Domain, scene: Scene) -> Callable[..., list[Event]]:
 
     def events(robot: Scripted, rules: Domain = domain, **options: object) -> list[Event]:
         chosen = EpisodeOptions(samples=200, **options)  # type: ignore[arg-type]
-        feasible = within_reach(rules, scene.robot, Job.CONTAINER)
+        feasible = within_reach(rules, scene.arms, Job.CONTAINER)
         setup = EpisodeSetup(rules, feasible, scene, Job.CONTAINER, chosen)
         return list(clean(setup, TableCell(rules, scene, robot, chosen.seed)))
 

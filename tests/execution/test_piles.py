@@ -23,6 +23,7 @@ from cleancli.language.model import Problem
 from cleancli.motion.zone import inwards
 from cleancli.perception.area import Area
 from cleancli.scene.model import Group, Scene, Zone
+from cleancli.scene.robots import ARMS
 from cleancli.world.kinematic import KinematicTable
 from support.shipped import shipped_domain, shipped_scene
 
@@ -51,9 +52,9 @@ def test_a_small_pile_ends_in_the_zone_with_a_few_pushes(scene: Scene) -> None:
 
 
 def test_the_job_is_the_zone_where_the_domain_knows_no_other_way() -> None:
-    assert usual_job(DOMAIN, "gantry") is usual_job(DOMAIN, "reem") is Job.ZONE
-    assert usual_job(shipped_domain("cleaning"), "gantry") is Job.CONTAINER
-    assert not within_reach(DOMAIN, "gantry", Job.CONTAINER).actions
+    assert usual_job(DOMAIN, ARMS["gantry"]) is usual_job(DOMAIN, ARMS["reem"]) is Job.ZONE
+    assert usual_job(shipped_domain("cleaning"), ARMS["gantry"]) is Job.CONTAINER
+    assert not within_reach(DOMAIN, ARMS["gantry"], Job.CONTAINER).actions
 
 
 def test_rivals_push_into_the_zone_too(scene: Scene) -> None:

@@ -22,16 +22,21 @@ from cleancli.execution.loop import clean
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.session import Session, remote_session, robot_session
 from cleancli.execution.setup import EpisodeOptions
+from cleancli.geometry.ellipse import Ellipse
 from cleancli.geometry.rgbd import Frame
+from cleancli.motion.actions import tool_path
+from cleancli.remote.client import Client
 from cleancli.remote.messages import FramePair
+from cleancli.remote.robot import RemoteRobot
 from cleancli.remote.server import Server
 from cleancli.remote.simulated import SimulatedDriver, description
 from cleancli.scene.model import Scene
-from cleancli.world.robot import Status
+from cleancli.world.errors import RobotError
+from cleancli.world.robot import Robot, Status, polled
 from cleancli.world.table import PybulletTable
 from support.scripted_robot import STROKE, Scripted
 from support.shipped import shipped_domain, shipped_scene
-from support.toy_driver import TOY, served
+from support.toy_driver import TOY, Toy, served
 
 OPTIONS = EpisodeOptions(strategy="reactive", max_actions=1, seed=4)
 
@@ -65,11 +70,43 @@ def test_in_lockstep_an_episode_is_the_same_as_in_process(name: str) -> None:
     with closing(PybulletTable(scene, seed)) as table:
         driver = SimulatedDriver(table, real_time=False)
         with served(driver, description(scene, lease=30.0)) as server:
-            remote = replace(scene, robot="remote", address=server.address)
+            remote = replace(scene, robot="remote", address=server.address, remote_arms=scene.arms)
             with closing(remote_session(domain, remote, OPTIONS)) as session:
                 far = traced(session)
     assert len(alone) > 200
     assert far == alone
+
+
+def test_in_lockstep_a_dustpan_takes_up_the_same_as_in_process() -> None:
+    scene = shipped_scene("reem_pick_up")
+    path = tool_path("pickUp", (Ellipse((-0.01, 0.06), (0.02, 0.02), 0.0),), scene)
+    assert path.dustpan is not None
+
+    def taken_up(robot: Robot) -> list[tuple[float, ...]]:
+        robot.start(path)
+        return [(robot.clock, *robot.tool) for _ in polled(robot)]
+
+    with closing(PybulletTable(scene, 1)) as table:
+        alone, truth = taken_up(table), table.truth()
+    with closing(PybulletTable(scene, 1)) as table:
+        driver = SimulatedDriver(table, real_time=False)
+        with (
+            served(driver, description(scene, lease=30.0)) as server,
+            RemoteRobot(server.address) as robot,
+        ):
+            assert taken_up(robot) == alone
+            assert robot.poll() is Status.DONE
+        assert table.truth().in_container == truth.in_container > 0
+
+
+def test_a_robot_that_lacks_the_second_arm_of_its_scene_is_told() -> None:
+    domain, scene = shipped_domain("cleaning"), shipped_scene("two_groups")
+    with served(Toy()) as server:
+        remote = replace(scene, robot="remote", address=server.address, remote_arms=2)
+        with pytest.raises(RobotError, match="has no skill `dustpan`, and its scene says `arms = 2`"):
+            remote_session(domain, remote, OPTIONS)
+        with Client(server.address):
+            pass  # it has let go of the control
 
 
 class ScriptedDriver(Scripted):

@@ -22,6 +22,7 @@ from cleancli.language.load import load_domain
 from cleancli.language.model import Fact, Object, Problem
 from cleancli.perception.area import Area
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 from support.shipped import shipped_domain, shipped_scene
 
 OPTIONS = EpisodeOptions()
@@ -136,7 +137,7 @@ def test_a_plan_by_time_begins_with_what_takes_least(scene: Scene) -> None:
         for name in names
         for symbol, value in (("dirt", True), ("size", "small"))
     }
-    domain = within_reach(shipped_domain("cleaning"), "gantry", Job.CONTAINER)
+    domain = within_reach(shipped_domain("cleaning"), ARMS["gantry"], Job.CONTAINER)
     problem = Problem("here", "cleaning", tuple(Object(n, "area") for n in names), frozenset(facts))
 
     def begins(slow: str) -> str:

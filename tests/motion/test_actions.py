@@ -24,6 +24,7 @@ from cleancli.scene.model import (
     Surface,
     SymbolThresholds,
 )
+from cleancli.scene.robots import ARMS
 
 CLEANING = ("moveToContainerFast", "moveToContainerStraight", "sweep1", "sweep2", "sweep3")
 SCENE = Scene(
@@ -204,14 +205,14 @@ def test_fast_and_straight_differ_in_speed_and_interpolation_alone() -> None:
 
 
 def test_picking_up_takes_two_arms() -> None:
-    assert not can_execute("pickUp", 1, "wam")
-    assert can_execute("pickUp", 1, "reem")
+    assert not can_execute("pickUp", 1, ARMS["wam"])
+    assert can_execute("pickUp", 1, ARMS["reem"])
     for number in (2, 3):
-        assert can_execute(f"pickUp{number}", number, "reem")
-        assert not can_execute(f"pickUp{number}", number, "wam")
-        assert not can_execute(f"pickUp{number}", 1, "reem")
-    assert not can_execute("join2", 3, "gantry")
-    assert can_execute("join2", 2, "gantry")
+        assert can_execute(f"pickUp{number}", number, ARMS["reem"])
+        assert not can_execute(f"pickUp{number}", number, ARMS["wam"])
+        assert not can_execute(f"pickUp{number}", 1, ARMS["reem"])
+    assert not can_execute("join2", 3, ARMS["gantry"])
+    assert can_execute("join2", 2, ARMS["gantry"])
     with pytest.raises(NoSkill, match="pickUp/1"):
         tool_path("pickUp", (Ellipse((0, 0), (0.1, 0.1), 0),), SCENE)
 

@@ -18,7 +18,7 @@ from cleancli.remote.server import Server
 from cleancli.world.errors import RobotError
 from cleancli.world.robot import Status, finish
 from support.broken_drivers import broken
-from support.toy_driver import TOY, Toy, path, served
+from support.toy_driver import REST, TOY, Toy, path, served
 
 HOP = path((0.0, 0.3, 0.1), (0.05, 0.3, 0.1))
 
@@ -167,6 +167,23 @@ def test_a_motion_that_ends_elsewhere_has_failed() -> None:
         robot.start(path((0.2, -0.3, 0.1)))
         assert robot.poll() is Status.FAILED
         assert "cm from its end" in robot.failure
+
+
+def test_a_tool_may_wait_anywhere_while_a_dustpan_is_emptied() -> None:
+    """docs/protocol.md: only of other paths is it known where they end."""
+    pan = Waypoint(0.1, 0.1, 0.1, 0.3, 0.1)
+    pushing = path((0.0, 0.3, 0.2))
+    picking = replace(pushing, dustpan=Dustpan(pan, pan, -1.2))
+
+    class Aside(Toy):
+        def start(self, path: ToolPath) -> None:
+            super().start(replace(path, waypoints=(*path.waypoints, REST)))
+
+    with served(Aside(), skills=("straight", "dustpan")) as server, RemoteRobot(server.address) as robot:
+        robot.start(picking)
+        assert finish(robot) is Status.DONE
+        robot.start(pushing)
+        assert finish(robot) is Status.FAILED
 
 
 def test_a_motion_that_never_ends_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:

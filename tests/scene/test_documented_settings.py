@@ -15,7 +15,7 @@ from cleancli.scene.check import load_scene
 from cleancli.scene.format import print_scene
 from cleancli.scene.grasps import SHIPPED
 from cleancli.scene.model import Scene
-from cleancli.scene.robots import ARMS, arms
+from cleancli.scene.robots import ARMS
 
 ROOT = Path(__file__).parent.parent.parent
 LANGUAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
@@ -156,4 +156,8 @@ def test_a_robot_elsewhere_has_an_address_and_needs_no_dirt() -> None:
     assert bare.dirt == ()
     assert load_scene(Source("s.nid", print_scene(bare))) == bare
     assert load_scene(Source("s.nid", print_scene(found))) == found
-    assert arms(bare.robot) == 1
+    assert bare.arms == 1
+    both = replace(bare, remote_arms=2)
+    assert load_scene(Source("s.nid", print_scene(both))) == both
+    assert both.arms == 2
+    assert replace(both, robot="gantry").arms == 1, "a simulated robot has its own"

@@ -13,6 +13,7 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, can_execute, tool_path
 from cleancli.perception.perceive import perceive
 from cleancli.scene.model import Group, Scattered, Scene
+from cleancli.scene.robots import ARMS
 from cleancli.world.robot import Status, finish
 from cleancli.world.robots.registry import ROBOTS
 from cleancli.world.table import PybulletTable, Truth
@@ -32,7 +33,7 @@ each_robot = pytest.mark.parametrize("robot", sorted(ROBOTS))
 
 def last_resort(robot: str) -> str:
     """The action with which a robot takes dirt off the table."""
-    return PICK_UP if can_execute(PICK_UP, 1, robot) else "moveToContainerStraight"
+    return PICK_UP if can_execute(PICK_UP, 1, ARMS[robot]) else "moveToContainerStraight"
 
 
 def cleaned(setting: Scene, seed: int, middle: tuple[float, float]) -> Truth:

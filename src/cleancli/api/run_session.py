@@ -119,7 +119,7 @@ def refuse_impossible(inputs: Inputs) -> None:
         raise BadOption("a teacher is for problems: nobody shows a robot at a table what to do yet")
     if isinstance(given, Problem) and inputs.robot is not None:
         raise BadOption("`robot` is for scenes: a list of facts is carried out in the symbolic world")
-    if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.robot):
+    if isinstance(given, Scene) and job is Job.DUSTPAN and not can_execute(PICK_UP, 1, given.arms):
         raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
 
 

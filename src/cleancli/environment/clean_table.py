@@ -211,7 +211,7 @@ def _opened(scene_name: str, domain_name: str | None) -> tuple[Scene, Domain]:
     rules = find(domain_name, "domains") if domain_name else find_beside(path, scene.domain, "domains")
     domain = load_domain(read_source(rules))
     symbolize((), scene, domain)  # refuses what perception can't tell
-    return scene, within_reach(domain, scene.robot, usual_job(domain, scene.robot))
+    return scene, within_reach(domain, scene.arms, usual_job(domain, scene.arms))
 
 
 def _done(motion: Motion) -> Motions:

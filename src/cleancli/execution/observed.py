@@ -42,4 +42,4 @@ def look(domain: Domain, scene: Scene, seed: int) -> ObservedProblem:
 
         with closing(PybulletTable(scene, derived(seed, Stream.WORLD))) as table:
             problem, left_out = look_once(domain, scene, table, seed)
-    return ObservedProblem(within_reach(domain, scene.robot), problem, left_out)
+    return ObservedProblem(within_reach(domain, scene.arms), problem, left_out)

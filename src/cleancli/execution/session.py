@@ -20,9 +20,11 @@ from cleancli.execution.table_cell import TableCell
 from cleancli.execution.workcell import Workcell
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain, Problem
+from cleancli.remote.messages import DUSTPAN
 from cleancli.remote.robot import RemoteRobot
 from cleancli.scene.model import Scene
 from cleancli.simulation.symbolic_world import world_of
+from cleancli.world.errors import RobotError
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import Robot, Status
 from cleancli.world.state import from_arrays
@@ -52,13 +54,13 @@ def table_session(
     Raises what `PybulletTable` does, what `from_arrays` does of `world`, and ValueError where that is in the
     middle of a motion: a run is saved between motions.
     """
-    job = usual_job(domain, scene.robot) if job is None else job
+    job = usual_job(domain, scene.arms) if job is None else job
     state = None if world is None else from_arrays(world)
     if state is not None and Status(state.status) is Status.RUNNING:
         raise ValueError("the saved state is of a motion under way")
     table = PybulletTable(scene, derived(options.seed, Stream.WORLD), state=state)
     return Session(
-        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        EpisodeSetup(domain, within_reach(domain, scene.arms, job), scene, job, options),
         TableCell(domain, scene, table, options.seed),
         table.picture,
         lambda: truth_of(table.truth()),
@@ -70,8 +72,13 @@ def table_session(
 
 def remote_session(domain: Domain, scene: Scene, options: EpisodeOptions, job: Job | None = None) -> Session:
     """A table whose robot is at the end of a socket. It lies as it lies: nothing of it is saved. Raises
-    RobotError."""
+    RobotError, also where the robot lacks a skill that the scene says it has."""
     robot = RemoteRobot(scene.driver)
+    if scene.arms > 1 and DUSTPAN not in robot.skills:
+        robot.close()
+        raise RobotError(
+            f"the robot at {scene.driver} has no skill `{DUSTPAN}`, and its scene says `arms = {scene.arms}`"
+        )
     return replace(robot_session(domain, scene, robot, options, job), close=robot.close)
 
 
@@ -79,9 +86,9 @@ def robot_session(
     domain: Domain, scene: Scene, robot: Robot, options: EpisodeOptions, job: Job | None = None
 ) -> Session:
     """A table with any robot and camera, of which nobody knows the truth, and which cannot be saved."""
-    job = usual_job(domain, scene.robot) if job is None else job
+    job = usual_job(domain, scene.arms) if job is None else job
     return Session(
-        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        EpisodeSetup(domain, within_reach(domain, scene.arms, job), scene, job, options),
         TableCell(domain, scene, robot, options.seed),
         None,
         dict,
@@ -98,10 +105,10 @@ def stand_in_session(
 
     Raises ValueError for a scene that has none.
     """
-    job = usual_job(domain, scene.robot) if job is None else job
+    job = usual_job(domain, scene.arms) if job is None else job
     table = KinematicTable(scene, derived(options.seed, Stream.WORLD))
     return Session(
-        EpisodeSetup(domain, within_reach(domain, scene.robot, job), scene, job, options),
+        EpisodeSetup(domain, within_reach(domain, scene.arms, job), scene, job, options),
         KinematicCell(domain, scene, table),
         None,
         lambda: truth_of(table.truth()),

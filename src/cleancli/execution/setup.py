@@ -144,23 +144,23 @@ class Decision:
     loading: float = 0.0
 
 
-def usual_job(domain: Domain, robot: str) -> Job:
-    """What a robot of that name does unless told otherwise: it picks dirt up if it can, and wipes or pushes
-    into a zone where the domain knows no other way."""
+def usual_job(domain: Domain, arms: int) -> Job:
+    """What a robot of so many arms does unless told otherwise: it picks dirt up if it can, and wipes or
+    pushes into a zone where the domain knows no other way."""
     known = {action.name for action in domain.actions}
     if known.isdisjoint((*Job.CONTAINER.own, *Job.DUSTPAN.own)):
         for job in (Job.WIPE, Job.ZONE):
             if not known.isdisjoint(job.own):
                 return job
-    return Job.DUSTPAN if can_execute(PICK_UP, 1, robot) else Job.CONTAINER
+    return Job.DUSTPAN if can_execute(PICK_UP, 1, arms) else Job.CONTAINER
 
 
-def within_reach(domain: Domain, robot: str, job: Job | None = None) -> Domain:
-    """The domain without the actions that a robot of that name has no skill for, and without their rules;
+def within_reach(domain: Domain, arms: int, job: Job | None = None) -> Domain:
+    """The domain without the actions that a robot of so many arms has no skill for, and without their rules;
     given a way of cleaning, without those of the others."""
     others = {name for each in Job if job is not None and each is not job for name in each.own}
     actions = tuple(
-        a for a in domain.actions if a.name not in others and can_execute(a.name, len(a.parameters), robot)
+        a for a in domain.actions if a.name not in others and can_execute(a.name, len(a.parameters), arms)
     )
     return within(replace(domain, actions=actions), domain)
 

@@ -21,7 +21,6 @@ from cleancli.motion.way_out import way_out
 from cleancli.motion.wiping import wiping
 from cleancli.motion.zone import way_in
 from cleancli.scene.model import Scene
-from cleancli.scene.robots import arms
 
 OVERSHOOT = 0.02  # the whole rag ends this far past the edge
 PICK_UP = "pickUp"
@@ -51,9 +50,9 @@ class Skill:
     interpolation: Interpolation
 
 
-def can_execute(action: str, arity: int, robot: str) -> bool:
-    """Whether a robot of that name has a skill for this action with so many areas."""
-    return ARITIES.get(action) == arity and (action not in PICK_UPS or arms(robot) == 2)
+def can_execute(action: str, arity: int, arms: int) -> bool:
+    """Whether a robot of so many arms has a skill for this action with so many areas."""
+    return ARITIES.get(action) == arity and (action not in PICK_UPS or arms == 2)
 
 
 def tool_path(action: str, areas: Areas, scene: Scene, others: Iterable[Ellipse] = ()) -> ToolPath:
@@ -71,7 +70,7 @@ def tool_paths(
 ) -> Iterator[ToolPath]:
     """As `tool_path`, and then, of an action that can be done in several ways, what to try where the robot
     can't follow those before."""
-    if not can_execute(action, len(areas), scene.robot):
+    if not can_execute(action, len(areas), scene.arms):
         raise NoSkill(action, len(areas))
     if action in PICK_UPS:
         yield from pick_ups(areas, scene)

@@ -232,7 +232,7 @@ def _onward(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fac
 def _to_dustpan(areas: Sequence[Area], domain: Domain, scene: Scene) -> Iterator[Fact]:
     """Which areas a stroke that comes from another one may take up on its way to the dustpan, which waits on
     the left of the second (motion/pick_up.py); nothing where the robot has none."""
-    if not _declared(domain, "to_dustpan", AREA, AREA) or not can_execute(PICK_UP, 1, scene.robot):
+    if not _declared(domain, "to_dustpan", AREA, AREA) or not can_execute(PICK_UP, 1, scene.arms):
         return
     x, y = to_pan(scene)
     for second in areas:

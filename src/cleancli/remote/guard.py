@@ -17,7 +17,7 @@ import numpy as np
 
 from cleancli.array_types import Floats, Points
 from cleancli.motion.path import ToolPath, Waypoint
-from cleancli.remote.messages import Description, FramePair, Limits, Poll, State
+from cleancli.remote.messages import DUSTPAN, Description, FramePair, Limits, Poll, State
 from cleancli.world.robot import Mover, Status
 
 SLACK = 1e-9
@@ -181,7 +181,7 @@ class Guard:
 
 def beyond(path: ToolPath, description: Description) -> str:
     """Why a path is not carried out, or nothing: its skills, and all of its waypoints against the limits."""
-    asked = {path.interpolation.value} | ({"dustpan"} if path.dustpan is not None else set())
+    asked = {path.interpolation.value} | ({DUSTPAN} if path.dustpan is not None else set())
     if missing := asked - set(description.skills):
         return f"the path asks for a skill that the robot has not: {min(missing)}"
     others = () if path.dustpan is None else (path.dustpan.place, path.dustpan.empty)

@@ -28,7 +28,10 @@ APART = 0.05
 """Seconds of the robot's clock between colour and depth of a pair, at most: a frame and a half of a camera
 that takes thirty a second."""
 
-SKILLS = ("straight", "joint", "dustpan")
+DUSTPAN = "dustpan"
+"""The skill of a second hand."""
+
+SKILLS = ("straight", "joint", DUSTPAN)
 """What a path may ask for: its ways from waypoint to waypoint, and a second hand."""
 
 _Numbers = tuple[float, ...]

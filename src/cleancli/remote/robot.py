@@ -50,6 +50,11 @@ class RemoteRobot:
         self._client.close()
 
     @property
+    def skills(self) -> tuple[str, ...]:
+        """What it carries out, as its driver says."""
+        return self._client.description.skills
+
+    @property
     def clock(self) -> float:
         """As the last poll told it, in a motion; between motions as it is now, or as it was known last where
         the driver no longer answers, which the next request finds."""
@@ -85,8 +90,9 @@ class RemoteRobot:
         return self._client.can_follow(path, errors)
 
     def start(self, path: ToolPath) -> None:
-        """Begin a motion, which has failed at once where the driver refuses it."""
-        self._set_off(self._client.start(path), path.waypoints[-1])
+        """Begin a motion, which has failed at once where the driver refuses it. Where the tool waits while a
+        dustpan is emptied, no path says."""
+        self._set_off(self._client.start(path), None if path.dustpan else path.waypoints[-1])
 
     def withdraw(self) -> None:
         """The same out of the camera's view."""

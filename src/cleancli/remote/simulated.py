@@ -8,9 +8,8 @@ from collections.abc import Callable
 
 from cleancli.motion.pace import TRANSIT_SPEED
 from cleancli.motion.path import ToolPath
-from cleancli.remote.messages import SKILLS, Description, FramePair, Limits
+from cleancli.remote.messages import DUSTPAN, SKILLS, Description, FramePair, Limits
 from cleancli.scene.model import Scene
-from cleancli.scene.robots import ARMS
 from cleancli.world import constants as par
 from cleancli.world.robot import Status
 from cleancli.world.table import PybulletTable
@@ -125,5 +124,5 @@ def description(scene: Scene, lease: float) -> Description:
     """What the robot of a scene's table says of itself."""
     x, y = scene.surface.width / 2 + AROUND, scene.surface.depth / 2 + AROUND
     limits = Limits((-x, -y, -DEPTH), (x, y, HIGHEST), TRANSIT_SPEED, DEPTH)
-    skills = SKILLS if ARMS[scene.robot] > 1 else ("straight", "joint")
+    skills = tuple(skill for skill in SKILLS if scene.arms > 1 or skill != DUSTPAN)
     return Description(f"simulated {scene.robot}", skills, limits, lease, PERIOD)

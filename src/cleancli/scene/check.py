@@ -94,6 +94,7 @@ def check_scene(node: SceneNode, findings: Findings, read: Read = file_content) 
         zone=zone,
         height_noise=robot["height_noise"],
         address=robot["address"],
+        remote_arms=robot["arms"] or 1,
     )
 
 
@@ -109,6 +110,13 @@ def _check_robot(settings: Settings, findings: Findings) -> None:
             f"`{settings['drive']}` is simulated, and has no address",
             settings.span("address"),
             help="the robot at that address is `drive = remote`",
+        )
+    if settings.has("arms") and not is_remote:
+        findings.error(
+            "E519",
+            f"`{settings['drive']}` is simulated, and its arms are known",
+            settings.span("arms"),
+            help="leave it out: it is a setting of robots at the end of a socket (`drive = remote`)",
         )
     if is_remote and settings.has("height_noise"):
         help = "leave it out: it is a setting of simulated robots"

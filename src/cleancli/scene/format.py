@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cleancli.scene.model import Dirt, Group, Ink, Scattered, Scene
+from cleancli.scene.robots import REMOTE
 from cleancli.scene.schema import KEYS, TOP
 
 
@@ -40,7 +41,14 @@ def print_scene(scene: Scene) -> str:
 
 
 def _robot(scene: Scene) -> Mapping[str, Any]:
-    return {"drive": scene.robot, "address": scene.address, "height_noise": scene.height_noise}
+    """What is said of its robot; the arms of a simulated one are known."""
+    arms = scene.remote_arms if scene.robot == REMOTE else None
+    return {
+        "drive": scene.robot,
+        "address": scene.address,
+        "arms": arms,
+        "height_noise": scene.height_noise,
+    }
 
 
 def _dirt(dirt: Dirt) -> str:

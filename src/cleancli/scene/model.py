@@ -10,6 +10,7 @@ from math import hypot, sqrt
 
 from cleancli.scene.address import Address
 from cleancli.scene.calibration import Calibration
+from cleancli.scene.robots import ARMS
 
 Colour = tuple[int, int, int]
 """Red, green and blue from 0 to 255."""
@@ -195,7 +196,8 @@ class Scene:
     that of the domain whose actions clean it, `grasps` are those that the scene itself defines. Without a
     `calibration`, perception works with the default thresholds. `zone`: where dirt may lie, if anywhere.
     `height_noise`: standard deviation of the tool's height in strokes, None for the world's usual one.
-    `address`: where the driver of a remote robot listens, None for a simulated one."""
+    `address`: where the driver of a remote robot listens, None for a simulated one; `remote_arms`: how many
+    arms a remote robot has."""
 
     name: str
     surface: Surface
@@ -213,6 +215,12 @@ class Scene:
     zone: Zone | None = None
     height_noise: float | None = None
     address: Address | None = None
+    remote_arms: int = 1
+
+    @property
+    def arms(self) -> int:
+        """How many arms its robot has: with two it picks up (§3.2.2)."""
+        return ARMS.get(self.robot, self.remote_arms)
 
     @property
     def driver(self) -> Address:

@@ -12,8 +12,3 @@ REMOTE = "remote"
 """The robot at the end of a socket (docs/protocol.md)."""
 
 DRIVES = (*ARMS, REMOTE)
-
-
-def arms(robot: str) -> int:
-    """How many arms a robot of a scene has; one at the end of a socket is asked for what one arm does."""
-    return ARMS.get(robot, 1)

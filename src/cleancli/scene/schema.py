@@ -120,6 +120,9 @@ KEYS: Mapping[str, Mapping[str, Key]] = MappingProxyType(
             "address": Key(
                 HostPort(), None, "where the driver of a remote robot listens", '"127.0.0.1:7420"'
             ),
+            "arms": Key(
+                Whole(1, 2), None, "how many arms a remote robot has, if not one: the second holds a dustpan"
+            ),
             "height_noise": Key(
                 Length(most=0.05, zero=True),
                 None,

@@ -12,6 +12,7 @@ from cleancli.geometry.ellipse import Ellipse
 from cleancli.motion.actions import PICK_UP, can_execute, tool_paths
 from cleancli.motion.path import ToolPath
 from cleancli.scene.model import Scene
+from cleancli.scene.robots import ARMS
 from cleancli.world.robots.registry import ROBOTS
 
 STEP = 0.02
@@ -37,7 +38,7 @@ def reach(scene: Scene) -> tuple[Floats, Bools]:
 
 def cleaning_of(robot: str) -> str:
     """The action by which a robot of that name cleans particles away: with two arms it picks them up."""
-    return PICK_UP if can_execute(PICK_UP, 1, robot) else "moveToContainerStraight"
+    return PICK_UP if can_execute(PICK_UP, 1, ARMS[robot]) else "moveToContainerStraight"
 
 
 def missed(points: Floats, action: str, scene: Scene, can_follow: Callable[[ToolPath], bool]) -> int:

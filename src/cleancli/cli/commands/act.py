@@ -146,8 +146,8 @@ def _arity(action: str, setting: Scene) -> int:
         raise click.BadParameter(
             f"no action `{action}`; {meant(action, ARITIES, 'action')}", param_hint="ACTION"
         )
-    if not can_execute(action, ARITIES[action], setting.robot):
-        able = [drive for drive in ARMS if can_execute(action, ARITIES[action], drive)]
+    if not can_execute(action, ARITIES[action], setting.arms):
+        able = [drive for drive, arms in ARMS.items() if can_execute(action, ARITIES[action], arms)]
         raise click.BadParameter(
             f"`{setting.robot}` can't {action}; it takes --robot {' or '.join(able)}", param_hint="ACTION"
         )
