@@ -279,3 +279,40 @@ def test_the_example_from_an_empty_file_to_a_plan(
         printed = capsys.readouterr().out
         assert printed.partition("seconds: ")[0] == expected
         assert rules in Path("learned.nid").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("own", ["--vocabulary locks.nid", "bare.nid", "bare.nid --action grab"])
+def test_without_a_transition_there_is_nothing_to_learn_from(
+    folder: Path, capsys: pytest.CaptureFixture[str], own: str
+) -> None:
+    """E708; nothing is written."""
+    lines = Path("seen.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+    others = "".join(line for line in lines if '"grab"' not in line)
+    Path("few.jsonl").write_text(others if "--action" in own else "", encoding="utf-8")
+    assert run(f"learn --structure {own} few.jsonl --output new.nid".split()) == 1
+    assert "error[E708]: the experience has no transition of" in capsys.readouterr().err
+    assert not Path("new.nid").exists()
+
+
+def test_where_nothing_is_new_no_byte_changes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Another layout than that of `fmt`, and other ends of lines."""
+    said(capsys, "learn --structure bare.nid seen.jsonl --output new.nid")
+    odd = Path("new.nid").read_text(encoding="utf-8").replace("  rule", " rule").replace("\n", "\r\n")
+    Path("new.nid").write_bytes(odd.encode())
+    out = said(capsys, "learn --structure new.nid seen.jsonl --write")
+    assert "4 kept" in out
+    assert "0 rules learned, 0 rules dropped" in out
+    assert "nothing new" in out
+    assert Path("new.nid").read_bytes() == odd.encode()
+    assert said(capsys, "learn --structure new.nid seen.jsonl --output copy.nid")
+    assert Path("copy.nid").read_bytes() == odd.encode()
+
+
+def test_a_vocabulary_has_no_rule_of_what_was_never_done(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = Path("seen.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+    Path("few.jsonl").write_text("".join(each for each in lines if '"grab"' in each), encoding="utf-8")
+    text = said(capsys, "learn --structure --vocabulary locks.nid few.jsonl --output new.nid")
+    assert "slam: the experience has no transition of it, so it has no rule" in text
+    assert "slam" not in Path("new.nid").read_text(encoding="utf-8").split("actions")[1].split("}", 1)[1]

@@ -17,8 +17,9 @@ from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.lifted import Test, further
 from cleancli.compiler.lifted_state import LiftedRules
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
@@ -167,20 +168,23 @@ def structures(
     files, passed_over = experience_files(experience, model)
     transitions = [each for file in files for each in read_experience(file.path, model)]
     start = _without_rules(model, names) if wanted.vocabulary else model
+    if not start.rules:
+        _refuse_nothing(names, transitions)
     found = revised(start, compiled(model, transitions), names, wanted.search, wanted.jobs, done)
     dropped = {rule.name for rule in found.dropped}
     if wanted.vocabulary:
         dropped |= {rule.name for rule in model.rules if rule.action in names}
-    texts = edited(domain.sources, rule_edits(model, domain.sources, dropped, found.added, found.default))
-    main = domain.sources[0].path
-    texts[main] = Source(main, layout(texts[main].text, main))
+    edits = rule_edits(model, domain.sources, dropped, found.added, found.default)
+    texts, main = edited(domain.sources, edits), domain.sources[0].path
+    if edits:
+        texts[main] = Source(main, layout(texts[main].text, main))
     checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
     scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted, done))
     return StructureResult(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
-        (*passed_over, *notes, *_notes(names, found), *_unasked(model, dropped, transitions)),
+        (*passed_over, *notes, *_notes(names, found, wanted), *_unasked(model, dropped, transitions)),
         is_writable,
     )
 
@@ -269,7 +273,15 @@ def _unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Tran
         )
 
 
-def _notes(names: Sequence[str], found: Revised) -> Iterator[str]:
+def _refuse_nothing(names: Sequence[str], transitions: Sequence[Transition]) -> None:
+    """Raises Refused (E708) where no transition is of an action that is to get rules."""
+    if names and not any(each.action in names for each in transitions):
+        what = f"the experience has no transition of {', '.join(names)}: there is nothing to learn rules from"
+        help = "record some: `cleancli simulate DOMAIN PROBLEM --record FILE`, or `cleancli execute`"
+        raise Refused([Diagnostic("E708", what, None, help=help)])
+
+
+def _notes(names: Sequence[str], found: Revised, wanted: Wanted) -> Iterator[str]:
     scores = together(list(found.after.values()))
     yield (
         f"{plural(scores.transitions, 'transition')} of {plural(len(found.after), 'action')}:"
@@ -283,4 +295,5 @@ def _notes(names: Sequence[str], found: Revised) -> Iterator[str]:
         )
     for name in names:
         if name not in found.after:
-            yield f"{name}: the experience has no transition of it, so its rules stay as they are"
+            rules = "it has no rule" if wanted.vocabulary else "its rules stay as they are"
+            yield f"{name}: the experience has no transition of it, so {rules}"
