@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from cleancli.api.simulations import SimulationResult, simulate
 from cleancli.compiler.lifted_state import LiftedRules
@@ -15,7 +17,7 @@ from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.learning.experience import read_experience
 from cleancli.learning.exploration.explored import explored
-from cleancli.learning.exploration.simulated import COVERED, PAIRS, pairs
+from cleancli.learning.exploration.simulated import COVERED, PAIRS, drawn, pairs
 from cleancli.learning.variation import foretold, variation
 from cleancli.simulation.symbolic_world import world_of
 from support.commands import said
@@ -158,3 +160,72 @@ def test_what_makes_no_sense_is_refused(asked: dict[str, Any], told: str) -> Non
 
 def test_a_plan_knows_no_variations() -> None:
     assert done(1, strategy="plan", known=None).variations == ()
+
+
+# ---- at random
+
+
+def test_random_actions_are_drawn_as_documented() -> None:
+    """Each action equally often; where a rule covers objects, these in three of four cases, or by chance
+    among all three doors."""
+    domain, problem = doors()
+    world = world_of(domain, problem)
+    rng, draws = np.random.default_rng(5), 3_000
+    found = [drawn(world, domain, problem, world.task.initial, rng) for _ in range(draws)]
+    counts = Counter(found)
+    likely = {
+        # Of the doors, which are shut, `a` is locked.
+        ("push", ("a",)): 0.25 / 3,
+        ("push", ("b",)): 0.75 / 2 + 0.25 / 3,
+        ("push", ("c",)): 0.75 / 2 + 0.25 / 3,
+        ("unlock", ("a",)): 0.75 + 0.25 / 3,
+        ("unlock", ("b",)): 0.25 / 3,
+        ("unlock", ("c",)): 0.25 / 3,
+        ("bolt", ("a",)): 0.25 / 3,
+        ("bolt", ("b",)): 0.75 / 2 + 0.25 / 3,
+        ("bolt", ("c",)): 0.75 / 2 + 0.25 / 3,
+    }
+    assert sum(likely.values()) == pytest.approx(3)
+    expected = [draws * share / 3 for share in likely.values()]
+    assert stats.chisquare([counts[key] for key in likely], expected).pvalue > 1e-4
+
+
+def test_random_actions_are_recorded_and_teach_the_rules(capsys: pytest.CaptureFixture[str]) -> None:
+    """Their own rules come back, with conditions that no planner would have violated."""
+    asked = [
+        "simulate",
+        "doors.nid",
+        "p.nid",
+        "--strategy",
+        "random",
+        "--episodes",
+        "60",
+        "--max-actions",
+        "10",
+        "--seed",
+        "2",
+    ]
+    out = said(capsys, *asked, "--record", "random.jsonl")
+    assert "random ended:" in out
+    assert said(capsys, *asked, "--json") == said(capsys, *asked, "--json")
+    data = json.loads(said(capsys, *asked, "--json"))
+    assert (data["strategy"], data["planners"][0]["planner"]) == ("random", "random")
+    lines = [json.loads(line) for line in Path("random.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert {line["planner"] for line in lines} == {"random"}
+    assert len(lines) == sum(len(row["actions"]) for row in data["planners"][0]["rows"])
+    assert {line["action"] for line in lines} == {"push", "unlock", "bolt"}
+    said(
+        capsys,
+        *["learn", "--structure", "--vocabulary", "bare.nid", "random.jsonl", "--output", "learned.nid"],
+    )
+    learned, (true, problem) = load_domain(read_source(Path("learned.nid"))), doors()
+    assert len(learned.rules) == 3
+    judged = pairs(world_of(true, problem), true, problem, np.random.default_rng(1))
+    assert variation(learned, true, judged) < 0.05
+
+
+def test_who_acts_at_random_has_no_planner(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["simulate", "doors.nid", "p.nid", "--strategy", "random"]
+    assert "plans nothing" in said(capsys, *asked, "--planner", "exact", code=2)
+    asked[1] = "bare.nid"
+    assert "random ended" in said(capsys, *asked, "--world", "doors.nid", "--episodes", 3)

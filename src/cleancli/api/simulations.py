@@ -30,7 +30,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Horizon, Problem
 from cleancli.learning.experience import Transition, encode
-from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, Judged, explorations
+from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, RANDOM, Judged, explorations, wanderings
 from cleancli.learning.method import KNOWN
 from cleancli.planning.choice import planner_named
 from cleancli.planning.plan import BadOption
@@ -43,7 +43,7 @@ from cleancli.simulation.summary import Estimate, Summary, summarized
 from cleancli.simulation.symbolic_world import world_of
 
 PLAN = "plan"
-STRATEGIES = PLAN, EXPLORE
+STRATEGIES = PLAN, EXPLORE, RANDOM
 """How the next action is chosen."""
 
 
@@ -159,9 +159,9 @@ def simulate(
     as for `plan`. With `think` the seconds that planners take count as robot time. What was done is written
     into `record`, a new experience file, where one is named.
 
-    The `strategy` is one of STRATEGIES: to plan, or to explore until rules have so many examples that they
-    count as `known`. Who explores begins with the rules of `domain` where `world` has others, else with its
-    vocabulary alone.
+    The `strategy` is one of STRATEGIES: to plan, to act at random, or to explore until rules have so many
+    examples that they count as `known`. Who explores begins with the rules of `domain` where `world` has
+    others, else with its vocabulary alone.
 
     Raises Refused for mistakes in the texts and for what cannot be planned, ValueError for options that make
     no sense, and OSError where the record cannot be written. With several `jobs` a script must keep
@@ -210,10 +210,20 @@ class Acts:
         """Whether rules are sought."""
         return self.strategy == EXPLORE
 
+    def names(self, planners: Sequence[str], problem: Problem) -> tuple[str, ...]:
+        """Those of the planners; none where nothing is planned."""
+        if self.strategy != RANDOM:
+            return tuple(dict.fromkeys(planners)) or (planner_named(None, problem),)
+        if planners:
+            raise BadOption("the strategy random plans nothing: leave out the planner")
+        return ()
+
     def episodes(self, setup: Batch, number: int) -> Iterator[Judged]:
         """So many episodes, as they come to an end. Raises what planners raise."""
         if self.explores:
             return explorations(setup, KNOWN if self.known is None else self.known, number)
+        if self.strategy == RANDOM:
+            return wanderings(setup, number)
         return (Judged(played, ()) for played in spread(setup, number, self.jobs))
 
 
@@ -229,8 +239,7 @@ def batch(
     speaks another language than the domain, and BadOption."""
     looked, _ = seen(given, None, {})
     believed = looked.domain
-    names = tuple(dict.fromkeys(planners)) or (planner_named(None, looked.problem),)
-    chosen, options = asked.of(looked.problem, asked.seed, names)
+    chosen, options = asked.of(looked.problem, asked.seed, acts.names(planners, looked.problem))
     if world is given.domain:
         acting = looked.domain
     else:
@@ -255,9 +264,10 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
     """All episodes, put in order, with what they come to. Raises what planners raise."""
     ordered = sorted(judged, key=lambda each: each.played[0].number)
     found = tuple(zip(*(each.played for each in ordered), strict=True))
+    names = [planner.name for planner in setup.planners] or [strategy]
     summaries = (
-        summarized(planner.name, each, found[0] if each is not found[0] else None)
-        for planner, each in zip(setup.planners, found, strict=True)
+        summarized(name, each, found[0] if each is not found[0] else None)
+        for name, each in zip(names, found, strict=True)
     )
     options = fields_of(setup.options)
     for planner in setup.planners:
@@ -275,7 +285,7 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
         planners=tuple(summaries),
         episodes=found,
         short_horizon=_short_horizon(setup, chain(*found)),
-        fixed_horizon=_fixed_horizon(setup.problem, chain(*found)),
+        fixed_horizon=_fixed_horizon(setup.problem, chain(*found)) if setup.planners else None,
         variations=tuple(zip(*(each.variations for each in ordered), strict=True)),
     )
 

@@ -44,7 +44,7 @@ from cleancli.simulation.episode import EpisodeLimits
     type=click.Choice(STRATEGIES),
     default=PLAN,
     show_default=True,
-    help="Plan by rules, or explore to learn them.",
+    help="Plan by rules, explore to learn them, or act at random.",
 )
 @click.option(
     "--known",
@@ -115,7 +115,7 @@ def command(
     with working("looking at the table", quiet=not given.is_scene):
         setup = batch(given, acting, planners, asked, EpisodeLimits(max_actions, commit, think=think), acts)
     texts = (*given.domain.sources, *acting.sources, given.source)
-    tell_unreached(texts, setup.world if acts.explores else setup.domain, setup.problem)
+    tell_unreached(texts, setup.domain if acts.strategy == PLAN else setup.world, setup.problem)
     with located_in(*texts), planning_refused(texts):
         found = counted("simulating", acts.episodes(setup, episodes), episodes)
         result = simulation_result(setup, strategy, found)

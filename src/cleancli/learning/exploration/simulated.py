@@ -1,4 +1,5 @@
-"""The explorer in the symbolic world: each episode goes on with what those before have shown."""
+"""Who gathers experience in the symbolic world: the explorer, each of whose episodes goes on with what those
+before have shown, and who acts at random."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.semantics import covering_rule, sample
-from cleancli.compiler.task import GroundAction
+from cleancli.compiler.task import GroundAction, GroundState
 from cleancli.language.model import Domain, Problem, State
 from cleancli.learning.experience import Transition
 from cleancli.learning.exploration.explored import explored
@@ -23,10 +24,10 @@ from cleancli.planning.planner import Plans
 from cleancli.simulation.agent import Agent
 from cleancli.simulation.batch import Batch, Round
 from cleancli.simulation.episode import episode
-from cleancli.simulation.symbolic_world import World, world_of
+from cleancli.simulation.symbolic_world import World, assignment_of, world_of
 
-EXPLORE = "explore"
-"""The strategy's name."""
+EXPLORE, RANDOM = "explore", "random"
+"""The names of the strategies."""
 PAIRS, STEPS, COVERED = 300, 12, 0.75
 """By how many pairs of a state and an action learned rules are judged; the actions of a walk through such
 states; and how likely one at least is on objects that a rule covers. Chosen."""
@@ -85,19 +86,54 @@ def pairs(world: World, domain: Domain, problem: Problem, rng: np.random.Generat
     """Pairs of a state and an action, as transitions in which nothing happens: states of walks from the
     problem's, in each an action that is drawn uniformly, on objects that a rule covers or any."""
     task, found = world.task, list[Transition]()
-    actions = [each for each in domain.actions if arguments_of(domain, each, problem.objects, rng)]
-    while actions and len(found) < PAIRS:
+    while len(found) < PAIRS:
         state = task.initial
         for _ in range(STEPS):
-            action = actions[int(rng.integers(len(actions)))]
-            own = ((key[1], number) for key, number in world.numbers.items() if key[0] == action.name)
-            arguments = [objects for objects, number in own if covering_rule(task, state, number)]
-            if not arguments or rng.random() >= COVERED:
-                arguments = arguments_of(domain, action, problem.objects, rng)
-            chosen = arguments[int(rng.integers(len(arguments)))]
+            chosen = drawn(world, domain, problem, state, rng)
+            if chosen is None:
+                return found
             values = values_of(world.facts(state))
-            found.append(Transition(action.name, chosen, problem.objects, values, values))
-            number = world.numbers.get((action.name, chosen))
+            found.append(Transition(*chosen, problem.objects, values, values))
+            number = world.numbers.get(chosen)
             if number is not None:
                 _, state = sample(task, state, number, rng)
     return found[:PAIRS]
+
+
+def drawn(
+    world: World, domain: Domain, problem: Problem, state: GroundState, rng: np.random.Generator
+) -> tuple[str, tuple[str, ...]] | None:
+    """An action, each as likely as any other, and its objects: of those that a rule covers, with the
+    probability COVERED if there are such, and else of all. None where there are no objects for any action."""
+    actions = [each for each in domain.actions if arguments_of(domain, each, problem.objects, rng)]
+    if not actions:
+        return None
+    action = actions[int(rng.integers(len(actions)))]
+    own = ((key[1], number) for key, number in world.numbers.items() if key[0] == action.name)
+    arguments = [objects for objects, number in own if covering_rule(world.task, state, number)]
+    if not arguments or rng.random() >= COVERED:
+        arguments = arguments_of(domain, action, problem.objects, rng)
+    return action.name, arguments[int(rng.integers(len(arguments)))]
+
+
+class Wanderer:
+    """Does what chance says, by the seed of each plan, whatever comes of it."""
+
+    def __init__(self, setup: Batch, world: World) -> None:
+        self._setup, self._world = setup, world
+
+    def plan(self, facts: State, options: Options, horizon: int | None = None) -> tuple[Plan, float]:
+        """The next action; nothing where there are no objects for any action."""
+        state, rng = assignment_of(self._world.task, facts), np.random.default_rng(options.seed)
+        assert state is not None, "the facts are the world's"
+        chosen = drawn(self._world, self._setup.world, self._setup.problem, state, rng)
+        actions = () if chosen is None else (GroundAction(*chosen, None),)
+        return Plan(RANDOM, actions, 0.0, "sampled", 0, None, None, {}), 0.0
+
+
+def wanderings(setup: Batch, episodes: int) -> Iterator[Judged]:
+    """So many episodes of random actions. Raises Refused."""
+    world = world_of(setup.world, setup.problem, setup.timed)
+    wanderer = Wanderer(setup, world)
+    for number in range(episodes):
+        yield Judged((episode(world, wanderer, number, setup.options, setup.limits),), ())
