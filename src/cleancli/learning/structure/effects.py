@@ -11,7 +11,6 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -250,9 +249,7 @@ def _may_stand_beside(one: Literal | Equality, other: Literal | Equality) -> boo
     return one != other
 
 
-def _whole(
-    sought: _Open, one: Sequence[tuple[Literal, Bools]], other: Sequence[tuple[Any, ...]]
-) -> list[list[float]]:
+def _whole(sought: _Open, one: Sequence[_Told], other: Sequence[_Told]) -> list[list[float]]:
     """Of how many units two conditions together tell wholly, for each pair."""
     if not one or not other:
         return []
