@@ -31,6 +31,19 @@ domain lamp {
 }
 """
 
+POLISH = """
+domain polish {
+  types      { area }
+  predicates { dirt(?a - area)  big(?a - area)  done(?a - area) }
+  derived    { left := count ?a - area: not done(?a) }
+  actions    { clean(?a - area)  polish(?a - area) }
+  rule small: clean(?a) { when dirt(?a), not big(?a) then 1: not dirt(?a) }
+  rule large: clean(?a) { when dirt(?a), big(?a) then 0.5: not dirt(?a) 0.5: nothing }
+  rule polish: polish(?a) { when not dirt(?a), not done(?a) then 1: done(?a), big(?a) }
+  reward     { decrease(left) }
+}
+"""
+
 
 def planned(planner: str, inside: str) -> Plan:
     return PLANNERS[planner](prepare(task(LAMP, inside)), Options(samples=200, seed=1))
@@ -56,6 +69,19 @@ def test_without_a_horizon_the_course_leads_to_the_goal() -> None:
         {("lit", action.objects): True} for action in plan.actions
     ]
     assert len(plan.results) == 2
+
+
+@pytest.mark.parametrize("horizon", ["3", "unlimited"])
+@pytest.mark.parametrize("planner", ["exact", "prada+"])
+def test_what_is_forgotten_may_be_set_again(planner: str, horizon: str) -> None:
+    """Whether an area that is clean is big matters no more, and polishing it makes it big."""
+    inside = f"objects {{ a - area }} init {{ dirt(a) }} goal {{ done(a) }} horizon = {horizon}"
+    plan = PLANNERS[planner](prepare(task(POLISH, inside)), Options(samples=200, seed=1))
+    assert [action.name for action in plan.actions] == ["clean", "polish"]
+    assert [dict(each) for each in plan.results] == [
+        {("dirt", ("a",)): False},
+        {("big", ("a",)): True, ("done", ("a",)): True},
+    ]
 
 
 @pytest.mark.parametrize("planner", ["exact", "prada+", "uct", "sst", "prada", "likeliest"])
