@@ -40,7 +40,7 @@ from cleancli.execution.setup import EpisodeOptions
 from cleancli.execution.teaching import of_rules
 from cleancli.language.model import Domain, Horizon, Literal, Problem, RewardKind, RewardTerm
 from cleancli.learning.experience import Transition
-from cleancli.learning.method import DEFAULT
+from cleancli.learning.method import DEFAULT, KNOWN
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.walks import Start, walks
@@ -101,7 +101,9 @@ def pupil_and_other(hidden: Hidden, seed: int) -> tuple[list[Episode], list[Epis
     rng = np.random.default_rng(seed)
     true = replace(hidden.domain, reward=(RewardTerm(Fraction(1), RewardKind.GOAL),))
     knowing = EpisodeOptions("plan-1", samples=SAMPLES, max_actions=MOST_ACTIONS)
-    learning = replace(knowing, strategy="explore", learning=DEFAULT, structure=True, is_taught=True)
+    learning = replace(
+        knowing, strategy="explore", learning=DEFAULT, known=KNOWN, structure=True, is_taught=True
+    )
     bare, seen = without_rules(true), list[Transition]()
     pupil, other = list[Episode](), list[Episode]()
     for number, start in enumerate(rng.permutation(len(hidden.starts))[:EPISODES]):

@@ -742,6 +742,23 @@ def test_exploration_is_compared_with_random_actions(
     assert episodes >= 5
 
 
+def test_a_pupil_comes_near_to_who_knows_the_rules(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It tries what it was shown in other states by itself; if it asked instead, it would ask ten times."""
+    _main("demonstrations", monkeypatch, "--quick")
+    number = r"([\d.]+) \([\d.]+\)"
+    row = rf"\| glasses \| {number} \| {number} \| ([\d.]+) \(.*\) \| {number} \| {number} \| 3 \| \d+ \|"
+    found = re.search(row, capsys.readouterr().out)
+    assert found is not None
+    early, late, share, shown, most = map(float, found.groups())
+    assert early >= 0.6
+    assert late >= 0.8
+    assert share >= 0.8
+    assert shown <= 7
+    assert most <= 4
+
+
 def test_whole_rules_are_learned_from_hidden_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

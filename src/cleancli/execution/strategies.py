@@ -21,6 +21,10 @@ from cleancli.planning.plan import Options
 from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.registry import DEFAULT, PLANNERS
 
+UNASKED = 3
+"""Examples by which a rule must be known before a teacher is asked, where one can be; chosen by trying
+(benchmarks/demonstrations.py)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Strategy:
@@ -50,17 +54,27 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
 
 
 def _explore(now: DecisionContext, options: EpisodeOptions) -> Decision:
-    """Try what is not known, or go where it can be tried; towards the goal where all on the way is known, or
-    where a teacher is asked if there is no way."""
-    assert now.explored is not None, "asking for it asks for learning whole rules"
+    """Try what is not known, or go where it can be tried; towards the goal where all on the way is known.
+    Where a teacher can be asked it is the other way round: towards the goal, or else try where that is likely
+    to show more than it costs to ask."""
     if options.is_taught:
-        return _plan(now, options, DEFAULT, 1)
-    feasible = replace(now.explored, domain=now.domain)
+        planned = _plan(now, options, DEFAULT, 1)
+        return planned if planned.moves else _try(now, options, min(options.known, UNASKED)) or planned
+    return _try(now, options, options.known) or _plan(now, options, DEFAULT, 1)
+
+
+def _try(now: DecisionContext, options: EpisodeOptions, known: int) -> Decision | None:
+    """Try what is known by fewer examples, or go where that can be tried; with a teacher no action that has
+    changed nothing yet. None where there is no such try."""
+    assert now.explored is not None, "asking for it asks for learning whole rules"
+    domain = now.domain
+    if options.is_taught:
+        useful = {name for name, each in now.explored.actions.items() if each.changed.any()}
+        domain = replace(domain, actions=tuple(each for each in domain.actions if each.name in useful))
+    feasible = replace(now.explored, domain=domain)
     planner, asked = PLANNERS[options.planner or DEFAULT], Options(options.samples, now.seed)
-    chosen = next_try(feasible, now.problem, options.known, planner, asked, now.excluded)
-    if chosen is None:
-        return _plan(now, options, DEFAULT, 1)
-    return Decision((Move(chosen.action, chosen.objects),))
+    chosen = next_try(feasible, now.problem, known, planner, asked, now.excluded)
+    return None if chosen is None else Decision((Move(chosen.action, chosen.objects),))
 
 
 def _planning(commit: int | None, planner: str = DEFAULT) -> Strategy:
