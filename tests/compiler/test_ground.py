@@ -207,7 +207,9 @@ def test_a_task_as_data_is_json_and_complete() -> None:
     }  # fmt: skip
     assert data["rules"][0] == {  # type: ignore[index]
         "rule": 1, "action": 0, "when": ["dirt(a)", "dirt(b)"],
-        "outcomes": [{"probability": 1.0, "kind": "change", "effects": ["not dirt(a)"]}],
+        "outcomes": [
+            {"probability": 1.0, "kind": "change", "effects": ["not dirt(a)"], "cost": 0.0},
+        ],
     }  # fmt: skip
     assert data["rewards"] == [
         {"when": [f"dirt({name})"], "decrease": 1.0, "state": 0.0} for name in ("a", "b")
