@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
-import numpy as np
 import pytest
 
 import cleancli
@@ -16,13 +14,12 @@ from cleancli.conversion.experience.chains import chains_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
-from cleancli.language.model import Domain, Object, Problem
 from cleancli.language.printing.printer import print_domain
-from cleancli.learning.experience import Transition, encode, read_experience
+from cleancli.learning.experience import encode, read_experience
 from cleancli.planning.plan import BadOption
 from support.export_texts import EVERYTHING, LAMPS, SOME
-from support.exported_ppddl import calls, drawn_values
 from support.random_domains import Generator
+from support.random_transitions import drawn
 
 LAMPS_LINES = [
     '{"action": "press", "arguments": ["A1"], "objects": {"A1": "lamp", "b": "lamp"}, "before":'
@@ -53,21 +50,6 @@ def experience(text: str, name: str = "lamps.trajectory", domain: str = LAMPS) -
     """The lines that a trajectory of the lamps becomes."""
     Path(name).write_text(text)
     return cleancli.convert(domain, name).texts["experience.jsonl"].splitlines()
-
-
-def drawn(domain: Domain, problem: Problem, seed: int, count: int = 12) -> Iterator[Transition]:
-    """Transitions between states at random; the next begins where one ended, or elsewhere, or with others."""
-    rng = np.random.default_rng(seed)
-    every = list(calls(domain, problem))
-    objects = tuple(sorted(problem.objects))
-    values = drawn_values(domain, problem, rng)
-    for _ in range(count):
-        action, names = every[int(rng.integers(len(every)))]
-        after = drawn_values(domain, problem, rng)
-        yield Transition(action, names, objects, values, after)
-        values = after if rng.random() < 0.7 else drawn_values(domain, problem, rng)
-        if rng.random() < 0.2:
-            objects = (*problem.objects, Object("z9", problem.objects[0].type))
 
 
 # ---- there and back
@@ -225,7 +207,7 @@ def test_what_makes_no_sense_is_told() -> None:
     Path("two.trajectory").write_text(LAMPS_TRAJECTORY)
     with pytest.raises(BadOption, match="RDDL has no files of experience"):
         cleancli.convert(LAMPS, "two.jsonl", to="rddl")
-    with pytest.raises(BadOption, match="trajectories become experience"):
+    with pytest.raises(BadOption, match=r"trajectories and data.dat become experience"):
         cleancli.convert(LAMPS, "two.trajectory", to="ppddl")
     with pytest.raises(BadOption, match="say what to write"):
         cleancli.convert(LAMPS, "two.jsonl")

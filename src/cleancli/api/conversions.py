@@ -8,7 +8,14 @@ from pathlib import Path
 
 from cleancli.api.checks import check_between, check_one_of, check_share
 from cleancli.api.conversion_result import ConversionResult
-from cleancli.api.experience_files import is_experience, is_trajectory, with_experience
+from cleancli.api.experience_files import (
+    DATA,
+    Traces,
+    is_experience,
+    traces_in,
+    with_experience,
+    with_recorded,
+)
 from cleancli.api.exports import exported, opened
 from cleancli.conversion.convert import Wishes as LibpradaWishes
 from cleancli.conversion.convert import convert as convert_libprada
@@ -42,10 +49,13 @@ def convert(
 
     With `to="ppddl"` a domain and its problems, .nid or PPDDL, are written as PPDDL: names of shipped files,
     paths or texts; with `to="rddl"` or `to="libprada"` a domain and one problem so. `noise` says what becomes
-    of noise there. `reward`, `discount` and `predicates` are for libPRADA's files. Experience
-    (.jsonl) becomes trajectories of PDDL with `to="ppddl"`, and trajectories (.trajectory) become experience;
-    both are given beside their domain. Raises Refused with every mistake in the files, or with all that can't
-    be said, and BadOption.
+    of noise there. `reward`, `discount` and `predicates` are for libPRADA's files.
+
+    Experience (.jsonl) becomes trajectories of PDDL, or data.dat of libPRADA, and these become experience.
+    They are given beside their domain, and data.dat with the problem too, or in libPRADA's
+    folder.
+
+    Raises Refused with every mistake in the files, or with all that can't be said, and BadOption.
     """
     wanted = Wanted(format, to, domain_name, horizon, reward, discount, predicates, noise)
     return converted([str(file) for file in files], wanted)
@@ -80,19 +90,19 @@ def converted(
             "RDDL is not converted: only PDDL, PPDDL and libPRADA's files are; it can be written (`rddl`)"
         )
     of_libprada = wanted.reward is not None or wanted.discount is not None or wanted.predicates
-    traced = [name for name in files if is_trajectory(name)]
+    traces = traces_in(files)
     if wanted.to != "nid":
-        if traced:
-            raise BadOption("trajectories become experience: leave out `to`")
+        if traces.trajectories or traces.data:
+            raise BadOption("trajectories and data.dat become experience: leave out `to`")
         _refuse_for_export(wanted, of_libprada)
         return exported(files, wanted.to, wanted.noise, include_outside)
     if wanted.noise != NOISE[0]:
         raise BadOption("noise has a word of its own in .nid files: `noise` is for what is written of them")
-    if traced:
-        return _from_trajectories(files, traced, wanted, include_outside)
+    if traces.trajectories or traces.data:
+        return _from_traces(files, traces, wanted, include_outside)
     format = wanted.format or _format_of(files)
     if any(map(is_experience, files)):
-        raise BadOption("this is experience: say what to write of it, and of its domain: ppddl")
+        raise BadOption("this is experience: say what to write of it, and of its domain: ppddl, libprada")
     if format == "nid":
         raise BadOption(f"these are .nid files: say what to write: {', '.join(TARGETS[1:])}")
     if format == "pddl":
@@ -131,34 +141,38 @@ def _from_pddl(files: Sequence[str], wishes: Wishes) -> ConversionResult:
     return ConversionResult(made.name, made.domain, made.problems, {}, *told, texts, {})
 
 
-def _from_trajectories(
-    files: Sequence[str], traced: Sequence[str], wanted: Wanted, include_outside: bool
+def _from_traces(
+    files: Sequence[str], traces: Traces, wanted: Wanted, include_outside: bool
 ) -> ConversionResult:
     """Experience of a domain that is given: of a .nid file, or of PPDDL, which is converted too."""
-    rest = [name for name in files if name not in traced]
+    rest = [name for name in files if name not in (*traces.trajectories, *traces.data)]
     if _format_of(rest) == "pddl":
         made = _from_pddl(rest, Wishes(wanted.domain_name, wanted.horizon))
         domain = load_domain(Source(f"{made.name}.nid", made.domain))
         texts = made.problems.items()
         problems = [load_problem(Source(f"{name}.nid", text), domain) for name, text in texts]
-        return with_experience(made, traced, domain, problems, whole=False)
+        return with_experience(made, traces, domain, problems, whole=False)
     loaded, given = opened(rest, include_outside)
     made = ConversionResult(loaded.name, str(loaded), {}, {}, (), (), (), {}, {})
     models = [each.model for each in given if isinstance(each.model, Problem)]
-    return with_experience(made, traced, loaded.model, models, whole=True)
+    return with_experience(made, traces, loaded.model, models, whole=True)
 
 
 def _from_libprada(files: Sequence[str], wishes: LibpradaWishes, folder: Path) -> ConversionResult:
-    if len(files) not in (1, len(LIBPRADA)):
-        raise BadOption("give a folder, or the files of rules, state and symbols")
-    paths = files if len(files) == len(LIBPRADA) else [str(Path(files[0]) / name) for name in LIBPRADA]
-    rules, state, symbols = (read_source(path) for path in paths)
+    if len(files) not in (1, len(LIBPRADA), len(LIBPRADA) + 1):
+        raise BadOption("give a folder, or the files of rules, state and symbols, and perhaps of data")
+    paths = list(files)
+    if len(files) == 1:
+        paths = [str(Path(files[0]) / name) for name in LIBPRADA]
+        paths += [str(data)] if (data := Path(files[0]) / DATA).exists() else []
+    rules, state, symbols, *data_sources = (read_source(path) for path in paths)
     targets = (str(folder / f"{wishes.name}.nid"), str(folder / "problem.nid"))
     made = convert_libprada(rules, state, symbols, wishes, targets)
     told = (made.notes, made.diagnostics, made.sources)
     problems = {"problem": made.problem}
     texts = _files({wishes.name: made.domain, **problems})
-    return ConversionResult(wishes.name, made.domain, problems, made.functions, *told, texts, {})
+    result = ConversionResult(wishes.name, made.domain, problems, made.functions, *told, texts, {})
+    return with_recorded(result, data_sources[0], made) if data_sources else result
 
 
 def _files(texts: Mapping[str, str]) -> dict[str, str]:

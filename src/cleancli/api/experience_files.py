@@ -7,15 +7,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cleancli.api.conversion_result import ConversionResult
+from cleancli.conversion.convert import Converted
 from cleancli.conversion.experience.chains import Chain, chains_of
+from cleancli.conversion.experience.data import data_text, read_data, recorded
 from cleancli.conversion.experience.trajectories import TrajectoryWriter, read_trajectories
+from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.export.names import Naming
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.load import read_source
-from cleancli.language.model import Domain, Problem
-from cleancli.learning.experience import encode, read_experience
+from cleancli.language.load import load_domain, read_source
+from cleancli.language.model import Domain, Object, Problem
+from cleancli.learning.experience import Transition, encode, read_experience
+from cleancli.planning.plan import BadOption
 
 LINES = ".jsonl"
 """What the names of experience end with."""
@@ -23,8 +27,11 @@ LINES = ".jsonl"
 TRAJECTORY = ".trajectory"
 """What the names of trajectories end with."""
 
+DATA = "data.dat"
+"""What libPRADA's experience is called."""
+
 EXPERIENCE = f"experience{LINES}"
-"""What is written of trajectories."""
+"""What is written of files of other languages."""
 
 MOST = 10_000
 """Trajectories that one conversion writes, a file each. Chosen."""
@@ -48,6 +55,11 @@ def is_experience(name: str) -> bool:
 def is_trajectory(name: str) -> bool:
     """Whether a file is a trajectory of PDDL, by its name."""
     return name.lower().endswith(TRAJECTORY)
+
+
+def is_data(name: str) -> bool:
+    """Whether a file is one of libPRADA, by its name."""
+    return name.lower().endswith(".dat")
 
 
 def with_trajectories(made: ConversionResult, domain: Domain, paths: Sequence[str]) -> ConversionResult:
@@ -77,31 +89,85 @@ def _chains(path: str, domain: Domain) -> tuple[Chain, ...]:
     return tuple(chains_of(read_experience(path, domain)))
 
 
-def with_experience(
-    made: ConversionResult, paths: Sequence[str], domain: Domain, problems: Iterable[Problem], *, whole: bool
-) -> ConversionResult:
-    """What was made of a domain, with the lines of experience that trajectories are.
+def objects_of(paths: Sequence[str], domain: Domain) -> list[Object]:
+    """The objects of files of experience. Raises Refused."""
+    return sorted(
+        {thing for path in paths for each in read_experience(path, domain) for thing in each.objects}
+    )
 
-    Objects are those that a trajectory lists, or all problems have. With `whole` each predicate has to be one
-    of the domain. Raises Refused.
-    """
-    objects = sorted({thing for problem in problems for thing in problem.objects})
-    sources = [read_source(path) for path in paths]
-    findings = Findings(sources[0])
-    lines: list[str] = []
-    lacking: set[str] = set()
-    for source in sources:
-        if source is not sources[0]:
-            findings.include(source, (), frozenset())
-        found = read_trajectories(source, domain, objects, findings, whole=whole)
-        lines += [encode(each, {}) for chain in found.chains for each in chain.transitions()]
-        lacking.update(found.passed_over)
-    findings.refuse_errors()
-    notes = [f"left out: predicates that the domain lacks: {', '.join(sorted(lacking))}"] if lacking else []
+
+def with_data(
+    made: ConversionResult, domain: Domain, names: LibpradaNames, paths: Sequence[str]
+) -> ConversionResult:
+    """What was written of a domain for libPRADA, with files of experience as one. Raises Refused."""
+    chains = tuple(chains_of(each for path in paths for each in read_experience(path, domain)))
+    shape = "states and actions in turn" if len(chains) == 1 else "each action between two states of its own"
     return replace(
         made,
-        texts={**made.texts, EXPERIENCE: "".join(f"{line}\n" for line in lines)},
-        notes=(*made.notes, *notes),
-        diagnostics=(*made.diagnostics, *findings.sorted),
-        sources=(*made.sources, *sources),
+        texts={**made.texts, DATA: data_text(chains, domain, names)},
+        notes=(*made.notes, f"{DATA} has {shape}", _LOST),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Traces:
+    """Files that become experience: trajectories of PDDL, and those of libPRADA."""
+
+    trajectories: tuple[str, ...]
+    data: tuple[str, ...]
+
+
+def traces_in(files: Sequence[str]) -> Traces:
+    """Those among some files; files of libPRADA alone are a domain."""
+    data = tuple(name for name in files if is_data(name))
+    traced = tuple(name for name in files if is_trajectory(name))
+    return Traces(traced, data if len(data) + len(traced) < len(files) else ())
+
+
+def with_experience(
+    made: ConversionResult, traces: Traces, domain: Domain, problems: Sequence[Problem], *, whole: bool
+) -> ConversionResult:
+    """What was made of a domain, with the lines of experience that files become.
+
+    Objects are those that a trajectory lists, or all problems have. With `whole` each predicate of a
+    trajectory has to be one of the domain. Raises Refused, and BadOption.
+    """
+    sources = {path: read_source(path) for path in (*traces.trajectories, *traces.data)}
+    objects = sorted({thing for problem in problems for thing in problem.objects})
+    findings = Findings(Source("", ""))
+    found: list[Transition] = []
+    lacking: set[str] = set()
+    for path in traces.trajectories:
+        findings.include(sources[path], (), frozenset())
+        read = read_trajectories(sources[path], domain, objects, findings, whole=whole)
+        found += [each for chain in read.chains for each in chain.transitions()]
+        lacking.update(read.passed_over)
+    findings.refuse_errors()
+    if traces.data:
+        if len(problems) != 1:
+            raise BadOption(f"give the problem too: it names the objects that are numbers in {DATA}")
+        names = LibpradaNames(domain, problems[0], ())
+        for path in traces.data:
+            found += read_data(sources[path], domain, objects, names)
+    notes = [f"left out: predicates that the domain lacks: {', '.join(sorted(lacking))}"] if lacking else []
+    told = replace(
+        made,
+        diagnostics=(*made.diagnostics, *findings.sorted),
+        sources=(*made.sources, *sources.values()),
+    )
+    return _with_lines(told, found, notes)
+
+
+def with_recorded(made: ConversionResult, source: Source, converted: Converted) -> ConversionResult:
+    """What libPRADA's files became, with its experience. Raises Refused."""
+    actions = {action.name for action in load_domain(converted.sources[0]).actions}
+    found = recorded(source, converted, actions)
+    notes = [f"left out: what actions have done that the domain lacks: {', '.join(found.lacking)}"]
+    return _with_lines(made, found.transitions, notes if found.lacking else [])
+
+
+def _with_lines(
+    made: ConversionResult, transitions: Iterable[Transition], notes: Sequence[str]
+) -> ConversionResult:
+    lines = "".join(f"{encode(each, {})}\n" for each in transitions)
+    return replace(made, texts={**made.texts, EXPERIENCE: lines}, notes=(*made.notes, *notes))

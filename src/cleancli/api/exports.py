@@ -7,10 +7,11 @@ from pathlib import Path
 
 from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
-from cleancli.api.experience_files import is_experience, with_trajectories
+from cleancli.api.experience_files import is_experience, objects_of, with_data, with_trajectories
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.compiler.horizon import first_horizon
 from cleancli.conversion.export.libprada import libprada
+from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.export.ppddl import ppddl
 from cleancli.conversion.export.rddl import rddl
 from cleancli.conversion.export.unsaid import Unsaid
@@ -49,16 +50,22 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
         raise BadOption("give one problem: only in PPDDL a domain stands for itself")
     (problem,) = models
     if to == "libprada":
-        return _of_libprada(domain, problem, libprada(domain.model, problem, noise, unsaid))
+        return _of_libprada(domain, problem, noise, unsaid, experience)
     made = rddl(domain.model, problem, first_horizon(domain.model, problem), noise, unsaid)
     return _result(domain, problems, made)
 
 
-def _of_libprada(domain: LoadedDomain, problem: Problem, made: Written) -> ConversionResult:
-    """The rules stand for the domain, and the state for the problem."""
+def _of_libprada(
+    domain: LoadedDomain, problem: Problem, noise: str, unsaid: Unsaid, experience: Sequence[str]
+) -> ConversionResult:
+    """The rules stand for the domain, and the state for the problem; experience goes beside them."""
+    model = domain.model
+    names = LibpradaNames(model, problem, objects_of(experience, model) if experience else None)
+    made = libprada(model, problem, noise, unsaid, names)
     texts = {problem.name: made.texts["state.dat"]}
     rules = made.texts["rules.dat"]
-    return ConversionResult(domain.name, rules, texts, {}, made.notes, (), (), made.texts, made.names)
+    files = ConversionResult(domain.name, rules, texts, {}, made.notes, (), (), made.texts, made.names)
+    return with_data(files, model, names, experience) if experience else files
 
 
 def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Written) -> ConversionResult:

@@ -37,10 +37,20 @@ def check(library: Library) -> None:
         *(d for rule in library.rules for d in _rule(rule, declared)),
         *(_default(library.default) if library.default else ()),
         *(d for fact in library.facts for d in _fact(fact, declared)),
+        *_sets_twice(library.facts),
         *_values(library),
     ]
     if found:
         raise Refused(found, library.sources)
+
+
+def misfits(steps: Iterable[Iterable[Atom]], library: Library) -> Iterator[Diagnostic]:
+    """E912 and E913 for literals of further states that do not fit the declarations."""
+    declared = {symbol.name: symbol for symbol in library.symbols}
+    for facts in steps:
+        stated = tuple(facts)
+        yield from (d for fact in stated for d in _fact(fact, declared))
+        yield from _sets_twice(stated)
 
 
 def _declared_twice(symbols: Iterable[Declaration]) -> Iterator[Diagnostic]:
@@ -151,8 +161,7 @@ def _fact(fact: Atom, declared: Mapping[str, Declaration]) -> Iterator[Diagnosti
 
 
 def _values(library: Library) -> Iterator[Diagnostic]:
-    """E913 for functions that the state gives no value, or two."""
-    yield from _sets_twice(library.facts)
+    """E913 for functions that the state gives no value."""
     given = {(fact.symbol, fact.terms) for fact in library.facts}
     constants = [(each,) for each in constants_of(library)]
     for function in _used_functions(library):

@@ -55,7 +55,8 @@ class Wishes:
 class Converted:
     """The texts, what has to be told about them, and what the checker says of them (`sources` has the texts).
 
-    `functions` has the predicates that each new function stands for.
+    `functions` has the predicates that each new function stands for; `library` is what the files say, and
+    `words` say it in the domain's.
     """
 
     domain: str
@@ -64,6 +65,8 @@ class Converted:
     notes: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
+    library: Library
+    words: Vocabulary
 
 
 def convert(
@@ -87,7 +90,8 @@ def convert(
     remarks = Remarks(rules, state, symbols, members, translated, notes)
     texts = domain_text(domain, remarks), problem_text(problem, remarks)
     sources = (Source(paths[0], texts[0]), Source(paths[1], texts[1]))
-    return Converted(*texts, members, notes, _mistakes(*sources, wishes.predicates), sources)
+    mistakes = _mistakes(*sources, wishes.predicates)
+    return Converted(*texts, members, notes, mistakes, sources, library, words)
 
 
 def _domain(library: Library, words: Vocabulary, translated: tuple[Translated, ...], name: str) -> Domain:

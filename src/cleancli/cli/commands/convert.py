@@ -11,7 +11,7 @@ import click
 
 from cleancli.api.conversion_result import ConversionResult
 from cleancli.api.conversions import FORMATS, TARGETS, Wanted, converted
-from cleancli.api.experience_files import is_experience, is_trajectory
+from cleancli.api.experience_files import DATA, LINES, TRAJECTORY
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo, echo_refused
@@ -95,8 +95,8 @@ def command(
 ) -> int:
     """Convert PDDL and PPDDL files, a domain and any number of its problems; or rules.dat, state.dat and
     symbols.dat of libPRADA, of a folder or under other names. With --to, a domain and its problems (.nid or
-    PPDDL) are written as files of another language. Experience becomes trajectories of PDDL, and trajectories
-    become experience, where they are given beside their domain.
+    PPDDL) are written as files of another language. Experience (.jsonl) becomes trajectories of PDDL or
+    data.dat of libPRADA, and these become experience, where they are given beside their domain.
 
     Writes a domain and its problems into the folder --out, with comments that say what is from where. What
     the checker finds in them is printed; the exit code is 1 then.
@@ -118,7 +118,8 @@ def _few(paths: Sequence[str]) -> list[str]:
 def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> None:
     if made.diagnostics:
         echo_refused(Refused(made.diagnostics, made.sources))
-    experience = [str(path) for path in targets if is_experience(path.name) or is_trajectory(path.name)]
+    kinds = (LINES, TRAJECTORY, DATA)
+    experience = [str(path) for path in targets if path.name.endswith(kinds)]
     written = [str(path) for path in targets if str(path) not in experience]
     if as_data:
         data = {

@@ -28,6 +28,19 @@ class LibpradaNames:
         others = dict.fromkeys(each.name for each in experienced or ())
         self.numbers = _numbers([*(things | others)])
         self.typed = len(domain.types) > 1 or experienced is not None
+        self._claim(domain)
+
+    def _claim(self, domain: Domain) -> None:
+        """Give names in one order, whichever file asks first."""
+        for action in domain.actions:
+            self.of(action.name, "action")
+        for kind in domain.types if self.typed else ():
+            self.of(kind.name, "type")
+        for symbol in domain.symbols:
+            for value in (None,) if symbol.is_predicate else symbol.values:
+                self.of(self.predicates.of(symbol.name, value))
+        for name in (*(each.name for each in domain.derived), *(each.name for each in domain.counts)):
+            self.of(name)
 
     def of(self, name: str, kind: str = "symbol") -> str:
         """What a symbol is called: libPRADA's begin with a small letter."""
