@@ -18,7 +18,7 @@ from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Fact, Problem
 from cleancli.planning.plan import BadOption
-from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOUR
+from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOLL, TOUR
 from support.exported_ppddl import calls, cost, disagreements, drawn_values, meaning_of, written
 from support.random_domains import Generator
 
@@ -388,15 +388,16 @@ def test_libprada_alone_has_no_costs_and_its_notes_say_so() -> None:
     assert "costs" in cleancli.convert(DRIVEN, TOUR + "horizon = 3 }", to="libprada").notes[0]
 
 
-@pytest.mark.parametrize("to", ["ppddl", "rddl"])
-def test_what_an_outcome_pays_is_refused_where_it_stands(to: str) -> None:
-    text = (
-        "domain toll { predicates { there() } actions { go() }\n"
-        "rule go_there: go() { then 0.5: there(), reward += 2 rest: nothing } reward { goal - cost } }"
-    )
-    problem = "problem p { domain = toll goal { there() } horizon = 3 }"
-    with pytest.raises(Refused, match="what outcomes of `go_there` pay is not written yet") as refused:
-        cleancli.convert(text, problem, to=to)
-    span = refused.value.diagnostics[0].span
-    assert span is not None
-    assert text[span.start :].startswith("go_there: go()")
+def test_what_an_outcome_pays_is_paid_in_that_outcome() -> None:
+    horizon = "problem p { domain = toll goal { there() } horizon = 3 }"
+    made = cleancli.convert(TOLL, horizon, to="ppddl")
+    assert (
+        "    :effect (and\n"
+        "      (probabilistic 0.5 (and (there) (increase (reward) 2)) 0.25 (decrease (reward) 3))\n"
+        "      (decrease (reward) 1))"
+    ) in made.domain
+    made = cleancli.convert(TOLL, horizon.replace("= 3", "= unlimited"), to="ppddl")
+    assert (
+        "    :effect (and (probabilistic 0.5 (there) 0.25 (increase (total-cost) 1.5))"
+        " (increase (total-cost) 0.5))"
+    ) in made.domain

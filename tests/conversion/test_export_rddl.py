@@ -13,7 +13,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.planning.plan import BadOption
 from support import exported_ppddl
-from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOUR
+from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOLL, TOUR
 from support.exported_rddl import Simulated, chance_of, expected
 from support.shipped import shipped_domain, shipped_problem
 
@@ -94,6 +94,20 @@ def test_costs_by_objects_are_paid(tmp_path: Path) -> None:
     simulated.reset(0)
     assert simulated.step("drive", ("a", "b"))[1] == pytest.approx(-(1.5 + 1 / 3 + 2 + 2))
     assert simulated.step("sleep", ())[1] == pytest.approx(-0.25)
+
+
+def test_what_an_outcome_pays_is_paid_in_that_outcome(tmp_path: Path) -> None:
+    pytest.importorskip("pyRDDLGym")
+    domain = load_domain(Source("toll.nid", TOLL))
+    problem = load_problem(Source("p.nid", "problem p { domain = toll horizon = 3 }"), domain)
+    simulated = Simulated(domain, problem, tmp_path, 3)
+    paid: dict[bool, set[float]] = {True: set(), False: set()}
+    simulated.reset(0)
+    for _ in range(60):
+        simulated.reset(None)
+        state, reward, _ = simulated.step("go", ())
+        paid[bool(state["there"])].add(reward)
+    assert paid == {True: {2.0 - 1.0}, False: {-3.0 - 1.0, -1.0}}
 
 
 LAMPS_RDDL = """\

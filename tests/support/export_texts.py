@@ -37,7 +37,7 @@ domain everything {
   }
   rule push_loaded: push(?a, ?b) {
     when load(?a) >= 1, not alarm(), kind(?b) = paper, toll() != 3, exists ?s - shelf: below(?a, ?s)
-    then half: load(?a) += 2, load(?b) -= 1, load(first) += 1
+    then half: load(?a) += 2, load(?b) -= 1, load(first) += 1, reward += 2.5
          0.25: size(?a) := small, near(?a, ?b), if ?a != ?b, wet(?a) => (not wet(?a), wet(?b))
          1/8:  if wet(?a) => not wet(?a), if dry(?a) => wet(?a), forall ?o - box: near(?a, ?o) => at(?o, home)
          rest: noise
@@ -54,7 +54,8 @@ domain everything {
     then 1: wet(?t), size(?t) := medium, forall ?a ?b - box: near(?a, ?b), load(?a) = 3 => not near(?a, ?b)
   }
   rule ring_it: ring() {
-    then 0.5: forall ?b - box: open(?b) => (load(?b) := 0, not open(?b)), total() += 1
+    then 0.5: forall ?b - box: open(?b) => (load(?b) := 0, not open(?b)), total() += 1,
+              reward -= 1/3, cost += 2
          0.5: alarm(), total() -= 2
          0:   not alarm()
   }
@@ -136,3 +137,13 @@ problem tour {
   goal { at(b), tired(b) }
 """
 """Without its end: a horizon follows."""
+
+TOLL = """
+domain toll {
+  predicates { there() }
+  actions    { go() [cost = 0.5] }
+  rule go_there: go() { then 0.5: there(), reward += 2  0.25: cost += 1.5  rest: nothing }
+  reward     { goal - 2 * cost }
+}
+"""
+"""Outcomes that pay."""

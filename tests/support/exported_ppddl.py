@@ -15,6 +15,7 @@ import numpy as np
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent, Values
+from cleancli.compiler.lifted import LiftedState
 from cleancli.compiler.lifted_state import LiftedRules, StateView
 from cleancli.compiler.objects_by_type import ObjectsByType
 from cleancli.conversion.export.ppddl import ppddl
@@ -33,7 +34,7 @@ from cleancli.conversion.pddl.syntax import (
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Domain, Fact, Object, Problem, RewardKind, Symbol, Term, Value
+from cleancli.language.model import Domain, Fact, Object, Problem, RewardKind, Symbol, Term, Value, weight_of
 from support.pddl_meaning import Binding, Meaning, World
 
 Distribution = dict[World, Fraction]
@@ -125,6 +126,12 @@ def calls(domain: Domain, problem: Problem) -> Iterator[tuple[str, tuple[str, ..
 # ---- what happens
 
 
+def at_most_one_covers(rules: LiftedRules, state: LiftedState, action: str, names: tuple[str, ...]) -> bool:
+    """Whether no two rules of an action cover these objects in a state."""
+    numbers = [number for number, rule in enumerate(rules.domain.rules) if rule.action == action]
+    return sum(rules[number].covers(state, names) is not None for number in numbers) <= 1
+
+
 def counted(domain: Domain, problem: Problem, values: Values) -> dict[str, int]:
     """What the counts of a domain come to in a state."""
     state = frozenset(Fact(symbol, names, value) for (symbol, names), value in values.items())
@@ -186,7 +193,9 @@ def expected(
         if outcome.probability:
             world = world_of(rules.domain, after)
             likely[world] = likely.get(world, Fraction(0)) + outcome.probability
-            paid += outcome.probability * reward(rules.domain, problem, values, action, names, after)
+            earned = reward(rules.domain, problem, values, action, names, after) + outcome.reward
+            earned += weight_of(rules.domain, RewardKind.COST) * outcome.cost
+            paid += outcome.probability * earned
     return likely, paid
 
 
@@ -249,6 +258,8 @@ def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.
         covered = [each for each in every if rules.covering(state, *each)]
         among = covered if covered and rng.random() < 0.8 else every
         called = among[int(rng.integers(len(among)))]
+        if not at_most_one_covers(rules, state, *called):  # E603: such a domain says nothing here
+            continue
         try:
             wanted = expected(rules, problem, values, *called)
         except Refused:  # an outcome gives something two values (E602)

@@ -38,8 +38,8 @@ class Simulated:
 
             self._env: Any = pyRDDLGym.make(*map(str, paths))
 
-    def reset(self, seed: int) -> dict[str, object]:
-        """The first state of an episode."""
+    def reset(self, seed: int | None) -> dict[str, object]:
+        """The first state of an episode; without a seed draws go on."""
         with _quietly():
             state, _ = self._env.reset(seed=seed)
         return dict(state)

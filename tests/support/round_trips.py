@@ -33,7 +33,7 @@ from cleancli.language.model import (
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.variation import foretold
-from support.exported_ppddl import calls, drawn_values, written
+from support.exported_ppddl import at_most_one_covers, calls, drawn_values, written
 
 ACCURACY = 1e-9
 """How far a probability may be from what it was."""
@@ -85,6 +85,8 @@ def disagreements(
         covered = [each for each in every if before.covering(state, *each)]
         among = covered if covered and rng.random() < 0.8 else every
         action, names = among[int(rng.integers(len(among)))]
+        if not at_most_one_covers(before, state, action, names):
+            continue
         here = Transition(action, names, problem.objects, values, values)
         try:
             following = foretold(before, here)

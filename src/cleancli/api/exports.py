@@ -27,8 +27,6 @@ from cleancli.planning.plan import BadOption
 _LANGUAGES = {"ppddl": "PPDDL", "libprada": "libPRADA", "rddl": "RDDL"}
 """What messages call them."""
 
-_ONE_PAYMENT = "let the action cost what its outcomes cost on average"
-
 
 def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -> ConversionResult:
     """The files of another language, `to`, that a domain and its problems become: names of shipped files,
@@ -40,9 +38,6 @@ def exported(files: Sequence[str], to: str, noise: str, include_outside: bool) -
     domain, problems = opened([name for name in files if name not in experience], include_outside)
     models = [each.model for each in problems if isinstance(each.model, Problem)]
     unsaid = Unsaid(_LANGUAGES[to], domain.sources)
-    for rule in domain.model.rules:
-        if any(each.reward or each.cost for each in rule.outcomes) and to != "libprada":
-            unsaid.note(f"what outcomes of `{rule.name}` pay is not written yet", rule.span, _ONE_PAYMENT)
     if to == "ppddl":
         made = ppddl(domain.model, models, noise, unsaid)
         return with_trajectories(_result(domain, problems, made), domain.model, experience)

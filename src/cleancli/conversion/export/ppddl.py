@@ -70,7 +70,8 @@ class _Writer:
         self._costs = CostFunctions(domain, self._predicates.naming)
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
-        costly = any(action.has_cost for action in domain.actions)
+        outcomes = [outcome for rule in domain.rules for outcome in rule.outcomes]
+        costly = any(action.has_cost for action in domain.actions) or any(each.cost for each in outcomes)
         self._priced = costly and len(limited) < len(problems)
         # Only what actions and goals ask for is declared.
         self._actions = list(self._action_sections())
@@ -196,6 +197,7 @@ class _Writer:
                     payments_of(self._domain.reward, changes, known, self._formulas) if self._earned else ()
                 )
                 does = [*self._changes(changes, rule.variables), *self._payments(paid, rule.variables)]
+                does += self._paid(outcome.reward, outcome.cost)
                 branches.append((outcome.probability, _conjunction(does)))
         found = self._constant(action)
         acting = [(p, done) for p, done in branches if done != ("and",)]
@@ -206,16 +208,21 @@ class _Writer:
 
     def _constant(self, action: Action) -> list[Node]:
         """What the action costs, whatever comes of it."""
-        found: list[Node] = []
-        weight = weight_of(self._domain, RewardKind.COST)
-        price = action.cost * weight
-        price += Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
+        lasts = Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
+        found = self._paid(lasts, action.cost)
         if self._earned:
-            found += [_pay(price)] if price else []
-            found += self._by_functions("reward", action, weight)
+            found += self._by_functions("reward", action, weight_of(self._domain, RewardKind.COST))
         if self._priced:
-            found += [("increase", ("total-cost",), print_fraction(action.cost))] if action.cost else []
             found += self._by_functions("total-cost", action, Fraction(1))
+        return found
+
+    def _paid(self, reward: Fraction, cost: Fraction) -> list[Node]:
+        """What is paid beside what counts say, and what it costs."""
+        found: list[Node] = []
+        if self._earned and (price := reward + cost * weight_of(self._domain, RewardKind.COST)):
+            found.append(_pay(price))
+        if self._priced and cost:
+            found.append(("increase", ("total-cost",), print_fraction(cost)))
         return found
 
     def _by_functions(self, counted: str, action: Action, weight: Fraction) -> Iterator[Node]:

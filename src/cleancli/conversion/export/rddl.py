@@ -42,6 +42,7 @@ from cleancli.language.model import (
     Unlimited,
     Value,
     Variable,
+    weight_of,
 )
 from cleancli.language.printing.printer import print_float, print_fraction
 
@@ -271,6 +272,7 @@ class _Writer:
 
     def _reward(self) -> str:
         found = [text for term in self._domain.reward for text in self._paid(term)]
+        found += [text for ruled in self._rules for text in self._by_outcomes(ruled)]
         return "\n        + ".join(found) or "0"
 
     def _paid(self, term: RewardTerm) -> Iterator[str]:
@@ -304,6 +306,14 @@ class _Writer:
                         yield f"({_number(term.weight * price)}) * {self._done(action)}"
                     if term.kind is RewardKind.COST:
                         yield from self._by_functions(action, term.weight)
+
+    def _by_outcomes(self, ruled: _Ruled) -> Iterator[str]:
+        """What the outcomes of a rule pay by themselves."""
+        weight = weight_of(self._domain, RewardKind.COST)
+        for number, (outcome, _) in enumerate(ruled.outcomes, 1):
+            if price := outcome.reward + weight * outcome.cost:
+                happens = self._case(ruled, number, "true")
+                yield f"({_number(price)}) * (if ({happens}) then 1.0 else 0.0)"
 
     def _by_functions(self, action: Action, weight: Fraction) -> Iterator[str]:
         """What the action is paid by values of functions for its objects, so many times what it costs."""
@@ -349,7 +359,8 @@ class _Writer:
         discount = print_float(problem.discount)
         return (
             f"// Written by `cleancli convert` from a .nid file.\nnon-fluents {facts} {{\n"
-            f"    domain = {self.title};\n    objects {{\n{_indented(objects)}    }};\n"
+            f"    domain = {self.title};\n"
+            + (f"    objects {{\n{_indented(objects)}    }};\n" if objects else "")
             + (f"    non-fluents {{\n{_indented(fixed)}    }};\n" if fixed else "")
             + f"}}\n\ninstance {self.instance} {{\n    domain = {self.title};\n    non-fluents = {facts};\n"
             + (f"    init-state {{\n{_indented(begun)}    }};\n" if begun else "")
