@@ -32,11 +32,11 @@ from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode, Stopped
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.progress import working
-from cleancli.cli.questions import answer
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
+from cleancli.cli.views.motions import ask_before, way_of
 from cleancli.cli.views.teacher import ask
 from cleancli.execution.events import Event, Leaving, Started
 from cleancli.execution.loop import rehearsed, seconds_reached
@@ -49,7 +49,6 @@ from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
 from cleancli.learning.optimism import OPTIMISM
-from cleancli.motion.path import ToolPath
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.surface import NoSurface
 from cleancli.planning.registry import PLANNERS
@@ -376,23 +375,12 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
 
 
 def _ask(event: Event) -> None:
-    """Before a motion whether it may begin. A no ends the run as Ctrl-C does."""
+    """Before a motion whether it may begin."""
     match event:
         case Leaving():
-            what = "the arm leaves the camera's view"
+            ask_before("the arm leaves the camera's view", None)
         case Started(number, move, path) if path is not None:
-            what = f"{number}. {move}: {_told(path)}"
-        case _:
-            return
-    if not answer(lambda: click.confirm(f"{what}; may it?", default=False, err=True)):
-        raise KeyboardInterrupt
-
-
-def _told(path: ToolPath) -> str:
-    """Where a path leads, in centimetres."""
-    first, last, fastest = path.waypoints[0], path.waypoints[-1], max(w.speed for w in path.waypoints)
-    ends = [f"({100 * w.x:.1f}, {100 * w.y:.1f})" for w in (first, last)]
-    return f"from {ends[0]} cm to {ends[1]} cm at up to {fastest:g} m/s"
+            ask_before(f"{number}. {move}", path)
 
 
 def _rehearse(inputs: Inputs, file: Path) -> int:
@@ -412,7 +400,9 @@ def _rehearse(inputs: Inputs, file: Path) -> int:
     if begun is None or begun.path is None:
         echo(f"nothing seems worth doing; {file} shows what is seen")
     else:
-        echo(f"it would begin with {begun.move}: {_told(begun.path)}; {file} shows it, and nothing has moved")
+        echo(
+            f"it would begin with {begun.move}: {way_of(begun.path)}; {file} shows it, and nothing has moved"
+        )
     return ExitCode.DONE
 
 
