@@ -23,17 +23,15 @@ from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.session import Session, remote_session, robot_session
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.geometry.ellipse import Ellipse
-from cleancli.geometry.rgbd import Frame
 from cleancli.motion.actions import tool_path
 from cleancli.remote.client import Client
-from cleancli.remote.messages import FramePair
 from cleancli.remote.robot import RemoteRobot
 from cleancli.remote.server import Server
 from cleancli.remote.simulated import SimulatedDriver, description
-from cleancli.scene.model import Scene
 from cleancli.world.errors import RobotError
 from cleancli.world.robot import Robot, Status, polled
 from cleancli.world.table import PybulletTable
+from support.remote_scripted import WIDE, ScriptedDriver
 from support.scripted_robot import STROKE, Scripted
 from support.shipped import shipped_domain, shipped_scene
 from support.toy_driver import TOY, Toy, served
@@ -109,25 +107,11 @@ def test_a_robot_that_lacks_the_second_arm_of_its_scene_is_told() -> None:
             pass  # it has let go of the control
 
 
-class ScriptedDriver(Scripted):
-    """The scripted robot behind the protocol; it is told what happens to it."""
-
-    def __init__(self, scene: Scene, strokes: int) -> None:
-        super().__init__(scene, lambda done: ((-0.2, 0.1), (0.1, -0.15)) if done < strokes else ())
-
-    def observe(self) -> FramePair:  # type: ignore[override]
-        frame: Frame = super().observe()
-        camera, now = frame.camera, (self.clock, self.clock)
-        focal = (camera.focal, camera.focal)
-        return FramePair(frame.colour, frame.depth, *now, focal, camera.centre, camera.pose)
-
-
-WIDE = replace(TOY, limits=replace(TOY.limits, low=(-1.0, -1.0, -0.1), high=(1.0, 1.0, 1.0)))
-
-
 @pytest.fixture
 def driver() -> ScriptedDriver:
-    return ScriptedDriver(shipped_scene("two_groups"), 2)
+    return ScriptedDriver(
+        shipped_scene("two_groups"), lambda done: ((-0.2, 0.1), (0.1, -0.15)) if done < 2 else ()
+    )
 
 
 @contextmanager
@@ -225,7 +209,7 @@ def test_commands_that_look_use_the_drivers_camera(
     assert driver.strokes == 2, "nothing was cleaned"
 
 
-@pytest.mark.parametrize("words", [["scene", "SCENE"], ["act", "SCENE", "moveToContainerFast"]])
+@pytest.mark.parametrize("words", [["scene", "SCENE"]])
 def test_what_asks_for_the_truth_is_for_simulated_tables(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -96,14 +96,19 @@ def _load_scene(source: Source) -> Scene:
 def open_simulated(name: str, robot: str | None) -> Scene:
     """A scene whose table can be simulated, with this robot or else its own. Raises Refused, and UsageError
     for a robot at the end of a socket, of whose table nobody knows the truth."""
-    _, scene = open_scene(name)
-    scene = scene if robot is None else replace(scene, robot=robot, address=None)
+    scene = open_with(name, robot)
     if scene.address is not None:
         raise click.UsageError(
             f"the robot of `{scene.name}` is at {scene.address}, and only simulated tables tell where their "
             "dirt truly is: --robot names a robot to simulate"
         )
     return scene
+
+
+def open_with(name: str, robot: str | None) -> Scene:
+    """A scene with this simulated robot, or else its own. Raises Refused."""
+    _, scene = open_scene(name)
+    return scene if robot is None else replace(scene, robot=robot, address=None)
 
 
 def check_file(

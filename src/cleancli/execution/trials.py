@@ -46,15 +46,15 @@ class TrialResult(enum.Enum):
 @dataclass(frozen=True, slots=True)
 class Trial:
     """One try. `targets`: how many pieces of dirt the action was meant for, particles or cells of ink; `left`
-    of them on the table. `lost`: particles on the floor. `before` and `after` (n, 2): where all dirt lay on
-    the table; `stroke` (n, 2): where the tool was meant to go on the surface. `seconds` of robot time.
-    `failure`: why the robot could not follow its path, or nothing."""
+    of them on the table. `lost`: particles on the floor, None where nobody knows. `before` and `after`
+    (n, 2): where all dirt lay on the table; `stroke` (n, 2): where the tool was meant to go on the surface.
+    `seconds` of robot time. `failure`: why the robot could not follow its path, or nothing."""
 
     seed: int
     outcome: TrialResult
     targets: int
     left: int
-    lost: int
+    lost: int | None
     seconds: float
     before: Points
     after: Points
@@ -80,7 +80,7 @@ def attempt(
         frames = [table.observe() for _ in range(FRAMES_PER_LOOK)]
         start = table.truth()
         try:
-            chosen = _chosen(track((), perceive(frames, scene, rng).areas, None, 1).areas, names, arity)
+            chosen = chosen_areas(track((), perceive(frames, scene, rng).areas, None, 1).areas, names, arity)
         except NoSurface:
             chosen = ()
         if len(chosen) < arity:
@@ -108,10 +108,17 @@ def judge(before: Points, after: Points, gathering: bool, areas: int, link: floa
     """What became of the dirt of so many areas, which lay at `before` (n, 2); `after` (m, 2) is where what is
     left of it lies on the table. Middles closer than `link` make one group."""
     groups = len(linked(after, link))
+    has_shrunk = gathering and groups == areas == 1 and extent(after) < extent(before)
+    return ended(groups, gathering, areas, has_shrunk)
+
+
+def ended(groups: int, gathering: bool, areas: int, has_shrunk: bool) -> TrialResult:
+    """What became of the dirt of so many areas that is now so many groups; `has_shrunk`: a group that was
+    one area reaches less far than that did."""
     if groups > areas:
         return TrialResult.SPREAD_OUT
     if gathering:
-        together = groups == 0 or (groups == 1 and (areas > 1 or extent(after) < extent(before)))
+        together = groups == 0 or (groups == 1 and (areas > 1 or has_shrunk))
         return TrialResult.NONE_LEFT if together else TrialResult.SOME_LEFT
     return TrialResult.SOME_LEFT if groups else TrialResult.NONE_LEFT
 
@@ -139,7 +146,7 @@ def extent(points: Points) -> float:
     return float(np.linalg.norm(points[:, None] - points[None], axis=2).max())
 
 
-def _chosen(seen: Sequence[Area], names: Sequence[str], arity: int) -> tuple[Area, ...]:
+def chosen_areas(seen: Sequence[Area], names: Sequence[str], arity: int) -> tuple[Area, ...]:
     """The areas asked for, as far as they were seen; the first `arity`, where none were asked for."""
     if not names:
         return tuple(seen[:arity])
