@@ -7,6 +7,7 @@ for each frame `colour-000.png` (RGB) and `depth-000.png` (16 bits, millimetres,
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -26,6 +27,8 @@ LARGEST_PICTURE = 64 << 20
 """Bytes of a file."""
 JPEG = b"\xff\xd8"
 JPEG_ENDS = (".jpg", ".jpeg")
+
+_LOOK = re.compile(r"look-(\d{3,9})")
 
 
 def save_frames(frames: Sequence[Frame], folder: Path) -> None:
@@ -48,6 +51,12 @@ def save_frames(frames: Sequence[Frame], folder: Path) -> None:
         "clocks": [frame.clock for frame in frames],
     }
     replace_file(folder / CAMERA, json.dumps(described, indent=2) + "\n")
+
+
+def free_look(folder: Path) -> Path:
+    """The folder of a set that comes after all that there are in `folder`."""
+    found = [int(name[1]) for path in folder.glob("look-*") if (name := _LOOK.fullmatch(path.name))]
+    return folder / f"look-{max(found, default=0) + 1:03}"
 
 
 def load_frames(folder: Path) -> tuple[Frame, ...]:

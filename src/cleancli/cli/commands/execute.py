@@ -38,7 +38,7 @@ from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.live import show
 from cleancli.cli.views.motions import ask_before, way_of
 from cleancli.cli.views.teacher import ask
-from cleancli.execution.events import Event, Leaving, Started
+from cleancli.execution.events import Event, Leaving, Looked, Started
 from cleancli.execution.loop import rehearsed, seconds_reached
 from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
@@ -50,6 +50,7 @@ from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.perception.frame_source import BadRecording
+from cleancli.perception.recorded import free_look, save_frames
 from cleancli.perception.surface import NoSurface
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import PAGE, RUN
@@ -174,6 +175,13 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     "--rrd", type=options.FILE, metavar="FILE", help="Write the run for the Rerun viewer, as it goes on."
 )
 @click.option(
+    "--save-frames",
+    "saved",
+    type=options.FOLDER,
+    metavar="FOLDER",
+    help="Write the frame that each look ends with into this folder, as `perceive` reads it.",
+)
+@click.option(
     "--dry-run",
     "rehearsal",
     type=options.FILE,
@@ -217,6 +225,7 @@ def command(
     runs: Path,
     video: bool,
     rrd: Path | None,
+    saved: Path | None,
     rehearsal: Path | None,
     confirm: bool,
     as_data: bool,
@@ -229,7 +238,7 @@ def command(
     Exit code 3 if something is left at the end; the summary says where every lentil truly is and how much
     ink is left, apart from what perception believed.
     """
-    said = _Said(as_data, quiet, rrd, confirm)
+    said = _Said(as_data, quiet, rrd, saved, confirm)
     if resume is not None:
         _refuse_beside_resume()
         results = resumed(resume, _note, lambda opened: _carry_out(opened, said))
@@ -303,12 +312,14 @@ def _known(known: int | None, epsilon: float | None, delta: float | None) -> int
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """How the run is told: as data, or not at all; in which file for the Rerun viewer, if in any; and whether
-    a person is asked before each motion, who then needs the terminal."""
+    """How the run is told: as data, or not at all; in which file for the Rerun viewer, if in any; into which
+    folder frames are `saved`, if they are; and whether a person is asked before each motion, who then needs
+    the terminal."""
 
     as_data: bool
     quiet: bool
     rrd: Path | None
+    saved: Path | None
     asks: bool
 
     @property
@@ -324,6 +335,7 @@ def _refuse_beside_resume() -> None:
         source = context.get_parameter_source(name)
         given = source not in (ParameterSource.DEFAULT, None) and name not in (
             "resume",
+            "saved",
             "confirm",
             "as_data",
             "quiet",
@@ -359,6 +371,8 @@ def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
                     _ask(event)
                 if stream is not None:
                     stream.write(event)
+                if said.saved is not None and isinstance(event, Looked) and event.frame is not None:
+                    save_frames((event.frame,), free_look(said.saved))
 
             result = carry_out(opened, follow, None if said.silently else ask)
     except RunStopped as stopped:
