@@ -32,8 +32,41 @@ class Blank:
         return made
 
 
+def only(*names: str) -> type[Blank]:
+    """A message with these fields alone, as its definition has them: a driver that sets another one would
+    fail at a real arm."""
+
+    class Message(Blank):
+        def __init__(self, **parts: Any) -> None:
+            for name, part in parts.items():
+                setattr(self, name, part)
+
+        def __setattr__(self, name: str, part: Any) -> None:
+            assert name in names, f"the message has no field `{name}`"
+            self.__dict__[name] = part
+
+        def __getattr__(self, name: str) -> Any:
+            assert name in names or name.startswith("__"), f"the message has no field `{name}`"
+            return super().__getattr__(name)
+
+    return Message
+
+
+# The fields by moveit_msgs/srv/GetCartesianPath, control_msgs/action/FollowJointTrajectory and their parts.
+CartesianRequest = only(
+    *("header", "start_state", "group_name", "link_name", "waypoints", "max_step", "jump_threshold"),
+    *("avoid_collisions", "path_constraints"),
+)
+TrajectoryGoal = only("trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance")
+TrajectoryPoint = only("positions", "velocities", "accelerations", "effort", "time_from_start")
+Pose = only("position", "orientation")
+Duration = only("sec", "nanosec")
+
+
 class Trajectory:
     """trajectory_msgs/JointTrajectory."""
+
+    __slots__ = ("header", "joint_names", "points")
 
     def __init__(self) -> None:
         self.joint_names: list[str] = []
@@ -103,7 +136,7 @@ class Cell:
         found = Trajectory()
         found.joint_names = ["x", "y", "z", "yaw"]
         found.points = [
-            Blank(positions=row.tolist(), time_from_start=Blank(sec=0, nanosec=0))
+            TrajectoryPoint(positions=row.tolist(), time_from_start=Duration(sec=0, nanosec=0))
             for row in joints[: count if reached.all() else int(reached.argmin())]
         ]
         answer = Blank(fraction=len(found.points) / count, error_code=Blank(val=1))
@@ -170,15 +203,15 @@ def put_in_place(monkeypatch: pytest.MonkeyPatch) -> None:
         "sensor_msgs": {"__path__": []},
         "sensor_msgs.msg": {"CameraInfo": Blank, "Image": Blank},
         "builtin_interfaces": {"__path__": []},
-        "builtin_interfaces.msg": {"Duration": Blank},
+        "builtin_interfaces.msg": {"Duration": Duration},
         "geometry_msgs": {"__path__": []},
-        "geometry_msgs.msg": {"Pose": Blank},
+        "geometry_msgs.msg": {"Pose": Pose},
         "control_msgs": {"__path__": []},
-        "control_msgs.action": {"FollowJointTrajectory": SimpleNamespace(Goal=Blank)},
+        "control_msgs.action": {"FollowJointTrajectory": SimpleNamespace(Goal=TrajectoryGoal)},
         "moveit_msgs": {"__path__": []},
-        "moveit_msgs.srv": {"GetCartesianPath": SimpleNamespace(Request=Blank)},
+        "moveit_msgs.srv": {"GetCartesianPath": SimpleNamespace(Request=CartesianRequest)},
         "trajectory_msgs": {"__path__": []},
-        "trajectory_msgs.msg": {"JointTrajectory": Trajectory, "JointTrajectoryPoint": Blank},
+        "trajectory_msgs.msg": {"JointTrajectory": Trajectory, "JointTrajectoryPoint": TrajectoryPoint},
         "tf2_ros": {"Buffer": Frames, "TransformListener": Frames.listen},
     }
     for name, held in parts.items():
