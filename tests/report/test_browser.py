@@ -86,6 +86,19 @@ def test_nothing_sticks_out(
     assert (brightness(ground) > brightness(ink)) == (scheme == "light")
 
 
+@pytest.mark.parametrize("width", [400, 1280])
+def test_no_table_of_a_series_needs_to_be_scrolled(browser: Browser, width: int, tmp_path: Path) -> None:
+    """docs/report.md."""
+    folder = write_series(tmp_path / "evening-seed1-series-001")
+    assert run(["report", str(folder)]) == 0
+    page, _ = opened(browser, folder / "report.html", width)
+    assert page.locator(".scroll").count() > 1
+    beyond = page.evaluate(
+        "[...document.querySelectorAll('.scroll')].map(e => e.scrollWidth - e.clientWidth)"
+    )
+    assert not any(beyond)
+
+
 def test_the_columns_of_a_series_are_as_high_as_its_seconds(browser: Browser, tmp_path: Path) -> None:
     folder = write_series(tmp_path / "evening")
     assert run(["report", str(folder)]) == 0

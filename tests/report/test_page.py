@@ -268,20 +268,24 @@ def test_a_run_that_took_no_time_has_no_axis_and_is_a_page_all_the_same(tmp_path
 
 
 def test_a_symbolic_run_hides_nothing_from_the_planner_and_has_no_seconds_of_looks(tmp_path: Path) -> None:
-    spent = {"planning": 1.0, "transits": 0.0, "actions": 9.0, "perceiving": 0.0, "extra_perceptions": 0.0}
+    spent = {"planning": 1.0, "transits": 0.0, "actions": 9.0, "perceiving": 0.004, "extra_perceptions": 0.0}
     episode = {"reason": "the goal holds", "clean": True, "actions": 1, "seconds": {**spent, "total": 10.0}}
     acted = RECORDS[6]
     assert isinstance(acted, Acted)
     acted = replace(acted, seconds={"transits": 0.0, "actions": 9.0})
     records = (looked(0.0), RECORDS[4], acted, Spent(acted.seconds))
     told = {}
-    for name, truth in (("symbolic", {"facts": 10}), ("table", {"particles": 3, "on_table": 0})):
+    for name, truth in (
+        ("symbolic", {"facts": 10, "goal": True}),
+        ("table", {"particles": 3, "on_table": 0}),
+    ):
         folder = write_run(tmp_path / name, records, 0, episode=episode, truth=truth)
         told[name] = text_of(run_page(read_run(folder)))
     for kind in ("transits", "perceiving", "extra perceptions"):
         assert kind in told["table"]
         assert kind not in told["symbolic"]
     assert "planning 1.00" in told["symbolic"]
+    assert "the goal holds yes" in told["symbolic"]
     assert "Neither perception nor the planner has seen this." in told["table"]
     assert "The planner sees every fact of the symbolic world. facts 10" in told["symbolic"]
     assert "Neither perception nor the planner" not in told["symbolic"]

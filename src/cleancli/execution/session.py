@@ -23,7 +23,7 @@ from cleancli.language.model import Domain, Problem
 from cleancli.remote.messages import DUSTPAN
 from cleancli.remote.robot import RemoteRobot
 from cleancli.scene.model import Scene
-from cleancli.simulation.symbolic_world import world_of
+from cleancli.simulation.symbolic_world import succeeded, world_of
 from cleancli.world.errors import RobotError
 from cleancli.world.kinematic import KinematicTable
 from cleancli.world.robot import Robot, Status
@@ -139,7 +139,10 @@ def symbolic_session(
         setup,
         cell,
         None,
-        lambda: {"facts": len(rules.facts(cell.assignment))},
+        lambda: {
+            "facts": len(rules.facts(cell.assignment)),
+            "goal": succeeded(rules, cell.assignment) if rules.has_goal else None,
+        },
         lambda: {"assignment": np.array(cell.assignment), "clock": np.array(cell.clock)},
         lambda: None,
         lambda: None,

@@ -32,6 +32,7 @@ class RunRow:
     on_floor: int | None
     ink_left: float | None
     symbolic: bool = False
+    goal: bool | None = None
 
     @property
     def verdict(self) -> str:
@@ -75,7 +76,17 @@ def row_of(run: Run) -> RunRow:
         on_floor=truth.on_floor,
         ink_left=truth.ink_left,
         symbolic=symbolic,
+        goal=truth.goal,
     )
+
+
+SHOWN = 0.005
+"""Seconds that are shown as more than 0.00."""
+
+
+def taken(spent: Mapping[str, float], symbolic: bool) -> Mapping[str, float]:
+    """Seconds by kind; in the symbolic world without the kinds that take none there, as looks do."""
+    return {kind: s for kind, s in spent.items() if s >= SHOWN} if symbolic else spent
 
 
 def name_of(kind: str) -> str:

@@ -21,7 +21,7 @@ from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.language.diagnostics.plural import plural
 from cleancli.recording.folder import PAGE
 from cleancli.recording.journal import Planned
-from cleancli.report.account import colour_of, name_of, row_of
+from cleancli.report.account import colour_of, name_of, row_of, taken
 from cleancli.report.pictures import data_uri
 from cleancli.report.plots import marks
 from cleancli.report.run import Run, read_run
@@ -89,7 +89,7 @@ def run_page(run: Run) -> str:
     """The page of one run, as far as the run has come."""
     steps = steps_of(run.records)
     row, first = row_of(run), data_uri(run.picture(0))
-    spent = _taken(run.spent(), row.symbolic)
+    spent = taken(run.spent(), row.symbolic)
     sections = len(steps) + (first is not None)
     script = _script() if sections > 1 else ""
     stretches, counts = timeline(run.records)
@@ -117,11 +117,6 @@ def run_page(run: Run) -> str:
             kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(spent)],
         )
     )
-
-
-def _taken(spent: Mapping[str, float], symbolic: bool) -> Mapping[str, float]:
-    """Seconds by kind; in the symbolic world without the kinds that take none there, as looks do."""
-    return {kind: s for kind, s in spent.items() if s} if symbolic else spent
 
 
 def _script() -> str:
@@ -190,6 +185,8 @@ def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
     row = row_of(run)
     yield "in all" if row.clean is not None else "so far", f"{row.total:.1f} s"
     yield "actions", str(row.actions)
+    if row.goal is not None:
+        yield "the goal holds", "yes" if row.goal else "no"
     if steps:
         expected = sum(not _surprise(step, likeliest(step.expected)) for step in steps)
         yield "went as was likeliest", f"{expected} of {len(steps)}"
@@ -246,7 +243,7 @@ def _view(step: Step, run: Run, settable: frozenset[str], symbolic: bool) -> Ste
         facts_text([fact for fact in step.changed if fact.symbol in settable]),
         facts_text([fact for fact in step.changed if fact.symbol not in settable]),
         _surprise(step, best),
-        bars(_taken(step.seconds, symbolic)),
+        bars(taken(step.seconds, symbolic)),
     )
 
 

@@ -49,7 +49,8 @@ class Episode:
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Where the dirt of a table truly was at the end, or how many facts held in the symbolic world."""
+    """Where the dirt of a table truly was at the end, or how many facts held in the symbolic world, and
+    whether the goal did."""
 
     particles: Count | None = None
     in_container: Count | None = None
@@ -60,6 +61,7 @@ class Truth:
     ink_left: Annotated[float, Meta(ge=0, le=1)] | None = None
     left_on_table_at: tuple[tuple[Metres, Metres], ...] | None = None
     facts: Count | None = None
+    goal: bool | None = None
 
     def items(self) -> tuple[tuple[str, object], ...]:
         """What is known, by name."""

@@ -10,7 +10,7 @@ from statistics import fmean
 from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.recording.folder import PAGE
-from cleancli.report.account import RunRow, colour_of, name_of, row_of
+from cleancli.report.account import RunRow, colour_of, name_of, row_of, taken
 from cleancli.report.page import Bar, bars, seconds_text, templates
 from cleancli.report.plots import Marks, Step, band, line, marks, numbered, stairs, thinned
 from cleancli.report.rules import RuleCourse, actions_of, courses
@@ -83,7 +83,9 @@ def series_page(series: Series) -> str:
     first, ends = series.runs[0], actions_of(series.runs)
     end = float(ends[-1])
     longest = max(row.total for row in rows)
-    kinds = in_order({kind: 0.0 for row in rows for kind, spent in row.seconds.items() if spent})
+    kinds = in_order(
+        {kind: 0.0 for row in rows for kind, spent in taken(row.seconds, row.symbolic).items() if spent}
+    )
     return (
         templates()
         .get_template("series.html")
@@ -116,12 +118,17 @@ def _verdict(series: Series, rows: Sequence[RunRow]) -> tuple[str, str]:
     if over < asked:
         return "cut short", f"{over} of {asked} episodes are over: it was stopped or killed, or still goes on"
     word = "done" if any(row.symbolic for row in rows) else "clean"
-    return ("" if clean == over else "not ") + word, f"{clean} of {over} episodes ended so"
+    if clean == over:
+        return word, f"{clean} of {over} episodes ended so"
+    return f"not {word}", f"{clean} of {over} episodes ended {word}"
 
 
 def _figures(series: Series, rows: Sequence[RunRow]) -> Iterator[tuple[str, str]]:
     yield "episodes", f"{len(rows)} of {series.header.episodes}"
     half = max(1, len(rows) // 2)
+    goals = [row.goal for row in rows if row.goal is not None]
+    if goals:
+        yield "the goal held in", f"{sum(goals)} of {len(goals)}"
     yield "actions in all", str(sum(row.actions for row in rows))
     yield "seconds in all", seconds_text(sum(row.total for row in rows))
     if len(rows) > 1:
