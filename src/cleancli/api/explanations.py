@@ -1,9 +1,9 @@
-"""Why an action does what it does in a problem's initial state, in words."""
+"""Why an action does what it does in a problem's initial state, or after other actions, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cleancli.api.inputs import GivenDomain, GivenProblem, LoadedProblem, load_problem
 from cleancli.api.plain import fields_of
@@ -11,11 +11,13 @@ from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.explain import Attempt, Bound, Explanation, Failure, OutcomeHere, UnclearReference
 from cleancli.compiler.explain import explain as explained
-from cleancli.language.calls import read_action
+from cleancli.compiler.fluents import values_of
+from cleancli.language.calls import Call, read_action, read_actions
 from cleancli.language.load import located_in
 from cleancli.language.model import (
     Domain,
     Equality,
+    Fact,
     Literal,
     OutcomeKind,
     Problem,
@@ -60,11 +62,21 @@ class OtherRule:
 
 
 @dataclass(frozen=True, slots=True)
+class DoneBefore:
+    """An action before the one that is explained, and the `effects` that it is taken to have had."""
+
+    action: str
+    effects: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ExplanationResult:
-    """What an action would do, and by which `rule`; None: by none, and the default rule says what happens."""
+    """What an action would do, and by which `rule`; None: by none, and the default rule says what happens.
+    `after` are the actions before it, with the result that each is taken to have had."""
 
     action: str
     arguments: tuple[str, ...]
+    after: tuple[DoneBefore, ...]
     rule: str | None
     outcomes: tuple[ExplainedOutcome, ...]
     other_rules: tuple[OtherRule, ...]
@@ -79,37 +91,67 @@ class ExplanationResult:
 
     def _repr_html_(self) -> str:
         rows = tuple((f"{o.probability:g}", ", ".join(o.effects) or o.kind) for o in self.outcomes)
-        called = f"{self.action}({', '.join(self.arguments)})"
+        called = _called(self.action, self.arguments)
         rule = "no rule covers it" if self.rule is None else f"rule {self.rule}"
         table = TextTable(("probability", "what happens"), rows, (1,)).html()
         return f"<div><p>{shown(called)}: {shown(rule)}</p>{table}{preformatted(self.text)}</div>"
 
 
-def explain(domain: GivenDomain, problem: GivenProblem, action: str) -> ExplanationResult:
+def explain(
+    domain: GivenDomain, problem: GivenProblem, action: str, *, after: str | Sequence[str] = ()
+) -> ExplanationResult:
     """What an action like "join2(a1, a3)" would do in the initial state, and by which rule; if no rule covers
-    it, what each of its rules lacks. Raises Refused."""
-    return explanation(load_problem(problem, domain), action)
+    it, what each of its rules lacks. `after` are actions that are done before, a text or a list: each has the
+    likeliest of its results that change something. Raises Refused."""
+    text = after if isinstance(after, str) else " ".join(after)
+    return explanation(load_problem(problem, domain), action, text)
 
 
-def explanation(given: LoadedProblem, action: str) -> ExplanationResult:
+def explanation(given: LoadedProblem, action: str, after: str = "") -> ExplanationResult:
     """The same for a loaded problem; for a scene, the state is that of one look at its table."""
     looked, _ = seen(given, None, {})
-    name, arguments = read_action(action, looked.domain, looked.problem)
+    domain, problem = looked.domain, looked.problem
+    name, arguments = read_action(action, domain, problem)
+    before = list[DoneBefore]()
     with located_in(*given.sources):
-        found = explained(looked.domain, looked.problem, name, arguments)
-    return _result(looked.domain, looked.problem, found)
+        for call in read_actions(after, domain, problem):
+            done, problem = _done(domain, problem, call)
+            before.append(done)
+        found = explained(domain, problem, name, arguments)
+    return _result(domain, problem, found, before)
 
 
-def _result(domain: Domain, problem: Problem, found: Explanation) -> ExplanationResult:
+def _done(domain: Domain, problem: Problem, call: Call) -> tuple[DoneBefore, Problem]:
+    """An action with the likeliest of its results that change something, and the problem after it."""
+    found = explained(domain, problem, *call)
+    outcomes = found.default if found.covering is None else found.covering.outcomes
+    likely = max((o for o in outcomes if o.changes), key=lambda o: o.probability, default=None)
+    changes = () if likely is None else likely.changes
+    values = values_of(problem.state) | {
+        (change.fact.symbol, change.fact.objects): change.fact.value for change in changes
+    }
+    state = frozenset(Fact(*fluent, value) for fluent, value in values.items() if value is not False)
+    effects = tuple(effect_text(each.fact.symbol, each.fact.objects, each.fact.value) for each in changes)
+    return DoneBefore(_called(*call), effects), replace(problem, state=state)
+
+
+def _called(action: str, arguments: Sequence[str]) -> str:
+    return f"{action}({', '.join(arguments)})"
+
+
+def _result(
+    domain: Domain, problem: Problem, found: Explanation, before: Sequence[DoneBefore]
+) -> ExplanationResult:
     symbols, covering = symbols_of(domain), found.covering
     outcomes = found.default if covering is None else covering.outcomes
     return ExplanationResult(
         found.action,
         tuple(found.arguments),
+        tuple(before),
         None if covering is None else covering.name,
         tuple(ExplainedOutcome(float(o.probability), o.kind.value, tuple(_effects(o))) for o in outcomes),
         tuple(_other(attempt, symbols) for attempt in found.attempts),
-        "\n".join(_lines(domain, problem, found)),
+        "\n".join(_lines(domain, problem, found, before)),
     )
 
 
@@ -119,13 +161,18 @@ def _other(attempt: Attempt, symbols: Mapping[str, Symbol]) -> OtherRule:
     return OtherRule(attempt.name, dict(attempt.binding), tuple(failing), unclear)
 
 
-def _lines(domain: Domain, problem: Problem, found: Explanation) -> Iterator[str]:
-    called = f"{found.action}({', '.join(found.arguments)})"
+def _lines(
+    domain: Domain, problem: Problem, found: Explanation, before: Sequence[DoneBefore]
+) -> Iterator[str]:
+    called = _called(found.action, found.arguments)
+    for done in before:
+        yield f"after {done.action}: {', '.join(done.effects) or 'nothing has changed'}"
     if found.covering is not None:
         yield f"{called}: covered by rule {found.covering.name}{_binding(found.covering.binding)}"
         yield from (f"  {_outcome(outcome)}" for outcome in found.covering.outcomes)
     else:
-        yield f"{called}: no rule covers it in the initial state of {problem.name}"
+        where = "then" if before else f"in the initial state of {problem.name}"
+        yield f"{called}: no rule covers it {where}"
         yield "default"
         yield from (f"  {_outcome(outcome)}" for outcome in found.default)
     for attempt in found.attempts:

@@ -15,8 +15,14 @@ from cleancli.cli.progress import working
 
 
 @command_of("explain")
+@click.option(
+    "--after",
+    metavar="ACTIONS",
+    default="",
+    help='Explain it in the state after others, like "fill(jug)": each has its likeliest change.',
+)
 @options.as_json("Print the explanation as JSON.")
-def command(domain: str, problem: str, action: str, as_data: bool) -> None:
+def command(domain: str, problem: str, action: str, after: str, as_data: bool) -> None:
     """Say what ACTION, like "pour(jug, glass)", would do in the initial state of PROBLEM, and by which rule.
 
     If no rule covers it, say of each of its rules which literals fail, and what holds instead. For a scene,
@@ -24,7 +30,7 @@ def command(domain: str, problem: str, action: str, as_data: bool) -> None:
     """
     given = open_given(domain, problem)
     with working("looking at the table", quiet=not given.is_scene):
-        found = explanation(given, action)
+        found = explanation(given, action, after)
     if as_data:
         click.echo(json.dumps(found.to_dict(), indent=2))
     else:
