@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import cleancli
 from cleancli.cli.main import run
 
 LAMPS = """
@@ -96,3 +97,44 @@ def test_the_margin_is_told_of_the_planners_that_have_one(capsys: pytest.Capture
         told = said(capsys, f"plan lamps.nid two.nid --planner {planner}")
         assert "nothing worth doing: no plan found within 2 actions is worth more than that" in told
         assert ("for prada and aprada" in told) == has_margin
+
+
+def test_a_domain_that_is_nowhere_is_told_at_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    problem = tmp_path / "p.nid"
+    problem.write_text("problem p {\n  domain = cleanign\n}\n", encoding="utf-8")
+    assert run(["check", str(problem)]) == 1
+    out = capsys.readouterr().out
+    assert f"{problem}:2:12: error[E001]: no file `cleanign`, and no shipped domain of that name" in out
+    assert "did you mean `cleaning`?" in out
+
+
+def test_a_problem_before_its_domain_is_told_so_in_python() -> None:
+    with pytest.raises(cleancli.Refused) as refused:
+        cleancli.plan("problem p { domain = cleaning }", "domain d { types { t } reward { } }")
+    assert refused.value.diagnostics[0].help == "name the domain first"
+    with pytest.raises(cleancli.Refused) as refused:
+        cleancli.plan("problem p { domain = cleaning }", "problem q { domain = cleaning }")
+    assert refused.value.diagnostics[0].help == ""
+
+
+def test_rules_that_are_compared_name_the_one_that_says_two_things(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = """domain jugs {
+  types { jug }
+  predicates { full(?j - jug) }
+  derived { filled := count ?j - jug: full(?j) }
+  actions { pour(?a ?b - jug) }
+  rule pouring: pour(?a, ?b) { when full(?a) then 1: not full(?a), full(?b) }
+  reward { filled }
+}
+"""
+    (tmp_path / "jugs.nid").write_text(text, encoding="utf-8")
+    assert (
+        run(["compare-rules", str(tmp_path / "jugs.nid"), str(tmp_path / "jugs.nid"), "--states", "60"]) == 0
+    )
+    out = " ".join(capsys.readouterr().out.split())
+    assert "left out, where an outcome gives one fact two values (E602); the first: for pour(" in out
+    assert "in this outcome of rule `pouring`" in out

@@ -3,7 +3,7 @@ loaded before."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -107,7 +107,7 @@ def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
     """
     if not isinstance(problem, LoadedProblem) and is_pddl(source := source_of(problem, "problem")):
         return _pddl_problem(source, domain)
-    domain = load_domain(domain)
+    domain = _loaded_first(domain, problem)
     if isinstance(problem, LoadedProblem):
         if problem.domain.model == domain.model:
             return problem
@@ -121,6 +121,19 @@ def load_problem(problem: GivenProblem, domain: GivenDomain) -> LoadedProblem:
         return LoadedProblem(scene.name, scene, domain, problem_source)
     model = checked_problem(problem_source, domain.model)
     return LoadedProblem(model.name, model, domain, problem_source)
+
+
+def _loaded_first(domain: GivenDomain, problem: GivenProblem) -> LoadedDomain:
+    """The domain. Raises Refused, which says so where a problem was given first and its domain after it."""
+    try:
+        return load_domain(domain)
+    except Refused as refused:
+        (first, *_) = refused.diagnostics
+        if first.code != "E106" or isinstance(problem, LoadedProblem):
+            raise
+        if kind_of(source_of(problem, "problem")) != "domain":
+            raise
+        raise Refused([replace(first, help="name the domain first")], refused.sources) from None
 
 
 def refuse_learning_pddl(domain: LoadedDomain) -> None:

@@ -170,9 +170,11 @@ def comparison(
         source = f"{plural(len(given), 'state')} drawn with seed {seed}"
     found = compared(one, other, given)
     notes = [f"TV {_number(found.variation)} in the mean over {source}"]
-    if found.unclear:
+    if found.conflict is not None:
+        where = f"{found.conflict.message}, {found.conflict.label}"
         notes.append(
-            f"{plural(found.unclear, 'state')} left out, where an outcome gives one fact two values (E602)"
+            f"{plural(found.unclear, 'state')} left out, where an outcome gives one fact two values (E602);"
+            f" the first: {where}"
         )
     same = sum(pair.likeness is Likeness.SAME for pair in found.pairs)
     notes.append(f"{plural(same, 'rule')} of {len(one.rules)} and {len(other.rules)} say the same")

@@ -135,10 +135,21 @@ def check_file(
         case "study":
             return _check_study(source)
         case _:
-            name = domain_named(source).text
-            beside = path.parent / f"{name}.nid"
-            domain = read_source(find(str(beside) if beside.exists() else name, "domains"))
-            return _check_problem(source, domain)
+            return _check_problem(source, _domain_of(source, path))
+
+
+def _domain_of(source: Source, path: Path) -> Source:
+    """The text of the domain that a problem names: the file beside it, or the shipped one. Raises Refused,
+    with the place of the name where there is neither."""
+    named = domain_named(source)
+    beside = path.parent / f"{named.text}.nid"
+    if beside.exists():
+        return read_source(beside)
+    try:
+        return read_source(find(named.text, "domains"))
+    except Refused as refused:
+        found = [replace(each, span=each.span or named.span) for each in refused.diagnostics]
+        raise Refused(found, (source,)) from None
 
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Object
 from cleancli.learning.experience import Transition
@@ -51,13 +52,14 @@ class Comparison:
     """The pairs of rules that some state, or their text, brings together, and the rules that none does.
 
     `variation` is the total variation over all states in the mean. In `unclear` of them, which count for
-    nothing, an outcome gives one fact two values (E602).
+    nothing, an outcome gives one fact two values (E602); `conflict` says so of the first.
     """
 
     pairs: tuple[RulePair, ...]
     states: int
     variation: float
     unclear: int
+    conflict: Diagnostic | None
 
 
 NEGLIGIBLE = 1e-9
@@ -70,12 +72,14 @@ def compared(one: Domain, other: Domain, states: Iterable[Transition]) -> Compar
     numbers: Counter[_Key] = Counter()
     totals: dict[_Key, float] = {}
     worst: dict[_Key, Witness] = {}
+    conflict: Diagnostic | None = None
     seen = unclear = 0
     for each in states:
         try:
             off = _distance(both, each)
-        except Refused:
+        except Refused as refused:
             unclear += 1
+            conflict = conflict or refused.diagnostics[0]
             continue
         seen += 1
         first, second = (_covering(rules, each) for rules in both)
@@ -94,7 +98,7 @@ def compared(one: Domain, other: Domain, states: Iterable[Transition]) -> Compar
         )
         for key in _keys(one, other, numbers)
     ]
-    return Comparison(tuple(pairs), seen, sum(totals.values()) / seen if seen else 0.0, unclear)
+    return Comparison(tuple(pairs), seen, sum(totals.values()) / seen if seen else 0.0, unclear, conflict)
 
 
 _Key = tuple[str, int | None, int | None]

@@ -14,11 +14,11 @@ from itertools import combinations
 from cleancli.language.checking.conditions import Scope
 from cleancli.language.checking.declarations import Declarations
 from cleancli.language.checking.first_order import Reading
-from cleancli.language.checking.literals import Witness, negated, renamed, separating, witness
+from cleancli.language.checking.literals import Witness, negated, renamed, separating, with_terms, witness
 from cleancli.language.checking.satisfiability import TooHard, satisfy
 from cleancli.language.diagnostics.diagnostic import Span
-from cleancli.language.model import Literal, Quantified, Rule, Value, Variable
-from cleancli.language.printing.printer import print_literal, print_term
+from cleancli.language.model import Literal, Quantified, Rule, Term, Value, Variable
+from cleancli.language.printing.printer import print_condition, print_literal, print_term
 
 _Fact = tuple[str, tuple[int | str, ...]]
 _Asked = Mapping[_Fact, frozenset[Value]]
@@ -135,7 +135,10 @@ def _refuse_overlap(one: Rule, other: Rule, scope: Scope) -> bool:
             sure = False
         sure = sure and reading.exact
     if state is not None:
-        _report(one, other, state, sure, _mend(one, other, scope) if plain else "", scope)
+        mend = _mend(one, other, scope) or _mend_guards(one, other, scope)
+        if plain and not mend:
+            mend = "their conditions are the same: make them one rule"
+        _report(one, other, state, sure, mend, scope)
     return state is not None
 
 
@@ -177,4 +180,20 @@ def _mend(one: Rule, other: Rule, scope: Scope) -> str:
         if part is not None:
             opposite = print_literal(negated(part, declared), declared.symbols)
             return f"add `{opposite}` to `{second.name}`, since `{first.name}` asks for the opposite"
-    return "their conditions are the same: make them one rule"
+    return ""
+
+
+def _mend_guards(one: Rule, other: Rule, scope: Scope) -> str:
+    """The missing pair where no literal makes one: a quantified part that one rule has, and its opposite for
+    the other."""
+    for first, second in ((one, other), (other, one)):
+        names: dict[Term, Term] = dict(zip(first.variables, second.variables, strict=True))
+        for part in first.condition:
+            if not isinstance(part, Quantified) or set(part.variables) & set(names.values()):
+                continue
+            inner = tuple(with_terms(each, names) for each in part.condition)
+            opposite = Quantified(not part.exists, part.variables, inner)
+            if Quantified(part.exists, part.variables, inner) not in second.condition:
+                text = print_condition((opposite,), scope.declared.symbols)
+                return f"add `{text}` to `{second.name}`, since `{first.name}` asks for the opposite"
+    return ""
