@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cleancli.compiler.semantics import exact_value
+from cleancli.compiler.semantics import exact_value, successors
 from cleancli.compiler.task import GroundCondition, Task
 from cleancli.planning.compiled_task import prepare
 from support import from_text, small_tasks
@@ -46,6 +46,25 @@ def test_every_sequence_pays_the_same_though_guards_are_undone(seed: int) -> Non
         small = prepare(here).forgetful.task
         for actions in rng.integers(len(task.actions), size=(4, LENGTH)).tolist():
             assert exact_value(small, actions) == pytest.approx(exact_value(here, actions))
+
+
+@pytest.mark.parametrize("seed", range(36))
+def test_what_is_forgotten_does_not_hang_on_how_a_state_was_reached(seed: int) -> None:
+    """Each result of an action in the smaller task is what is kept of the result in the whole one."""
+    task = partly_guarded(seed)
+    prepared = prepare(task)
+    small = prepared.forgetful.task
+    states = [task.initial]
+    for state in states:
+        known = prepared.forget(state)
+        for action in range(len(task.actions)):
+            results = successors(task, state, action)
+            kept: dict[tuple[int, ...], float] = {}
+            for probability, after in results:
+                kept[prepared.forget(after)] = kept.get(prepared.forget(after), 0.0) + probability
+            assert {s: p for p, s in successors(small, known, action)} == pytest.approx(kept)
+            new = [after for probability, after in results if probability and after not in states]
+            states += new[: max(40 - len(states), 0)]
 
 
 def test_whether_a_clean_area_is_scattered_is_forgotten() -> None:

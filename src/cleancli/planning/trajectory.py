@@ -9,14 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from cleancli.compiler.fluents import Values
-from cleancli.compiler.semantics import (
-    changed,
-    covering_rule,
-    exact_value,
-    idle_earliness,
-    standing,
-    successors,
-)
+from cleancli.compiler.semantics import exact_value, idle_earliness, standing, successors
 from cleancli.compiler.task import GroundState, Task
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.plan import Branch, Plan
@@ -62,31 +55,12 @@ def _likeliest(results: Sequence[tuple[float, GroundState]]) -> GroundState:
 def remembering(prepared: Prepared, course: Course) -> Course:
     """The course of a policy of the forgetful task in states of which nothing is forgotten: of those that are
     one to the policy, the likeliest."""
-    full, forgetful = prepared.task, prepared.forgetful.task
-    state, known, states = full.initial, forgetful.initial, list[GroundState]()
-    for action, after in zip(*course, strict=True):
-        state = _likeliest(_alike(full, forgetful, state, known, action, after))
-        known = after
+    state, states = prepared.task.initial, list[GroundState]()
+    for action, known in zip(*course, strict=True):
+        results = successors(prepared.task, state, action)
+        state = _likeliest([result for result in results if prepared.forget(result[1]) == known])
         states.append(state)
     return Course(course.actions, tuple(states))
-
-
-def _alike(
-    full: Task, forgetful: Task, state: GroundState, known: GroundState, action: int, after: GroundState
-) -> list[tuple[float, GroundState]]:
-    """The results of an action in a state, with what is likely, by outcomes that lead from what is `known` of
-    it to what is known `after`. Both tasks have the same outcomes. A state alone does not tell what is known
-    of it, since an outcome may set again what was forgotten before."""
-    rule = covering_rule(full, state, action)
-    if rule is None:
-        return [(1.0, state)]
-    (forgets,) = (other for one, other in zip(full.rules, forgetful.rules, strict=True) if one is rule)
-    likely: dict[GroundState, float] = {}
-    for outcome, less in zip(rule.outcomes, forgets.outcomes, strict=True):
-        if changed(known, less.effects) == after:
-            result = changed(state, outcome.effects)
-            likely[result] = likely.get(result, 0.0) + float(outcome.probability)
-    return [(probability, result) for result, probability in likely.items()]
 
 
 def stepwise(task: Task, choose: Choose) -> Policy:

@@ -20,14 +20,15 @@ def forgetting(task: Task) -> tuple[Task, Forget]:
     first value; and how to say so of a state from which it starts (that of the task is as it was).
 
     A variable has lost it where all conditions that ask for it also ask another one for values that it can
-    never take again.
+    never take again, and no rule can set it from then on: what is forgotten of a state then does not hang on
+    how it was reached.
     """
     forgotten = _forgotten(task)
 
     def forget(effects: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
         kept: set[int] = set()
         lost: set[int] = set()
-        for guard, value in effects:
+        for guard, value in sorted(effects):
             if guard not in lost:  # two that guard each other can't both be forgotten
                 found = set(forgotten.get((guard, value), ())) - kept
                 kept |= {guard} if found else set()
@@ -55,11 +56,33 @@ def _forgotten(task: Task) -> dict[tuple[int, int], list[int]]:
     later = [_later(task, variable) for variable in range(len(task.variables))]
     forgotten: dict[tuple[int, int], list[int]] = {}
     for lost, own in enumerate(asking):
+        setting = _setting(task, lost)
         for guard, wanted in _common(own).items():
             for value, values in enumerate(later[guard]):
-                if guard != lost and not values & wanted:
+                if guard != lost and not values & wanted and not _is_set(setting, guard, values):
                     forgotten.setdefault((guard, value), []).append(lost)
     return forgotten
+
+
+_Setting = Sequence[tuple[dict[int, frozenset[int]], frozenset[int]]]
+"""The conditions of rules that may set a variable, and what else is set then."""
+
+
+def _setting(task: Task, variable: int) -> _Setting:
+    found = []
+    for rule in task.rules:
+        for outcome in rule.outcomes:
+            changed = frozenset(each for each, _ in outcome.effects)
+            if outcome.probability and variable in changed:
+                found.append((dict(rule.condition), changed - {variable}))
+    return found
+
+
+def _is_set(setting: _Setting, guard: int, values: frozenset[int]) -> bool:
+    """Whether a variable may be set while another one, which stays as it is, has one of these values."""
+    return any(
+        guard not in changed and condition.get(guard, values) & values for condition, changed in setting
+    )
 
 
 def _common(conditions: Sequence[GroundCondition]) -> dict[int, frozenset[int]]:
