@@ -116,20 +116,43 @@ def test_the_problem_says_how_it_ends() -> None:
     assert [(term.kind, term.weight) for term in paid.reward] == [(RewardKind.GOAL, Fraction(3, 2))]
 
 
-def test_what_chance_pays_is_paid_on_average() -> None:
-    domain, _ = models(
-        tidy(cost="(increase (total-cost) 5) => (probabilistic 0.5 (increase (total-cost) 5))")
-    )
-    assert domain.actions[2].cost == Fraction(5, 2)
+def test_what_chance_pays_is_paid_by_its_outcome() -> None:
+    half = "(probabilistic 0.5 (increase (total-cost) 5))"
+    domain, _ = models(tidy(cost=f"(increase (total-cost) 5) => (and (increase (total-cost) 1) {half})"))
+    action = domain.actions[2]
+    paid = {(o.cost, o.probability) for r in domain.rules if r.action == action.name for o in r.outcomes}
+    assert action.cost == 1
+    assert {cost for cost, _ in paid} == {0, 5}
 
 
-def test_what_costs_depend_on_makes_several_actions() -> None:
+def test_what_costs_depend_on_is_said_by_rules() -> None:
     made = tidy(cost="(increase (total-cost) 1) => (when (wet ?to) (increase (total-cost) 1))")
     domain, _ = models(made)
     assert made.diagnostics == ()
-    costs = {action.name: action.cost for action in domain.actions if action.name.startswith("move")}
-    assert costs == {"move_wet": 1, "move_not_wet": 0}
-    assert "# what these cost depends on conditions, so each cost has an action: move" in made.domain
+    assert [action.cost for action in domain.actions if action.name == "move"] == [0]
+    rules = [rule for rule in domain.rules if rule.action == "move"]
+    paid = {("not_wet" in rule.name, outcome.cost) for rule in rules for outcome in rule.outcomes}
+    assert paid == {(False, Fraction(1)), (True, Fraction(0))}
+
+
+def test_functions_that_costs_depend_on_by_a_condition_make_several_actions() -> None:
+    made = tidy(
+        declared="(:functions (total-cost)) => (:functions (total-cost) (far ?p - place))",
+        cost="(increase (total-cost) 1) => (when (wet ?to) (increase (total-cost) (far ?to)))",
+        values="(:init => (:init (= (far a1) 1) (= (far a2) 4) (= (far bin) 4)",
+    )
+    domain, _ = models(made)
+    costs = {a.name: print_cost(a) for a in domain.actions if a.name.startswith("move")}
+    assert costs == {"move_wet": "far(?to)", "move_not_wet": "0"}
+    assert "# functions say by conditions what these cost, so each is several actions: move" in made.domain
+
+
+def test_what_is_earned_is_said_by_outcomes() -> None:
+    rewarded = "minimize (total-cost) => maximize (reward)"
+    made = tidy(metric=rewarded, paid="increase (total-cost) => increase (reward)")
+    domain, _ = models(made)
+    assert [action.cost for action in domain.actions] == [0, 0, 0]
+    assert {outcome.reward for rule in domain.rules for outcome in rule.outcomes} == {2, 1, 5}
 
 
 def test_a_function_of_objects_says_what_an_action_costs() -> None:
@@ -215,3 +238,10 @@ def test_nothing_is_written_after_a_mistake(tmp_path: Path, capsys: pytest.Captu
     assert run(["convert", str(file), "--out", str(tmp_path / "out")]) == 1
     assert "tidy.pddl:20:69: error[E916]: the variable `?too` is not bound" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_what_is_earned_back_lowers_a_cost_that_stays() -> None:
+    made = tidy(
+        cost="(increase (total-cost) 5) => (and (increase (total-cost) 5) (decrease (total-cost) 3/2))"
+    )
+    assert models(made)[0].actions[2].cost == Fraction(7, 2)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterator, Set
+from fractions import Fraction
 
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import covering_rule, reaches_goal, successors
@@ -64,16 +65,45 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
             actual = {here: 1.0}
             for number in covering:
                 actual = {s: p for p, s in successors(task, here, number)}
-                cost, wanted_cost = (
-                    task.actions[number].declared_cost,
-                    meaning.cost(action.effect, world, binding),
-                )
-                if abs(cost - wanted_cost) > 1e-12:
-                    found.append(f"{called} in {sorted(world)} costs {cost} and not {wanted_cost}")
+                results = meaning.results(world, action, binding)
+                paid: _Paid = {}
+                for (after_it, cost), p in results.items():
+                    key = state_of(task, after_it), cost
+                    paid[key] = paid.get(key, Fraction(0)) + p
+                mean = meaning.cost(action.effect, world, binding)
+                found += _otherwise_paid(task, here, number, paid, mean)
             states = expected.keys() | actual.keys()
             if any(abs(expected.get(s, 0.0) - actual.get(s, 0.0)) > 1e-12 for s in states):
                 found.append(f"{called} in {sorted(world)}: {expected} and not {actual}")
     return found
+
+
+_Paid = dict[tuple[GroundState, Fraction], Fraction]
+"""How likely each state is to follow, with what is paid for it."""
+
+
+def _otherwise_paid(
+    task: Task, here: GroundState, number: int, wanted: _Paid, mean: Fraction
+) -> Iterator[str]:
+    """Where an action costs something else than what it should: in each result, but for what functions say,
+    and on average."""
+    rule, action = covering_rule(task, here, number), task.actions[number]
+    assert rule is not None
+    paid: _Paid = {}
+    for outcome in rule.outcomes:
+        effects = dict(outcome.effects)
+        after = tuple(effects.get(place, value) for place, value in enumerate(here))
+        key = after, action.declared_cost + outcome.cost
+        paid[key] = paid.get(key, Fraction(0)) + outcome.probability
+    if _mean(paid) != mean:
+        yield f"{action} in {here} costs {_mean(paid)} and not {mean}"
+    by_functions = mean - _mean(wanted)
+    if paid != {(after, cost + by_functions): share for (after, cost), share in wanted.items()}:
+        yield f"{action} in {here} is paid {paid} and not {wanted}"
+
+
+def _mean(paid: _Paid) -> Fraction:
+    return sum((cost * share for (_, cost), share in paid.items()), Fraction(0))
 
 
 def _ways(task: Task, names: Set[str]) -> dict[Called, list[int]]:

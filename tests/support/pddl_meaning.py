@@ -45,8 +45,8 @@ World = frozenset[Atom]
 """The atoms that hold."""
 
 Binding = Mapping[str, str]
-Change = tuple[frozenset[Atom], frozenset[Atom]]
-"""What is added, and what is deleted."""
+Change = tuple[frozenset[Atom], frozenset[Atom], Fraction]
+"""What is added, what is deleted, and what it costs by numbers that the text says."""
 
 Called = tuple[str, tuple[str, ...]]
 
@@ -114,7 +114,8 @@ class Meaning:
         match node:
             case SetNode():
                 one = frozenset({self.atom(node.atom, binding)})
-                change = (one, frozenset[Atom]()) if node.value else (frozenset[Atom](), one)
+                none = frozenset[Atom]()
+                change: Change = (one, none, Fraction(0)) if node.value else (none, one, Fraction(0))
                 return {change: Fraction(1)}
             case AllNode():
                 return _together([self.changes(part, world, binding) for part in node.parts])
@@ -130,11 +131,13 @@ class Meaning:
                     for change, likely in self.changes(effect, world, binding).items():
                         found[change] = found.get(change, Fraction(0)) + chance * likely
                 rest = 1 - sum((chance for chance, _ in node.branches), Fraction(0))
-                nothing: Change = (frozenset(), frozenset())
+                nothing: Change = (frozenset(), frozenset(), Fraction(0))
                 found[nothing] = found.get(nothing, Fraction(0)) + rest
                 return found
             case PayNode():
-                return _together([])
+                plain = isinstance(node.amount, Fraction)
+                cost = self.cost(node, world, binding) if plain else Fraction(0)
+                return {(frozenset(), frozenset(), cost): Fraction(1)}
 
     def cost(self, node: EffectNode, world: World, binding: Binding) -> Fraction:
         """What an effect costs on average: how much the function rises that the metric wants small, or falls
@@ -188,10 +191,20 @@ class Meaning:
         if not self.holds(action.precondition, world, binding) or not self.is_known(action.effect, binding):
             return {world: Fraction(1)}
         found: dict[World, Fraction] = {}
-        for (added, deleted), chance in self.changes(action.effect, world, binding).items():
+        for (after, _), chance in self.results(world, action, binding).items():
+            found[after] = found.get(after, Fraction(0)) + chance
+        return found
+
+    def results(
+        self, world: World, action: ActionNode, binding: Binding
+    ) -> dict[tuple[World, Fraction], Fraction]:
+        """The worlds that an action may lead to, where it may be taken, each with what that costs by numbers
+        that the text says."""
+        found: dict[tuple[World, Fraction], Fraction] = {}
+        for (added, deleted, cost), chance in self.changes(action.effect, world, binding).items():
             if chance:
-                after = (world - deleted) | added
-                found[after] = found.get(after, Fraction(0)) + chance
+                key = (world - deleted) | added, cost
+                found[key] = found.get(key, Fraction(0)) + chance
         return found
 
     def actions(self) -> Iterator[tuple[Called, ActionNode, dict[str, str]]]:
@@ -212,7 +225,7 @@ class Meaning:
             self.changes(node, frozenset(), {}) for node in self.problem.init if isinstance(node, ChanceNode)
         ]
         found: dict[World, Fraction] = {}
-        for (added, deleted), chance in _together(drawn).items():
+        for (added, deleted, _), chance in _together(drawn).items():
             world = (self.initial() - deleted) | added
             found[world] = found.get(world, Fraction(0)) + chance
         return {world: chance for world, chance in found.items() if chance}
@@ -260,12 +273,12 @@ def _stands(term: Name, binding: Binding) -> str:
 
 def _together(parts: list[dict[Change, Fraction]]) -> dict[Change, Fraction]:
     """The changes of independent parts."""
-    found: dict[Change, Fraction] = {(frozenset(), frozenset()): Fraction(1)}
+    found: dict[Change, Fraction] = {(frozenset(), frozenset(), Fraction(0)): Fraction(1)}
     for part in parts:
         joint: dict[Change, Fraction] = {}
-        for (added, deleted), chance in found.items():
-            for (more, less), likely in part.items():
-                change = added | more, deleted | less
+        for (added, deleted, cost), chance in found.items():
+            for (more, less, dearer), likely in part.items():
+                change = added | more, deleted | less, cost + dearer
                 joint[change] = joint.get(change, Fraction(0)) + chance * likely
         found = joint
     return found

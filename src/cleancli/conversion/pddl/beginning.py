@@ -16,6 +16,7 @@ from cleancli.conversion.pddl.effects import (
     All,
     Change,
     Effects,
+    Result,
     TooMany,
     first_condition,
     results_of,
@@ -58,7 +59,8 @@ def begun(
     words.predicates[symbol] = Predicate(symbol, (), [])
     has_begun = literal(symbol, ())
     first = Change((), ALWAYS, symbol, (), True)
-    outcomes = tuple(outcome_of(chance, (*changes, first), definitions) for chance, changes in results)
+    begins = (replace(each, changes=(*each.changes, first)) for each in results)
+    outcomes = tuple(outcome_of(each, Fraction(0), definitions) for each in begins)
     rule = Rule(name, name, (), definitions.condition(negated(has_begun)), outcomes)
     later = tuple(
         replace(s, rules=tuple(replace(r, condition=(*r.condition, has_begun)) for r in s.rules))
@@ -71,9 +73,7 @@ def begun(
     )
 
 
-def _results(
-    drawn: Sequence[ChanceNode], words: Words, effects: Effects
-) -> list[tuple[Fraction, tuple[Change, ...]]]:
+def _results(drawn: Sequence[ChanceNode], words: Words, effects: Effects) -> list[Result]:
     """What the initial state may be besides the facts; E917 where that depends on conditions."""
     tree = All(tuple(effects.tree(node, {}) for node in drawn))
     if first_condition(tree) is not None:

@@ -84,7 +84,9 @@ def domain_of(
     bound = [*(v for head in heads for v in head), *_bound(conditions), *_bound_by_effects(rules)]
     things = words.everything if starts else constants
     types = _types({v.type for v in bound} | {thing.type for thing in things}, words)
-    costs = any(action.has_cost for action in actions)
+    costs = any(action.has_cost for action in actions) or any(
+        outcome.cost for rule in rules for outcome in rule.outcomes
+    )
     return Domain(
         name,
         types,
@@ -145,7 +147,7 @@ def _rules(schema: Schema, declared: Declarations, naming: Naming) -> Iterator[R
 
 def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
     """The rule without effects that its condition says already, and each outcome once; None for a rule that
-    can never apply, or that changes nothing."""
+    can never apply, or that changes and pays nothing."""
     if not can_apply(rule, declared):
         return None
     asked = asked_by(rule.condition, declared)
@@ -153,9 +155,9 @@ def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
     for outcome in rule.outcomes:
         idle = idle_because(outcome, asked, declared)
         effects = tuple(e for e, why in zip(outcome.effects, idle, strict=True) if why is None)
-        kind = OutcomeKind.CHANGE if effects else OutcomeKind.NOTHING
-        tidy = replace(outcome, effects=effects, kind=kind)
-        done = doing(tidy, asked, declared)
+        does = effects or outcome.reward or outcome.cost
+        tidy = replace(outcome, effects=effects, kind=OutcomeKind.CHANGE if does else OutcomeKind.NOTHING)
+        done = doing(tidy, asked, declared), outcome.reward, outcome.cost
         before = found.get(done)
         likely = tidy.probability + (0 if before is None else before.probability)
         found[done] = replace(before or tidy, probability=likely)

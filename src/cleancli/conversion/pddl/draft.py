@@ -64,7 +64,7 @@ def draft_of(
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
     functions = Functions(domain, problems, words)
-    effects = Effects(words, metric.counted, functions)
+    effects = Effects(words, metric.counted, functions, metric.earned)
     schemas = schemas_of(domain.actions, words, effects, definitions)
     _warn_of_objects(words)
     starts = starts_of(problems, words, definitions)
@@ -140,7 +140,7 @@ def _notes(
     several = [each.name.text for each in node.actions if places.count(each.name.span) > 1]
     if several:
         left.append(
-            f"what these cost depends on conditions, so each cost has an action: {', '.join(several)}"
+            f"functions say by conditions what these cost, so each is several actions: {', '.join(several)}"
         )
     if written_out:
         left.append("rules are written out for the problem's objects where chance decides for each of them")

@@ -82,23 +82,28 @@ class Chance:
 
 
 @dataclass(frozen=True, slots=True)
-class Cost:
-    """A sum of a number and of what functions say; its parts are sorted, one for each function and terms."""
+class Paid:
+    """What is earned and what it costs, 0 or more each."""
 
-    amount: Fraction = Fraction(0)
-    parts: tuple[CostPart, ...] = ()
+    reward: Fraction = Fraction(0)
+    cost: Fraction = Fraction(0)
+
+    def __add__(self, other: Paid) -> Paid:
+        return Paid(self.reward + other.reward, self.cost + other.cost)
 
     @property
-    def may_earn(self) -> bool:
-        """Whether it may be below 0."""
-        return self.amount < 0 or any(part.weight < 0 for part in self.parts)
+    def in_all(self) -> Paid:
+        """The same as a cost, or as a reward where more is earned."""
+        more = self.cost - self.reward
+        return Paid(max(-more, Fraction(0)), max(more, Fraction(0)))
 
 
 @dataclass(frozen=True, slots=True)
 class Pay:
-    """The action costs so much; `asked` says that the values for it are known."""
+    """So much is paid, and what functions say; `asked` says that the values for it are known."""
 
-    cost: Cost
+    paid: Paid = Paid()
+    parts: tuple[CostPart, ...] = ()
     asked: Formula = ALWAYS
 
 
@@ -113,12 +118,14 @@ class TooMany(Exception):
 
 class Effects:
     """Makes trees of effects. `counted` is the numeric function that is to be small, with 1, or great, with
-    -1; other functions count nothing. `written_out` tells whether a `forall` was."""
+    -1; other functions count nothing. `earned` tells whether it counts up to a horizon, `written_out` whether
+    a `forall` was."""
 
-    def __init__(self, words: Words, counted: Mapping[str, int], functions: Functions) -> None:
+    def __init__(self, words: Words, counted: Mapping[str, int], functions: Functions, earned: bool) -> None:
         self._words = words
         self._functions = functions
         self.counted = counted
+        self.earned = earned
         self.written_out = False
 
     def tree(
@@ -200,9 +207,10 @@ class Effects:
             self._words.findings.error("E917", message, node.span)
             return NOTHING
         if isinstance(node.amount, Fraction):
-            return Pay(Cost(sign * node.amount))
+            cost = sign * node.amount
+            return Pay(Paid(cost=cost) if cost >= 0 else Paid(reward=-cost))
         found = self._functions.part(sign * node.sign, node.amount, scope)
-        return NOTHING if found is None else Pay(Cost(parts=(found[0],)), found[1])
+        return NOTHING if found is None else Pay(parts=(found[0],), asked=found[1])
 
 
 def _has_chance(node: EffectNode) -> bool:
@@ -294,8 +302,8 @@ def first_condition(tree: Tree, *, paying: bool = False) -> Formula | None:
 def _costs(tree: Tree) -> bool:
     """Whether a part of a tree costs something."""
     match tree:
-        case Pay(cost):
-            return cost != Cost()
+        case Pay(paid, parts):
+            return paid != Paid() or bool(parts)
         case All(parts):
             return any(map(_costs, parts))
         case Branch(_, part):
@@ -306,82 +314,99 @@ def _costs(tree: Tree) -> bool:
             return False
 
 
-Results = dict[frozenset[Change], tuple[Fraction, tuple[Change, ...]]]
-"""Changes that happen together, by what they are: how likely, and in the order of the text."""
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How likely some changes are, in the order of the text, with what is paid beside them."""
+
+    chance: Fraction
+    changes: tuple[Change, ...] = ()
+    paid: Paid = Paid()
+
+
+Results = dict[tuple[frozenset[Change], Paid], Result]
+"""Results by what happens."""
 
 
 def results_of(tree: Tree) -> Results:
     """What a tree without conditions may come to, with probabilities that sum to 1. Raises `TooMany`."""
     match tree:
         case Change():
-            return _merged([(Fraction(1), (tree,))])
+            return _merged([Result(Fraction(1), (tree,))])
         case All(parts):
             sure = tuple(part for part in parts if isinstance(part, Change))
             if len(sure) == len(parts):  # as in most actions: nothing is left to chance
-                return _merged([(Fraction(1), sure)])
-            found = _merged([(Fraction(1), ())])
+                return _merged([Result(Fraction(1), sure)])
+            found = _merged([Result(Fraction(1))])
             for part in parts:
                 inner = results_of(part)
                 if len(found) * len(inner) > 64 * MOST_OUTCOMES:
                     raise TooMany
                 found = _merged(
-                    (p * q, (*one, *other)) for p, one in found.values() for q, other in inner.values()
+                    Result(one.chance * other.chance, (*one.changes, *other.changes), one.paid + other.paid)
+                    for one in found.values()
+                    for other in inner.values()
                 )
                 if len(found) > MOST_OUTCOMES:
                     raise TooMany
             return found
         case Chance(branches):
             rest = 1 - sum((p for p, _ in branches), Fraction(0))
-            likely = [(p * q, one) for p, part in branches for q, one in results_of(part).values()]
-            return _merged([*likely, *([(rest, ())] if rest else [])])
-        case Pay():
-            return _merged([(Fraction(1), ())])
+            likely = [
+                replace(each, chance=p * each.chance)
+                for p, part in branches
+                for each in results_of(part).values()
+            ]
+            return _merged([*likely, *([Result(rest)] if rest else [])])
+        case Pay(paid):
+            return _merged([Result(Fraction(1), (), paid)])
         case Branch():
             raise AssertionError("conditions are decided before")
 
 
-def _merged(results: Iterable[tuple[Fraction, tuple[Change, ...]]]) -> Results:
+def _merged(results: Iterable[Result]) -> Results:
     found: Results = {}
-    for chance, changes in results:
-        key = frozenset(changes)
+    for each in results:
+        key = frozenset(each.changes), each.paid
         before = found.get(key)
-        found[key] = (
-            (chance, tuple(dict.fromkeys(changes))) if before is None else (before[0] + chance, before[1])
-        )
+        if before is None:
+            found[key] = replace(each, changes=tuple(dict.fromkeys(each.changes)))
+        else:
+            found[key] = replace(before, chance=before.chance + each.chance)
     return found
 
 
-def mean_cost(tree: Tree) -> Cost:
-    """What a tree without conditions costs on average."""
+def mean_parts(tree: Tree) -> tuple[CostPart, ...]:
+    """What functions say that a tree without conditions costs on average: sorted, one part for each function
+    and terms."""
+    weights: dict[tuple[str, tuple[Term, ...]], Fraction] = {}
+    for likely, part in _parts_in(tree, Fraction(1)):
+        key = part.symbol, part.terms
+        weights[key] = weights.get(key, Fraction(0)) + likely * part.weight
+    ordered = sorted(weights, key=lambda key: (key[0], [term.name for term in key[1]]))
+    return tuple(CostPart(weights[key], *key) for key in ordered if weights[key])
+
+
+def _parts_in(tree: Tree, likely: Fraction) -> Iterator[tuple[Fraction, CostPart]]:
+    """All parts of costs in a tree, with how likely each is paid."""
     match tree:
-        case Pay(cost):
-            return _sum([(Fraction(1), cost)])
+        case Pay(_, parts):
+            yield from ((likely, part) for part in parts)
         case All(parts):
-            return _sum((Fraction(1), mean_cost(part)) for part in parts)
+            for part in parts:
+                yield from _parts_in(part, likely)
         case Chance(branches):
-            return _sum((p, mean_cost(part)) for p, part in branches)
+            for p, part in branches:
+                yield from _parts_in(part, likely * p)
         case Change():
-            return Cost()
+            return
         case Branch():
             raise AssertionError("conditions are decided before")
-
-
-def _sum(costs: Iterable[tuple[Fraction, Cost]]) -> Cost:
-    """The sum of costs with weights."""
-    amount, weights = Fraction(0), dict[tuple[str, tuple[Term, ...]], Fraction]()
-    for weight, cost in costs:
-        amount += weight * cost.amount
-        for part in cost.parts:
-            key = part.symbol, part.terms
-            weights[key] = weights.get(key, Fraction(0)) + weight * part.weight
-    ordered = sorted(weights, key=lambda key: (key[0], [term.name for term in key[1]]))
-    return Cost(amount, tuple(CostPart(weights[key], *key) for key in ordered if weights[key]))
 
 
 def known_for(tree: Tree) -> Iterator[Formula]:
     """What has to be known for the costs of a tree that depend on no condition."""
     match tree:
-        case Pay(_, asked):
+        case Pay(asked=asked):
             yield asked
         case All(parts):
             for part in parts:

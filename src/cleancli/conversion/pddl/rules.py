@@ -7,7 +7,7 @@ added, and where that depends on which objects are one, there is a rule for eith
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice
@@ -16,13 +16,13 @@ from cleancli.conversion.pddl.define import Definitions, says
 from cleancli.conversion.pddl.effects import (
     NOTHING,
     Change,
-    Cost,
+    Result,
     Tree,
     UnevenCost,
     decided,
     first_condition,
     guarded,
-    mean_cost,
+    mean_parts,
     renamed,
     results_of,
 )
@@ -45,6 +45,7 @@ from cleancli.conversion.pddl.types import Types
 from cleancli.language.model import (
     Assign,
     Condition,
+    CostPart,
     Equality,
     ForAll,
     Object,
@@ -65,11 +66,11 @@ MOST_COSTS = 16
 @dataclass(frozen=True, slots=True)
 class Case:
     """A way in which the conditions of an effect turn out: those that were decided, the outcomes then, and
-    what the action costs on average."""
+    what functions say that the action costs on average."""
 
     decisions: tuple[tuple[Formula, bool], ...]
-    results: tuple[tuple[Fraction, tuple[Change, ...]], ...]
-    cost: Cost
+    results: tuple[Result, ...]
+    parts: tuple[CostPart, ...]
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
@@ -113,9 +114,7 @@ def _either_way(
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
     """The case that all conditions of the effect stay in; none of them decides of costs."""
     tree = decided(guarded(tree), known)
-    found = results_of(tree).values()
-    results = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in found)
-    return Case((), results, mean_cost(tree))
+    return Case((), _all_settled(results_of(tree).values(), known, types), mean_parts(tree))
 
 
 def _parts(formula: Formula) -> tuple[Formula, ...]:
@@ -129,11 +128,10 @@ def _cases(
     condition = first_condition(tree)
     if condition is None:
         results = list(results_of(tree).values())
-        met = (_open(changes, known, types) for _, changes in results)
+        met = (_open(each.changes, known, types) for each in results)
         condition = next((each for each in met if each is not None), None)
         if condition is None:
-            settled = tuple((chance, tuple(_settled(changes, known, types))) for chance, changes in results)
-            yield Case(decisions, settled, mean_cost(tree))
+            yield Case(decisions, _all_settled(results, known, types), mean_parts(tree))
             return
     for holds, inner in _either_way(tree, known, condition, types):
         yield from _cases(*inner, (*decisions, (condition, holds)), types)
@@ -183,6 +181,10 @@ def _open(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types)
             if meets not in (ALWAYS, NEVER):
                 return meets
     return None
+
+
+def _all_settled(results: Iterable[Result], known: tuple[Formula, ...], types: Types) -> tuple[Result, ...]:
+    return tuple(replace(each, changes=tuple(_settled(each.changes, known, types))) for each in results)
 
 
 def _settled(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Iterator[Change]:
@@ -241,11 +243,11 @@ def conditions_of(
         yield tuple(dict.fromkeys([*shared, *(part for parts in own for part in parts)]))
 
 
-def outcome_of(chance: Fraction, changes: tuple[Change, ...], definitions: Definitions) -> Outcome:
-    """An outcome; what has one `forall` stands in one."""
+def outcome_of(result: Result, cost: Fraction, definitions: Definitions) -> Outcome:
+    """An outcome of an action that has a cost by itself; what has one `forall` stands in one."""
     effects: list[Assign | ForAll] = []
     places: dict[tuple[tuple[Variable, ...], Formula], int] = {}
-    for change in changes:
+    for change in result.changes:
         assigned = Assign(change.symbol, change.terms, change.value)
         key = change.variables, change.guard
         if not change.variables and change.guard == ALWAYS:
@@ -258,8 +260,9 @@ def outcome_of(chance: Fraction, changes: tuple[Change, ...], definitions: Defin
             places[key] = len(effects)
             guard = definitions.literals(change.guard)
             effects.append(ForAll(change.variables, guard, (assigned,)))
-    kind = OutcomeKind.CHANGE if effects else OutcomeKind.NOTHING
-    return Outcome(chance, kind, tuple(effects))
+    reward, more = result.paid.reward, result.paid.cost - cost
+    kind = OutcomeKind.CHANGE if effects or reward or more else OutcomeKind.NOTHING
+    return Outcome(result.chance, kind, tuple(effects), reward=reward, cost=more)
 
 
 def title_of(action: str, case: Case) -> str:

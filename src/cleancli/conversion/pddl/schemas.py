@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.effects import (
     MOST_OUTCOMES,
-    Cost,
     Effects,
+    Paid,
     TooMany,
     UnevenCost,
     known_for,
@@ -27,7 +27,7 @@ from cleancli.conversion.pddl.rules import (
 from cleancli.conversion.pddl.syntax import ActionNode
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Action, Outcome, Rule
+from cleancli.language.model import Action, CostPart, Rule
 
 _FEWER_OUTCOMES = (
     "what is drawn for itself multiplies them, so that ten draws of two results have 1,024:"
@@ -97,31 +97,52 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
         message = f"what `{node.name.text}` costs depends on more conditions than rules are made for"
         findings.error("E917", message, node.name.span, help="make several actions of it, each with its cost")
         return
-    if any(case.cost.may_earn for case in cases):
-        # Where no rule of an action applies it does nothing, at its usual cost: it would earn there, too.
-        message = f"`{node.name.text}` earns something, and .nid actions only cost"
-        findings.error("E917", message, node.name.span, help="what is wanted can be a goal with a reward")
-        return
-    acting = [case for case in cases if any(changes for _, changes in case.results)]
-    costs = list(dict.fromkeys(case.cost for case in acting))
+    if not effects.earned:
+        cases = list(map(_in_all, cases))
+    _refuse_earnings(node, cases, effects, findings)
+    acting = [case for case in cases if any(each.changes or each.paid != Paid() for each in case.results)]
+    priced = list(dict.fromkeys(case.parts for case in acting))
     written = words.actions.written(node.name)
-    names = [written] if len(costs) < 2 else _several(written, acting, costs)
+    names = [written] if len(priced) < 2 else _several(written, acting, priced)
     conditions = conditions_of(precondition, acting, definitions)
     rules = list(zip(acting, _titles(written, acting), conditions, strict=True))
-    for cost, wanted in zip(costs, names, strict=False):
+    for parts, wanted in zip(priced, names, strict=False):
         name = words.actions.fresh(wanted, "a")
+        cost = min(each.paid.cost for case in acting if case.parts == parts for each in case.results)
         made = tuple(
-            Rule(title, name, variables, condition, _outcomes(case, definitions))
+            Rule(
+                title,
+                name,
+                variables,
+                condition,
+                tuple(outcome_of(each, cost, definitions) for each in case.results),
+            )
             for case, title, condition in rules
-            if case.cost == cost
+            if case.parts == parts
         )
-        action = Action(name, variables, cost=cost.amount, cost_parts=cost.parts)
-        yield Schema(action, made, node.name.span)
+        yield Schema(Action(name, variables, cost=cost, cost_parts=parts), made, node.name.span)
 
 
-def _several(action: str, cases: Sequence[Case], costs: Sequence[Cost]) -> list[str]:
-    """What the actions are called into which one is divided by costs: by what all cases of a cost share."""
-    alike = [[case for case in cases if case.cost == cost] for cost in costs]
+def _in_all(case: Case) -> Case:
+    """The case by what each outcome costs in all."""
+    return replace(case, results=tuple(replace(each, paid=each.paid.in_all) for each in case.results))
+
+
+def _refuse_earnings(node: ActionNode, cases: Sequence[Case], effects: Effects, findings: Findings) -> None:
+    """E917 for what an action earns and .nid actions cannot: by functions, and where only costs count."""
+    name, help = node.name.text, "what is wanted can be a goal with a reward"
+    if any(part.weight < 0 for case in cases for part in case.parts):
+        message = f"`{name}` earns what a function says, and .nid outcomes earn numbers"
+        findings.error("E917", message, node.name.span, help=help)
+    elif not effects.earned and any(each.paid.reward for case in cases for each in case.results):
+        message = f"`{name}` earns something, and costs alone count until the goal is reached"
+        findings.error("E917", message, node.name.span, help=help)
+
+
+def _several(action: str, cases: Sequence[Case], priced: Sequence[tuple[CostPart, ...]]) -> list[str]:
+    """What the actions are called into which one is divided by what functions say that it costs: by what all
+    cases of a cost share."""
+    alike = [[case for case in cases if case.parts == parts] for parts in priced]
     shared = [
         tuple(each for each in several[0].decisions if all(each in case.decisions for case in several))
         for several in alike
@@ -137,7 +158,3 @@ def _titles(action: str, cases: Sequence[Case]) -> list[str]:
     if max(map(len, titles), default=0) > _LONGEST_TITLE or len(set(titles)) < len(titles):
         return [f"{action}_{number}" for number in range(1, len(cases) + 1)]
     return titles
-
-
-def _outcomes(case: Case, definitions: Definitions) -> tuple[Outcome, ...]:
-    return tuple(outcome_of(*result, definitions) for result in case.results)

@@ -6,7 +6,7 @@ The trees say what the printed texts say (`print_domain`, `print_problem`), but 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from itertools import groupby
 
@@ -157,9 +157,15 @@ class _Tree:
         chance = syntax.Rest(span=self._place) if outcome.is_rest else self.number(outcome.probability)
         result: syntax.Nothing | syntax.Effects = syntax.Nothing(span=self._place)
         if outcome.kind is OutcomeKind.CHANGE:
-            result = syntax.Effects(tuple(map(self._effect, outcome.effects)), span=self._place)
+            effects = map(self._effect, outcome.effects)
+            result = syntax.Effects((*effects, *self._payments(outcome)), span=self._place)
         weight = syntax.Weight(chance, (), span=self._place)
         return syntax.OutcomeNode(weight, result, span=self._place)
+
+    def _payments(self, outcome: Outcome) -> Iterator[syntax.PayNode]:
+        for what, amount in (("reward", outcome.reward), ("cost", outcome.cost)):
+            if amount:
+                yield syntax.PayNode(self.name(what), amount > 0, self.number(abs(amount)), span=self._place)
 
     def _effect(
         self, effect: Assign | Shift | ForAll

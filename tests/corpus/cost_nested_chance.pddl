@@ -1,0 +1,23 @@
+; Chance under chance decides of costs, and of what is drawn beside it.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:functions (total-cost) (far ?p ?q - place) - number (work ?p - place))
+  (:action act
+    :parameters (?a - area)
+    :effect (and (increase (total-cost) 1)
+                 (probabilistic 0.5 (and (dirt ?a) (increase (total-cost) 2)
+                                         (probabilistic 0.25 (and (done) (increase (total-cost) 1/3)))))
+                 (probabilistic 0.2 (increase (total-cost) 2) 0.3 (wet ?a)))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin)
+         (= (total-cost) 0) (= (far a1 a2) 2.5) (= (far a2 a1) 1/3) (= (far a1 a1) 4)
+         (= (work a1) 2) (= (work a2) 0) (= (work bin) 7) (= (work box) 1))
+  (:goal (done))
+  (:metric minimize (total-cost)))
