@@ -1,8 +1,10 @@
 """A .nid domain and one problem of it as libPRADA's rules.dat, symbols.dat and state.dat.
 
 The library has rules over literals alone: what a condition leaves open, or an effect depends on, becomes a
-rule for each case, and these exclude each other. It has no types, no values with names and no equality: a
-type is a predicate, a function a predicate for each value, and `same` holds of each object and itself.
+rule for each case, and these exclude each other. What is asked of some object or of each, and what happens to
+all that something holds of, is written out for the objects of the problem. It has no types, no values with
+names and no equality: a type is a predicate, a function a predicate for each value, and `same` holds of each
+object and itself.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.formulas import Formulas, NotSaid
+from cleancli.conversion.export.instances import Instances
 from cleancli.conversion.export.libprada_names import SAME, LibpradaNames
 from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.unsaid import Unsaid
@@ -80,6 +83,7 @@ class _Writer:
         self._formulas = Formulas(domain, names.predicates, [counted(domain, problem)])
         self._things = (*domain.constants, *problem.objects)
         self._uses_same = False
+        self._written_out = False
         self._counts_left_out: list[str] = []
 
     # ---- rules.dat
@@ -103,18 +107,22 @@ class _Writer:
         plain = replace(rule, references=(), variables=(*rule.variables, *referred))
         outcomes = [outcome for outcome in rule.outcomes if outcome.probability]
         done = [(o, changes_of(o, plain, known, self._formulas, self._noise)) for o in outcomes]
-        for _, changes in done:
-            if any(change.variables for change in changes):
-                raise NotSaid("an effect is on all objects that a condition holds of")
+        instances = Instances(self._formulas, self._problem)
+        known = instances.formula(known)
+        done = [(outcome, instances.changes(changes)) for outcome, changes in done]
+        self._written_out = self._written_out or instances.were_needed
         names = Naming((), folded=False)
         variables = {each: names.fresh(each.name.upper()) for each in plain.variables}
         found = []
-        for case in self._split(known, [change.guard for _, changes in done for change in changes]):
+        for case in self._split(
+            known, [change.guard for _, changes in done for change in changes], instances
+        ):
             found.append(self._case(rule, case, done, variables))
         return found
 
-    def _split(self, known: Formula, guards: Sequence[Formula]) -> list[Known]:
-        """The cases in which a condition holds and each guard is decided."""
+    def _split(self, known: Formula, guards: Sequence[Formula], instances: Instances) -> list[Known]:
+        """The cases in which a condition holds and each guard is decided; of what is written out for the
+        problem's objects those alone that can be."""
         found: list[Known] = []
         undecided: list[tuple[Formula, Known]] = [(known, ())]
         while undecided:
@@ -126,6 +134,8 @@ class _Writer:
             others = [part for part in parts if not isinstance(part, Literal | Equality)]
             here = (*case, *(part for part in plain if part not in case))
             if _contradicts(here, self._formulas):
+                continue
+            if instances.were_needed and not instances.can_hold(here):
                 continue
             question = _question(others, here, guards, self._formulas)
             if question is None:
@@ -265,6 +275,8 @@ class _Writer:
             )
         if self._names.typed:
             found.append("types are predicates")
+        if self._written_out:
+            found.append("what is said of all objects is written out for those of the problem")
         if self._uses_same:
             found.append(f"`{SAME}` holds of each object and itself: libPRADA has no equality")
         return tuple(found)
@@ -314,7 +326,7 @@ def _question(
 
 
 def _basic(formula: Formula) -> Iterator[Literal | Equality]:
-    """The literals of a formula; raises `NotSaid` for quantifiers."""
+    """The literals of a formula without quantifiers."""
     match formula:
         case Literal() | Equality():
             yield formula
@@ -322,7 +334,7 @@ def _basic(formula: Formula) -> Iterator[Literal | Equality]:
             for part in parts:
                 yield from _basic(part)
         case Quantified():
-            raise NotSaid("a condition asks whether some object, or each, is of a kind")
+            raise AssertionError("quantifiers are written out before")
 
 
 def _contradicts(case: Known, formulas: Formulas) -> bool:
