@@ -6,7 +6,7 @@ leaves out what nothing asks for and nothing changes, and a function comes back 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -57,8 +57,16 @@ def through_ppddl(domain: Domain, problem: Problem) -> Returned:
         return _through_ppddl(domain, problem, ())
     except Refused as refused:
         lost = sorted({each.code for each in refused.diagnostics})
-    costs = (RewardTerm(Fraction(-1), RewardKind.COST),)
-    return _through_ppddl(replace(domain, reward=costs), problem, (f"the reward ({', '.join(lost)})",))
+    return _through_ppddl(_without_reward(domain), problem, (f"the reward ({', '.join(lost)})",))
+
+
+def _without_reward(domain: Domain) -> Domain:
+    """The domain, in which actions cost something and nothing else is paid."""
+    rules = tuple(
+        replace(rule, outcomes=tuple(replace(o, reward=Fraction(0), cost=Fraction(0)) for o in rule.outcomes))
+        for rule in domain.rules
+    )
+    return replace(domain, rules=rules, reward=(RewardTerm(Fraction(-1), RewardKind.COST),))
 
 
 def _through_ppddl(domain: Domain, problem: Problem, lost: tuple[str, ...]) -> Returned:
@@ -79,6 +87,7 @@ def disagreements(
     closures = {derived.name for derived in domain.derived}
     always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol in closures}
     every = list(calls(domain, problem))
+    called = {each.name: _came_of(each.name, domain) for each in back.domain.actions}
     for _ in range(states if every else 0):
         values = drawn_values(domain, problem, rng)
         state = before.state(problem.objects, values)
@@ -97,20 +106,27 @@ def disagreements(
             atoms = frozenset(_moved(symbols, values, moved, known))
             wanted[atoms] = wanted.get(atoms, 0.0) + chance
         facts = {**always, **{atom: True for atom in _atoms(symbols, values) if atom[0] in known}}
-        found = _found(after, back, action, names, facts)
+        found = _found(after, back, [each for each in called if called[each] == action], names, facts)
         keys = wanted.keys() | found.keys()
         if any(abs(wanted.get(key, 0.0) - found.get(key, 0.0)) > ACCURACY for key in keys):
             yield f"{action}{names} in {sorted(values.items())}: {found} and not {wanted}"
 
 
+def _came_of(name: str, domain: Domain) -> str:
+    """The action that one of the domain that has come back has come of: its rules are actions by themselves,
+    and an action is several where its costs depend on conditions."""
+    fitting = [each.name for each in domain.actions if f"{name}_".startswith(f"{each.name}_")]
+    return max(fitting, key=len)
+
+
 def _found(
-    rules: LiftedRules, back: Returned, action: str, names: tuple[str, ...], facts: Values
+    rules: LiftedRules, back: Returned, actions: Sequence[str], names: tuple[str, ...], facts: Values
 ) -> Mapping[Moved, float]:
-    """What follows by the one action of those that have come of an action that a rule covers."""
+    """What follows by the one of some actions that a rule covers."""
     state = rules.state(back.problem.objects, facts)
-    for each in back.domain.actions:
-        if each.name.split("__")[0] == action and rules.covering(state, each.name, names):
-            return foretold(rules, Transition(each.name, names, back.problem.objects, facts, facts))
+    for action in actions:
+        if rules.covering(state, action, names):
+            return foretold(rules, Transition(action, names, back.problem.objects, facts, facts))
     return {frozenset(): 1.0}
 
 
