@@ -156,6 +156,12 @@ def test_a_client_that_hangs_keeps_no_control(server: Server, client: Client) ->
             client.stop()
 
 
+@pytest.mark.parametrize("host", ["0.0.0.0", "10.1.2.3", "::", "robot.lab"])
+def test_a_driver_listens_on_its_own_machine_alone(toy: Toy, host: str) -> None:
+    with pytest.raises(ValueError, match=r"listens at 127\.0\.0\.1 or ::1, and not at"):
+        Server(toy, TOY, Address(host, 0))
+
+
 def test_a_terminal_that_has_gone_ends_no_connection(toy: Toy) -> None:
     def told(text: str) -> None:
         raise BrokenPipeError

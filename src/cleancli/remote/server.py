@@ -18,7 +18,7 @@ from cleancli.remote.guard import Driver, Guard, Told, beyond, heard
 from cleancli.remote.messages import Description
 from cleancli.remote.transport import Transport
 from cleancli.remote.wire import BadMessage, Message
-from cleancli.scene.address import Address
+from cleancli.scene.address import Address, is_here
 
 MOST_CLIENTS = 8
 """Connections at a time."""
@@ -34,8 +34,9 @@ reply."""
 
 
 class Server:
-    """Listens as soon as it is made; `serve` answers until `close`. Raises OSError where the port is taken.
-    `told` is told what a person at the driver's terminal should know."""
+    """Listens as soon as it is made; `serve` answers until `close`. Raises OSError where the port is taken,
+    and ValueError for an address that other machines reach: whoever does can move the robot. `told` is told
+    what a person at the driver's terminal should know."""
 
     def __init__(
         self,
@@ -44,6 +45,8 @@ class Server:
         address: Address,
         told: Told = lambda text: None,
     ) -> None:
+        if not is_here(address.host):
+            raise ValueError(f"a driver listens at 127.0.0.1 or ::1, and not at {address.host}")
         self.guard = Guard(driver, description, lambda reason: told(f"tripped: {reason}"))
         self._told = heard(told)
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET

@@ -28,7 +28,7 @@ def address_of(text: str) -> Address:
     host = host.removeprefix("[").removesuffix("]")
     if not colon or not host or not (port.isascii() and port.isdecimal()) or not 0 < int(port[:6]) < 1 << 16:
         raise ValueError('an address is a host and a port, as "127.0.0.1:7420"')
-    if not _is_here(host):
+    if not is_here(host):
         raise ValueError(
             f"`{host}` is another machine, and whoever reaches a driver can move its robot: bring its port "
             f"here by `ssh -N -L {int(port)}:127.0.0.1:{int(port)} {host}` and use 127.0.0.1:{int(port)}"
@@ -36,7 +36,8 @@ def address_of(text: str) -> Address:
     return Address("127.0.0.1" if host == "localhost" else host, int(port))
 
 
-def _is_here(host: str) -> bool:
+def is_here(host: str) -> bool:
+    """Whether whoever reaches this host is on this machine."""
     if host == "localhost":
         return True
     try:
