@@ -161,6 +161,32 @@ def test_a_robot_that_has_tripped_moves_only_once_re_armed(guard: Guard, toy: To
     assert guard.poll(motion) is None
 
 
+def test_who_re_arms_waits_until_the_robot_stands_still(
+    guard: Guard, toy: Toy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the next motion would be planned from where the tool is while it is raised."""
+    stops, is_up = Event(), Event()
+
+    def stop() -> None:
+        stops.set()
+        is_up.wait()
+        Toy.stop(toy)
+
+    begun(guard)
+    monkeypatch.setattr(toy, "stop", stop)
+    tripping, rearming = Thread(target=guard.trip, args=("a door was opened",)), Thread(target=guard.rearm)
+    tripping.start()
+    stops.wait()
+    rearming.start()
+    rearming.join(0.05)
+    assert guard.start(ACROSS) == "it has tripped: a door was opened"
+    is_up.set()
+    for thread in (tripping, rearming):
+        thread.join()
+    assert toy.stops == 1
+    begun(guard)
+
+
 def test_nothing_is_lost_where_nothing_moves(guard: Guard) -> None:
     guard.lost("the client has gone")
     assert guard.state.trip == ""

@@ -56,6 +56,7 @@ class Guard:
         self.driver, self.description = driver, description
         self._told = heard(told)
         self._beginning = threading.Lock()  # held while a motion is planned, and begins
+        self._tripping = threading.Lock()  # held while a robot that trips comes to a stop
         self._state = threading.Condition()
         self._due: float | None = None  # when the lease of the motion under way ends; None without one
         self._motion, self._ended = 0, Poll(Status.DONE, "")
@@ -126,17 +127,18 @@ class Guard:
 
     def trip(self, reason: str) -> None:
         """Stop the robot, and refuse all motions from now on."""
-        with self._state:
-            if self._trip:
-                return
-            self._trip, self._due = reason, None
-            self._ended = Poll(Status.FAILED, reason)
-            self._state.notify_all()
-        try:
-            self.driver.stop()
-        except Exception as error:
-            self._trip = f"{reason}; and the driver failed to stop: {error!r}"
-        self._told(self._trip)
+        with self._tripping:
+            with self._state:
+                if self._trip:
+                    return
+                self._trip, self._due = reason, None
+                self._ended = Poll(Status.FAILED, reason)
+                self._state.notify_all()
+            try:
+                self.driver.stop()
+            except Exception as error:
+                self._trip = f"{reason}; and the driver failed to stop: {error!r}"
+            self._told(self._trip)
 
     def lost(self, reason: str) -> None:
         """Nobody will poll any more: trip, if a motion is under way."""
@@ -144,8 +146,10 @@ class Guard:
             self.trip(reason)
 
     def rearm(self) -> None:
-        """Carry motions out again. For a person to say, who sees that nobody and nothing is in the way."""
-        self._trip = ""
+        """Carry motions out again, once a robot that trips stands still. For a person to say, who sees that
+        nobody and nothing is in the way."""
+        with self._tripping:
+            self._trip = ""
 
     def _begun(self, begin: Callable[[], None]) -> int | str:
         if self._trip:
