@@ -48,7 +48,7 @@ _TOO_FEW = (
 """Beside what the usual horizon may have cut short."""
 
 _SHORT = (
-    "the problem states no horizon, and these {within} reach the goal with probability {chance:.2g}:"
+    "the problem states no horizon, and {within} the goal with probability {chance:.2g}:"
     " write for example `horizon = {longer}`"
 )
 """Beside a plan that the usual horizon is too short for."""
@@ -156,8 +156,9 @@ class PlanResult:
         if self.goal_chance is not None and self.plan and not self.goal_reached:
             chance = self.goal_chance.probability
             if not self.horizon_stated and self._is_short(chance):
-                within, longer = plural(len(self.plan), "action"), longer_horizon(len(self.plan))
-                yield _SHORT.format(within=within, chance=chance, longer=longer)
+                number = len(self.plan)
+                within = "this action reaches" if number == 1 else f"these {number} actions reach"
+                yield _SHORT.format(within=within, chance=chance, longer=longer_horizon(number))
             yield chance_line(self.goal_chance, self.horizon)
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
         coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"

@@ -10,7 +10,7 @@ _WORDS = {
     "and": "literals are joined by commas",
     "or": "there is no `or`: write two rules",
     "if": "a condition begins with `when`",
-    "when": "a rule has one `when`, before its outcomes; its literals are joined by commas",
+    "when": "a rule has one `when`, before `with` and `then`; its literals are joined by commas",
     "else": "write a second rule for the other case",
     "not": "facts that are not listed are false: leave it out",
     "action": "an action is declared in `actions`, and what it does is said by a `rule NAME: push(?a)`",
