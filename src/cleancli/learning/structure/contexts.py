@@ -1,11 +1,14 @@
 """In which states an action does what: a decision tree over what a context may ask for.
 
 A node is divided by the question that makes the description shortest, as long as one makes it shorter
-(Quinlan and Rivest 1989); the probabilities on both sides are fitted for all questions at once.
+(Quinlan and Rivest 1989); the probabilities on both sides are fitted for all questions at once. Whether a
+question matters is never sure: a leaf says how likely it does not, by how much shorter it makes the
+description, and what holds then (Buntine 1992, who averages over all trees that are left when one is cut).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -60,10 +63,16 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """The transitions of these rows, and what was asked on the way to them."""
+    """The transitions of these rows, and what was asked on the way to them.
+
+    `doubt` is how likely some question on the way does not matter, and `otherwise` how likely each outcome
+    and noise are then.
+    """
 
     path: tuple[Asked, ...]
     rows: Longs
+    doubt: float = 0.0
+    otherwise: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,38 +83,80 @@ class Tree:
     length: float
 
 
-EACH = 0.5
+EACH = 0.25
 """Nats that a probability must save on each side of a question; chosen. By Akaike (1974) it is 1 for a
 probability more, and a question adds those of one side alone."""
+PER_QUESTION = 0.5
+"""The share that counts of what it takes to name a question, and of the logarithm of how many transitions
+there are. Half of the latter is what one number more costs that rests on them (Schwarz 1978); half of the
+former is chosen: few transitions would have no question asked by the whole of it."""
 OF_OTHERS = 2.0
-"""Nats that a question about an object without a name costs beside what one costs of a term. It is also asked
-only where it saves so many times as much as the best of those, of which it may take two to say the same.
-Chosen."""
+"""Nats that a question about an object without a name costs beside that; chosen."""
+MOST_TRIED, MOST_BEHIND = 3, 10.0
+"""How many of the best questions are tried with one more on either side, but none by which the description
+is longer by more nats than that; chosen."""
+_CERTAIN = 500.0
+"""Nats by which a shorter description leaves no doubt, within what `exp` can tell."""
 
 
 def tree(possible: Possible, questions: Questions, rows: Longs) -> Tree:
     """The tree that describes these transitions best, as far as one question after the other finds it."""
-    counts = possible.counts(rows)[None]
-    start = np.full(possible.likelihoods.shape[1], 1 / possible.likelihoods.shape[1])
-    beliefs = fitted(counts, possible.likelihoods, start)
-    length = _free(counts[0], beliefs[0]) - log_likelihoods(counts, possible.likelihoods, beliefs)[0]
-    return _grown(possible, questions, Leaf((), rows), float(length))
+    counts, beliefs = possible.counts(rows), _beliefs(possible, rows)
+    length = _free(counts, beliefs) - log_likelihoods(counts[None], possible.likelihoods, beliefs)[0]
+    return _grown(possible, questions, Leaf((), rows), float(length), _divisions(possible, questions, rows))
 
 
-def _grown(possible: Possible, questions: Questions, leaf: Leaf, length: float) -> Tree:
-    """The tree below a node, the answers yes first, where the node by itself has this length."""
-    best = _best(possible, questions, leaf.rows)
+def _grown(
+    possible: Possible, questions: Questions, leaf: Leaf, length: float, divisions: Sequence[_Division]
+) -> Tree:
+    """The tree below a node, the answers yes first, where the node by itself has this length.
+
+    Of its divisions the one is taken that is the shortest once each side is divided once more where that is
+    shorter: two questions may tell together what neither tells alone.
+    """
+    shortest, best = length, None
+    for division in divisions:
+        sides = _sides(possible, questions, leaf, division)
+        total = division.cost + sum(
+            min([alone, *(each.length for each in below)]) for _, alone, below in sides
+        )
+        if total < shortest:
+            shortest, best = total, (division, sides)
     if best is None:
         return Tree((leaf,), length)
-    question, total, lengths = best
-    yes = questions.answers[leaf.rows, question]
-    leaves: list[Leaf] = []
-    for answer, own, alone in zip((True, False), (yes, ~yes), lengths, strict=True):
-        path = (*leaf.path, Asked(questions.listed[question], answer))
-        side = _grown(possible, questions, Leaf(path, leaf.rows[own]), alone)
-        leaves += side.leaves
-        total += side.length
-    return Tree(tuple(leaves), total)
+    division, sides = best
+    trees = [_grown(possible, questions, *side) for side in sides]
+    leaves = tuple(each for tree in trees for each in tree.leaves)
+    divided = division.cost + sum(tree.length for tree in trees)
+    if all(_changes(possible, each.rows) for each, *_ in sides):
+        doubt = 1 / (1 + math.exp(min(length - divided, _CERTAIN)))
+        own = _beliefs(possible, leaf.rows)
+        leaves = tuple(_doubted(each, doubt, own) for each in leaves)
+    return Tree(leaves, divided)
+
+
+def _changes(possible: Possible, rows: Longs) -> bool:
+    """Whether an outcome that changes anything made any of these transitions; where none did, the question
+    whether they are such is not in doubt."""
+    changing = np.array([*map(bool, possible.outcomes), False])
+    return float(_beliefs(possible, rows)[changing].sum()) * len(rows) > 0.5
+
+
+def _beliefs(possible: Possible, rows: Longs) -> Floats:
+    """The probabilities of all outcomes in these transitions."""
+    start = np.full(possible.likelihoods.shape[1], 1 / possible.likelihoods.shape[1])
+    found: Floats = fitted(possible.counts(rows)[None], possible.likelihoods, start)[0]
+    return found
+
+
+def _doubted(leaf: Leaf, doubt: float, own: Floats) -> Leaf:
+    """The leaf where a node above it is divided for nothing by this probability, so that the node's own
+    probabilities of outcomes hold."""
+    if leaf.otherwise is None:
+        return replace(leaf, doubt=doubt, otherwise=own)
+    below = leaf.doubt * (1 - doubt)
+    otherwise = (below * leaf.otherwise + doubt * own) / (below + doubt)
+    return replace(leaf, doubt=below + doubt, otherwise=otherwise)
 
 
 class _Division(NamedTuple):
@@ -115,9 +166,28 @@ class _Division(NamedTuple):
     cost: float
     lengths: tuple[float, float]
 
+    @property
+    def length(self) -> float:
+        """Of the whole node."""
+        return self.cost + sum(self.lengths)
 
-def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | None:
-    """The question that shortens the description most, if any does."""
+
+def _sides(
+    possible: Possible, questions: Questions, leaf: Leaf, division: _Division
+) -> list[tuple[Leaf, float, list[_Division]]]:
+    """Both sides of a node that is divided, their lengths, and what may divide them."""
+    yes = questions.answers[leaf.rows, division.question]
+    found = []
+    for answer, own, alone in zip((True, False), (yes, ~yes), division.lengths, strict=True):
+        asked = Asked(questions.listed[division.question], answer)
+        side = Leaf((*leaf.path, asked), leaf.rows[own])
+        found.append((side, alone, _divisions(possible, questions, side.rows)))
+    return found
+
+
+def _divisions(possible: Possible, questions: Questions, rows: Longs) -> list[_Division]:
+    """The questions that shorten a node's description most, or lengthen it least: the best `MOST_TRIED`, and
+    the best of each kind."""
     counts = possible.counts(rows)
     used = counts > 0
     likelihoods, every = possible.likelihoods[used], counts[used]
@@ -126,36 +196,45 @@ def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | 
     yes = (answers.T @ patterns).astype(float)
     splits = (yes.sum(axis=1) > 0) & (yes.sum(axis=1) < every.sum())
     listed = np.flatnonzero(splits)
-    if not len(listed):
-        return None
+    if len(every) < 2 or not len(listed):
+        return []
     start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
     beliefs = fitted(every[None], likelihoods, start)[0]
-    free = _free(every, beliefs)
-    costs = _costs(questions.kinds[listed], questions.answers[np.ix_(rows, listed)])
-    shorter = free - log_likelihoods(every[None], likelihoods, beliefs[None]) - costs
-    start = np.maximum(beliefs, 1e-3)
+    free, start = _free(every, beliefs), np.maximum(beliefs, 1e-3)
+    kinds = questions.kinds[listed]
+    costs = _costs(kinds, questions.answers[np.ix_(rows, listed)], len(possible.pattern))
     sides = []
     for side in (yes[listed], every - yes[listed]):
         below = fitted(side, likelihoods, start / start.sum(), FEW_ROUNDS)
         sides.append(free - log_likelihoods(side, likelihoods, below))
-        shorter = shorter - sides[-1]
-    weights = np.where(questions.kinds[listed] == _OF_OTHERS, 1 / OF_OTHERS, 1.0)
-    best = int((shorter * weights).argmax())
-    if shorter[best] <= 0:
-        return None
-    by = questions.by.get(int(listed[best]))
-    if by is not None:
-        best = next(place for place, number in enumerate(listed) if number in by)
-    return _Division(int(listed[best]), float(costs[best]), (float(sides[0][best]), float(sides[1][best])))
+    return [
+        _Division(int(listed[each]), float(costs[each]), (float(sides[0][each]), float(sides[1][each])))
+        for each in _tried(costs + sides[0] + sides[1], kinds, listed, questions.by)
+    ]
 
 
-def _costs(kinds: Longs, answers: Bools) -> Floats:
-    """The nats that each question costs which divides a node: it is one of those of its kind, those that
-    divide the node alike taken as one (Quinlan and Rivest 1989: of the attributes available at the node)."""
+def _tried(lengths: Floats, kinds: Longs, listed: Longs, by: Mapping[int, tuple[int, ...]]) -> Iterable[int]:
+    """The places of the questions that are worth a try, by the lengths that they lead to; in the place of
+    one that others ask `by` stands the first of these."""
+    order = np.argsort(lengths, kind="stable")
+    best = [*order[:MOST_TRIED], *(order[kinds[order] == kind][:1] for kind in range(_KINDS))]
+    found: dict[int, None] = {}
+    for place in map(int, np.hstack(best)):
+        if lengths[place] <= lengths[order[0]] + MOST_BEHIND:
+            others = by.get(int(listed[place]))
+            found[place if others is None else int(np.flatnonzero(np.isin(listed, others))[0])] = None
+    return found
+
+
+def _costs(kinds: Longs, answers: Bools, number: int) -> Floats:
+    """The nats that each question costs which divides a node, of so many transitions of the action: it is one
+    of those of its kind, those that divide the node alike taken as one (Quinlan and Rivest 1989: of the
+    attributes available at the node)."""
     alike = np.ascontiguousarray(np.packbits(answers ^ answers[:1], axis=0).T)
     first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
     different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
-    found: Floats = np.log(_KINDS * np.maximum(different[kinds], 1)) + OF_OTHERS * (kinds == _OF_OTHERS)
+    naming = np.log(_KINDS * np.maximum(different[kinds], 1))
+    found: Floats = PER_QUESTION * (naming + math.log(number)) + OF_OTHERS * (kinds == _OF_OTHERS)
     return found
 
 

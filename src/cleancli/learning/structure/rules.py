@@ -63,7 +63,9 @@ class Described:
 
 
 def described(possible: Possible, everything: Possible, known: Named, leaf: Leaf) -> Described:
-    """The leaf with its outcomes; only transitions in which its references name something are its own.
+    """The leaf with its outcomes, whose probabilities are the mean of those in its transitions and of those
+    that hold where its questions do not matter; only transitions in which its references name something are
+    its own.
 
     An outcome gives way to the simplest of `everything` that explains as much of the leaf."""
     costs = np.array([LEAST + PER_EFFECT * len(outcome) for outcome in possible.outcomes])
@@ -76,6 +78,9 @@ def described(possible: Possible, everything: Possible, known: Named, leaf: Leaf
     if 0 < len(rows) < len(leaf.rows):
         kept, probabilities = chosen(possible, possible.counts(rows), costs)
         outcomes = _simplest(possible, everything, kept, rows)
+    if leaf.otherwise is not None:
+        mixed = (1 - leaf.doubt) * probabilities + leaf.doubt * leaf.otherwise[[*kept, -1]]
+        probabilities = mixed / mixed.sum()
     return Described(replace(leaf, rows=rows), outcomes, probabilities, references)
 
 

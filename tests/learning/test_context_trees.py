@@ -1,0 +1,91 @@
+"""The tree of contexts: what is asked, and how much its answers are doubted."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from cleancli.array_types import Bools, Longs
+from cleancli.language.model import Assign, Literal
+from cleancli.learning.structure.contexts import EACH, PER_QUESTION, Question, Questions, Tree, tree
+from cleancli.learning.structure.outcomes import Possible
+
+NOISE = 0.01
+
+
+def grown(answers: Bools, happened: Longs) -> Tree:
+    """The tree of transitions in which one of several outcomes happened, all of them told apart."""
+    number = int(happened.max()) + 1
+    outcomes = tuple(frozenset({Assign(f"p{each}", (), True)}) for each in range(number))
+    likelihoods = np.column_stack([np.eye(number), np.full(number, NOISE)])
+    listed = tuple(Question(Literal(f"q{each}", (), frozenset({True}))) for each in range(answers.shape[1]))
+    kinds = np.zeros(len(listed), dtype=np.int64)
+    possible = Possible(outcomes, likelihoods, happened)
+    return tree(possible, Questions(listed, {}, kinds, answers), np.arange(len(happened)))
+
+
+def length(happened: Longs, outcomes: int) -> float:
+    """Of a node by itself, where all outcomes of the action happen: by their frequencies."""
+    counts = Counter(happened.tolist())
+    return EACH * outcomes - sum(n * math.log(n / len(happened)) for n in counts.values())
+
+
+def test_two_questions_are_asked_where_neither_tells_anything_alone() -> None:
+    """What happens is whether two of three questions are answered alike."""
+    rng = np.random.default_rng(1)
+    answers = np.vstack([rng.random((40, 3)) < 0.5] * 2)
+    answers[40:, 0] = ~answers[:40, 0]
+    answers[40:, 2] = ~answers[:40, 2]
+    happened = (answers[:, 0] == answers[:, 2]).astype(np.int64)
+    found = grown(answers, happened)
+    assert len(found.leaves) == 4
+    assert all(len({*happened[leaf.rows].tolist()}) == 1 for leaf in found.leaves)
+    asked = {asked.question.part.symbol for leaf in found.leaves for asked in leaf.path}  # type: ignore[union-attr]
+    assert asked == {"q0", "q2"}
+
+
+@pytest.mark.parametrize("rare", [2, 5, 12])
+def test_a_leaf_is_doubted_by_how_much_its_question_saves(rare: int) -> None:
+    """One question, of which 30 transitions say yes; the second outcome happens there, and now and then
+    where the answer is no."""
+    happened = np.array([1] * (30 - rare) + [0] * rare + [1] * rare + [0] * (60 - rare))
+    answers = np.arange(90)[:, None] < 30
+    found = grown(answers, happened)
+    cost = PER_QUESTION * (math.log(4) + math.log(90))
+    divided = cost + length(happened[:30], 2) + length(happened[30:], 2)
+    doubt = 1 / (1 + math.exp(length(happened, 2) - divided))
+    assert doubt < 0.5
+    assert len(found.leaves) == 2
+    for leaf in found.leaves:
+        assert leaf.doubt == pytest.approx(doubt, rel=0.01)
+        assert leaf.otherwise is not None
+        assert leaf.otherwise[:2] == pytest.approx([1 - happened.mean(), happened.mean()], abs=1e-3)
+
+
+def test_of_questions_that_tell_nothing_few_are_asked() -> None:
+    """Of 40 actions whose outcomes have nothing to do with any of 20 questions."""
+    rng = np.random.default_rng(2)
+    leaves = [
+        len(grown(rng.random((100, 20)) < 0.5, (rng.random(100) < 0.5).astype(np.int64)).leaves)
+        for _ in range(40)
+    ]
+    assert sum(number > 1 for number in leaves) <= 10
+
+
+def test_a_question_that_tells_rules_from_nothing_is_not_doubted() -> None:
+    """Where the answer is no, nothing ever happened."""
+    happened = np.array([1] * 8 + [0] * 12)
+    answers = np.arange(20)[:, None] < 10
+    number = Possible(
+        (frozenset(), frozenset({Assign("p", (), True)})),
+        np.column_stack([np.eye(2), np.full(2, NOISE)]),
+        happened,
+    )
+    question = Question(Literal("q", (), frozenset({True})))
+    kinds = np.zeros(1, dtype=np.int64)
+    found = tree(number, Questions((question,), {}, kinds, answers), np.arange(20))
+    assert [len(leaf.rows) for leaf in found.leaves] == [10, 10]
+    assert all(leaf.doubt == 0 for leaf in found.leaves)
