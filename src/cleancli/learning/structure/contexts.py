@@ -90,8 +90,9 @@ PER_QUESTION = 0.5
 """The share that counts of what it takes to name a question, and of the logarithm of how many transitions
 there are. Half of the latter is what one number more costs that rests on them (Schwarz 1978); half of the
 former is chosen: few transitions would have no question asked by the whole of it."""
-OF_OTHERS = 2.0
-"""Nats that a question about an object without a name costs beside that; chosen."""
+UNLIKELY = 2.0
+"""Nats that a question costs beside that which is about an object without a name, or asks if a number is one
+between its bounds, where rules mostly ask if it is at most so much; chosen."""
 MOST_TRIED, MOST_BEHIND = 3, 10.0
 """How many of the best questions are tried with one more on either side, but none by which the description
 is longer by more nats than that; chosen."""
@@ -234,7 +235,7 @@ def _costs(kinds: Longs, answers: Bools, number: int) -> Floats:
     first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
     different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
     naming = np.log(_KINDS * np.maximum(different[kinds], 1))
-    found: Floats = PER_QUESTION * (naming + math.log(number)) + OF_OTHERS * (kinds == _OF_OTHERS)
+    found: Floats = PER_QUESTION * (naming + math.log(number)) + UNLIKELY * (kinds == _UNLIKELY)
     return found
 
 
@@ -247,8 +248,8 @@ def _free(counts: Floats, beliefs: Floats) -> float:
 # ---- what may be asked
 
 
-_KINDS, _OF_OTHERS = 4, 3
-"""How many kinds of questions there are, and which is that about objects without a name."""
+_KINDS, _UNLIKELY = 4, 3
+"""How many kinds of questions there are, and which are the unlikely ones."""
 
 
 def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questions:
@@ -279,9 +280,18 @@ def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questio
             if index == len(listed):
                 listed.append(question)
                 columns.append(answers)
-                numbers.append(number)
+                numbers.append(_UNLIKELY if _is_between(arrays.domain, question.part) else number)
     answers = np.column_stack(columns) if columns else np.zeros((arrays.size, 0), dtype=bool)
     return Questions(tuple(listed), by, np.array(numbers, dtype=np.int64), answers)
+
+
+def _is_between(domain: Domain, part: Literal | Equality | Quantified) -> bool:
+    """Whether it asks if a number is one between its bounds."""
+    if not isinstance(part, Literal) or len(part.values) != 1:
+        return False
+    (value,) = part.values
+    bounds = [(each.values[0], each.values[-1]) for each in domain.symbols if each.name == part.symbol]
+    return type(value) is int and value not in bounds[0]
 
 
 def _is_of_one(part: Literal | Equality | Quantified) -> bool:
