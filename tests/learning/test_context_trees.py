@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from cleancli.array_types import Bools, Longs
-from cleancli.language.model import Assign, Literal
-from cleancli.learning.structure.contexts import EACH, PER_QUESTION, Question, Questions, Tree, tree
+from cleancli.language.model import Assign, Literal, Reference, Variable
+from cleancli.learning.structure.arrays import UNDEFINED
+from cleancli.learning.structure.contexts import EACH, PER_QUESTION, Leaf, Question, Questions, Tree, tree
 from cleancli.learning.structure.outcomes import Possible
+from cleancli.learning.structure.rules import described
+from cleancli.learning.structure.terms import Named
 
 NOISE = 0.01
 
@@ -89,3 +92,23 @@ def test_a_question_that_tells_rules_from_nothing_is_not_doubted() -> None:
     found = tree(number, Questions((question,), {}, kinds, answers), np.arange(20))
     assert [len(leaf.rows) for leaf in found.leaves] == [10, 10]
     assert all(leaf.doubt == 0 for leaf in found.leaves)
+
+
+@pytest.mark.parametrize(("rare", "covered"), [(1, 20), (4, 5)])
+def test_a_rare_outcome_of_a_reference_costs_no_rule_its_transitions(rare: int, covered: int) -> None:
+    """The reference names something in 5 of 20 transitions. In some of these a second outcome happens, which
+    is about what it names, in all others the first: either that outcome is worth that the rule covers no
+    more than the 5, or it gives way, and what it did is noise."""
+    variable = Variable("m", "thing")
+    column = np.where(np.arange(20) < 5, 0, UNDEFINED)
+    reference = Reference((variable,), (Literal("near", (variable,), frozenset({True})),))
+    known = Named(20, {variable: column}, (reference,))
+    first = frozenset({Assign("lit", (), True)})
+    second = frozenset({Assign("hit", (variable,), True)})
+    happened = np.where(np.arange(20) < rare, 1, 0)
+    possible = Possible((first, second), np.column_stack([np.eye(2), np.full(2, NOISE)]), happened)
+    rows = np.arange(20) if rare == 1 else np.arange(7)
+    found, lost = described(possible, possible, known, Leaf((), rows))
+    assert len(found.leaf.rows) == covered
+    assert found.references == (() if covered == 20 else (reference,))
+    assert lost > 0

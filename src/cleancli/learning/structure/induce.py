@@ -102,12 +102,13 @@ def _described(
         grown = searched(results, questions)
     else:
         grown = tree(results, questions, np.arange(given.arrays.size))
-    leaves = [described(results, everything, known, leaf) for leaf in grown.leaves]
+    told = [described(results, everything, known, leaf) for leaf in grown.leaves]
+    length = grown.length + sum(lost for _, lost in told)
     if kept:
-        changing = (each.leaf for each in leaves if each.changes)
+        changing = (each.leaf for each, _ in told if each.changes)
         parts = (part for leaf in changing for part in outside(given.arrays, known, action, leaf, kept))
-        leaves = [described(results, everything, known, part) for part in parts]
-    return leaves, grown.length
+        told = [described(results, everything, known, part) for part in parts]
+    return [each for each, _ in told], length
 
 
 def improved(domain: Domain, action: Action, given: ActionArrays, way: Way = Way()) -> Induced:

@@ -84,6 +84,15 @@ def needed(found: Possible) -> Possible:
     return found.only(chosen(found, found.counts(np.arange(number)), costs)[0])
 
 
+def by_default(possible: Possible, rows: Longs | Bools) -> float:
+    """How likely the default rule makes transitions, as a logarithm: nothing happens, or noise."""
+    kinds = [place for place, each in enumerate(possible.outcomes) if not each]
+    likelihoods = possible.likelihoods[:, [*kinds, -1]]
+    counts = possible.counts(rows)[None]
+    start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
+    return float(log_likelihoods(counts, likelihoods, fitted(counts, likelihoods, start, FEW_ROUNDS))[0])
+
+
 def _possible(outcomes: tuple[Outcome, ...], likelihoods: Floats, pattern: Longs) -> Possible:
     """With patterns that differ."""
     unique, inverse = np.unique(likelihoods, axis=0, return_inverse=True)

@@ -19,7 +19,7 @@ from cleancli.array_types import Bools
 from cleancli.language.model import Literal
 from cleancli.learning.structure.contexts import Asked, Leaf, Questions, Tree
 from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
-from cleancli.learning.structure.outcomes import Possible
+from cleancli.learning.structure.outcomes import Possible, by_default
 from cleancli.learning.structure.score import PER_LITERAL
 
 MOST_EXAMPLES = 20
@@ -76,14 +76,6 @@ class _Search:
             self.values[context] = likelihood - PER_LITERAL * literals
         return self.values[context]
 
-    def default(self, rows: Bools) -> float:
-        """How likely the default rule makes what rules do not cover, as a logarithm."""
-        kinds = [place for place, each in enumerate(self.possible.outcomes) if not each]
-        likelihoods = self.possible.likelihoods[:, [*kinds, -1]]
-        counts = self.possible.counts(rows)[None]
-        start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
-        return float(log_likelihoods(counts, likelihoods, fitted(counts, likelihoods, start, FEW_ROUNDS))[0])
-
     def score(self, rules: Contexts) -> float:
         """The score of a set of rules with its default rule."""
         key = frozenset(rules)
@@ -91,7 +83,7 @@ class _Search:
             left = np.ones(len(self.possible.pattern), dtype=bool)
             for rule in rules:
                 left &= ~self.covered(rule)
-            self.scores[key] = sum(map(self.value, rules)) + self.default(left)
+            self.scores[key] = sum(map(self.value, rules)) + by_default(self.possible, left)
         return self.scores[key]
 
     # ---- operators
@@ -126,7 +118,7 @@ class _Search:
         for part in sorted(context, reverse=True):
             less = context - {part}
             gained = self.covered(less) & ~self.covered(context)
-            if self.value(less) - self.default(gained) >= self.value(context):
+            if self.value(less) - by_default(self.possible, gained) >= self.value(context):
                 context = less
         return context
 

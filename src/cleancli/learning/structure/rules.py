@@ -38,7 +38,8 @@ from cleancli.learning.share import DIGITS, rounded
 from cleancli.learning.structure.arrays import UNDEFINED
 from cleancli.learning.structure.contexts import Asked, Leaf, Question
 from cleancli.learning.structure.literals import meet, negated
-from cleancli.learning.structure.outcomes import Possible, chosen
+from cleancli.learning.structure.mixture import log_likelihoods
+from cleancli.learning.structure.outcomes import Possible, by_default, chosen
 from cleancli.learning.structure.terms import Effect, Named, needed_by, terms_of
 
 LEAST, PER_EFFECT = 1.0, 0.1
@@ -49,12 +50,17 @@ LEAST, PER_EFFECT = 1.0, 0.1
 @dataclass(frozen=True, slots=True, eq=False)
 class Described:
     """A leaf with the outcomes that describe its transitions best, their probabilities with that of noise at
-    the end, and the references that these use."""
+    the end, and the references that these use.
+
+    `likelihood` is how likely that makes the transitions of the leaf that was described, as a logarithm;
+    those that are not its own any more follow the default rule.
+    """
 
     leaf: Leaf
     outcomes: tuple[frozenset[Effect], ...]
     probabilities: Floats
     references: tuple[Reference, ...]
+    likelihood: float
 
     @property
     def changes(self) -> bool:
@@ -62,26 +68,43 @@ class Described:
         return any(self.outcomes)
 
 
-def described(possible: Possible, everything: Possible, known: Named, leaf: Leaf) -> Described:
-    """The leaf with its outcomes, whose probabilities are the mean of those in its transitions and of those
-    that hold where its questions do not matter; only transitions in which its references name something are
-    its own.
+def described(possible: Possible, everything: Possible, known: Named, leaf: Leaf) -> tuple[Described, float]:
+    """The leaf with its outcomes, and how many nats it costs that a rule covers only transitions in which
+    all its references name something.
 
-    An outcome gives way to the simplest of `everything` that explains as much of the leaf."""
+    Either only these are its own, or outcomes are done without whose references name nothing in some: as
+    describes the transitions better. The probabilities are the mean of those in its transitions and of those
+    that hold where its questions do not matter. An outcome gives way to the simplest of `everything` that
+    explains as much of the leaf.
+    """
+    best = _with_outcomes(possible, everything, known, leaf)
+    named = [known.columns[each.variables[0]][leaf.rows] != UNDEFINED for each in best.references]
+    partial = {each for each, where in zip(best.references, named, strict=True) if not where.all()}
+    if not partial:
+        return best, 0.0
+    always = [n for n, each in enumerate(possible.outcomes) if partial.isdisjoint(used(known, [each]))]
+    less = leaf if leaf.otherwise is None else replace(leaf, otherwise=leaf.otherwise[[*always, -1]])
+    found = [_with_outcomes(possible.only(always), everything, known, less)]
+    everywhere = np.logical_and.reduce(named)
+    if everywhere.any():
+        own = _with_outcomes(possible, everything, known, replace(leaf, rows=leaf.rows[everywhere]))
+        left = by_default(possible, leaf.rows[~everywhere])
+        found.append(replace(own, likelihood=own.likelihood + left))
+    chosen_one = max(found, key=lambda each: each.likelihood)
+    return chosen_one, best.likelihood - chosen_one.likelihood
+
+
+def _with_outcomes(possible: Possible, everything: Possible, known: Named, leaf: Leaf) -> Described:
     costs = np.array([LEAST + PER_EFFECT * len(outcome) for outcome in possible.outcomes])
-    kept, probabilities = chosen(possible, possible.counts(leaf.rows), costs)
-    outcomes = _simplest(possible, everything, kept, leaf.rows)
-    references = used(known, outcomes)
-    rows = leaf.rows
-    for reference in references:
-        rows = rows[known.columns[reference.variables[0]][rows] != UNDEFINED]
-    if 0 < len(rows) < len(leaf.rows):
-        kept, probabilities = chosen(possible, possible.counts(rows), costs)
-        outcomes = _simplest(possible, everything, kept, rows)
+    counts = possible.counts(leaf.rows)
+    kept, probabilities = chosen(possible, counts, costs)
+    likelihoods = possible.likelihoods[:, [*kept, -1]]
+    likelihood = float(log_likelihoods(counts[None], likelihoods, probabilities)[0])
     if leaf.otherwise is not None:
         mixed = (1 - leaf.doubt) * probabilities + leaf.doubt * leaf.otherwise[[*kept, -1]]
         probabilities = mixed / mixed.sum()
-    return Described(replace(leaf, rows=rows), outcomes, probabilities, references)
+    outcomes = _simplest(possible, everything, kept, leaf.rows)
+    return Described(leaf, outcomes, probabilities, used(known, outcomes), likelihood)
 
 
 def _simplest(
