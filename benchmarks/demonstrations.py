@@ -19,6 +19,7 @@ ten seconds.
 from __future__ import annotations
 
 import argparse
+import itertools
 import statistics
 import sys
 import time
@@ -46,19 +47,21 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.walks import Start, walks
 
 EPISODES, LATE = 10, 5
-WALK, MOST_ACTIONS, HORIZON = 12, 25, 12
+WALK, WALKS, MOST_ACTIONS, HORIZON = 12, 20, 25, 12
 SAMPLES = 200
 RESAMPLED = 2000
 
 
-def with_goal(hidden: Domain, start: Start, rng: np.random.Generator) -> Problem:
-    """From a start, the problem to make a fact true that a walk of random actions makes true."""
-    while True:
+def with_goal(hidden: Domain, start: Start, rng: np.random.Generator) -> Problem | None:
+    """From a start, the problem to make a fact true that a walk of random actions makes true; None where no
+    walk does."""
+    for _ in range(WALKS):
         steps = walks(hidden, [start], rng, steps=WALK)
-        *_, last = (next(steps) for _ in range(WALK))
+        *_, last = itertools.islice(steps, WALK)
         new = sorted(key for key, value in last.after.items() if value is True and key not in start[1])
         if new:
             return _problem(hidden, start, new[int(rng.integers(len(new)))])
+    return None
 
 
 def _problem(hidden: Domain, start: Start, wanted: Fluent) -> Problem:
@@ -106,8 +109,9 @@ def pupil_and_other(hidden: Hidden, seed: int) -> tuple[list[Episode], list[Epis
     )
     bare, seen = without_rules(true), list[Transition]()
     pupil, other = list[Episode](), list[Episode]()
-    for number, start in enumerate(rng.permutation(len(hidden.starts))[:EPISODES]):
-        problem = with_goal(true, hidden.starts[int(start)], rng)
+    starts = (hidden.starts[number] for number in rng.permutation(len(hidden.starts)))
+    problems = (problem for start in starts if (problem := with_goal(true, start, rng)) is not None)
+    for number, problem in enumerate(itertools.islice(problems, EPISODES)):
         own = seed * EPISODES + number
         pupil.append(played(bare, true, problem, replace(learning, seed=own), seen))
         other.append(played(true, true, problem, replace(knowing, seed=own), ()))
