@@ -148,7 +148,9 @@ def _slow_worth(known: ExploredAction, here: Sequence[bool]) -> float:
             alike = [
                 row for row in known.held if all(row[c] for c in has) and not all(row[c] for c in wanted)
             ]
-            own = [t for t, rule in zip(known.transitions, known.by, strict=True) if rule == each.rule]
+            own = [
+                t for t, row in zip(known.transitions, known.held, strict=True) if all(row[c] for c in wanted)
+            ]
             still = sum(not t.changed for t in own)
             # Rule of succession, again after each try in vain: the chance that none of them changes anything.
             chance = math.prod((still + 1 + tried) / (len(own) + 2 + tried) for tried in range(len(alike)))

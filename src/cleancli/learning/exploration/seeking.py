@@ -108,13 +108,14 @@ def _near(domain: Domain, known: ExploredAction, number: int) -> Iterator[Hope]:
     own = known.held[known.by == number]
     for specific in known.specific:
         if specific.rule == number:
+            inside = known.held[:, specific.holds].all(axis=1)
             for column in np.flatnonzero(specific.holds):
                 without_it = int((~own[:, column]).sum())
                 opposite = signed(
                     domain, known.parts, (int(column) + len(known.parts)) % (2 * len(known.parts))
                 )
                 condition = (*rule.condition, opposite)
-                yield Hope(rule.action, condition, rule.references, near(known, specific, without_it))
+                yield Hope(rule.action, condition, rule.references, near(known, inside, without_it))
 
 
 def _planned(

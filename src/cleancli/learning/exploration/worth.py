@@ -23,7 +23,7 @@ from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Action, Domain, Object
 from cleancli.learning.experience import Transition
-from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, Specific, covering
+from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction, covering
 from cleancli.learning.exploration.parts import held
 from cleancli.learning.structure.arrays import ActionArrays, Arrays, compiled
 
@@ -123,17 +123,16 @@ def by_rule(known: ExploredAction, rule: int) -> float:
     return _of_example(known, rule, int((known.by == rule).sum()))
 
 
-def near(known: ExploredAction, specific: Specific, number: int) -> float:
+def near(known: ExploredAction, inside: Bools, number: int) -> float:
     """What it is worth to try an action where one part of a specific context does not hold, after so many
-    such tries that changed nothing.
+    such tries that changed nothing. `inside`: which transitions are in that context, (n,).
 
-    If the part did not matter, they would have changed nothing by a chance of which the rule's examples tell
+    If the part did not matter, they would have changed nothing by a chance of which those inside tell
     (beta-binomial, from a uniform prior); so a few tries settle it. That something else happens there is as
     likely as of anything that has not happened yet.
     """
-    own = known.by == specific.rule
-    changing = int((known.changed & own).sum())
-    still = int(own.sum()) - changing
+    changing = int(known.changed[inside].sum())
+    still = int(inside.sum()) - changing
     chance = math.exp(betaln(changing + 1, still + 1 + number) - betaln(changing + 1, still + 1))
     return NEAR * chance + OTHERWISE / (number + 1) ** 2
 
@@ -164,7 +163,7 @@ def _by_context(known: ExploredAction, kinds: Bools) -> Floats:
             if missing:
                 # With as much of the context as the pair has, and not all: they tell if the rest matters.
                 alike = int(outside[:, each.holds & kind].all(axis=1).sum())
-                value = near(known, each, alike) * FURTHER ** (missing - 1)
+                value = near(known, inside, alike) * FURTHER ** (missing - 1)
             else:
                 value = _of_example(known, each.rule, int(inside.sum()))
             worth[place] = max(worth[place], value)
