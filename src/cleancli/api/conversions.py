@@ -30,6 +30,7 @@ from cleancli.planning.plan import BadOption
 
 FORMATS = ("nid", "pddl", "libprada")
 TARGETS = ("nid", "ppddl", "rddl", "libprada")
+REWARD = "reward.dat"
 LIBPRADA = ("rules.dat", "state.dat", "symbols.dat")
 
 
@@ -162,12 +163,14 @@ def _from_libprada(files: Sequence[str], wishes: LibpradaWishes, folder: Path) -
     if len(files) not in (1, len(LIBPRADA), len(LIBPRADA) + 1):
         raise BadOption("give a folder, or the files of rules, state and symbols, and perhaps of data")
     paths = list(files)
+    reward = Path(files[0]) / REWARD if len(files) == 1 else None
     if len(files) == 1:
         paths = [str(Path(files[0]) / name) for name in LIBPRADA]
         paths += [str(data)] if (data := Path(files[0]) / DATA).exists() else []
     rules, state, symbols, *data_sources = (read_source(path) for path in paths)
     targets = (str(folder / f"{wishes.name}.nid"), str(folder / "problem.nid"))
-    made = convert_libprada(rules, state, symbols, wishes, targets)
+    goal = read_source(str(reward)) if reward is not None and reward.exists() else None
+    made = convert_libprada(rules, state, symbols, wishes, targets, goal)
     told = (made.notes, made.diagnostics, made.sources)
     problems = {"problem": made.problem}
     texts = _files({wishes.name: made.domain, **problems})

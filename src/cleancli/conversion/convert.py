@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from cleancli.conversion.check import check, constants_of, rule_atoms
+from cleancli.conversion.check import check, constants_of, misfits, rule_atoms
 from cleancli.conversion.exclusive import groups_of
 from cleancli.conversion.names import OBJECT, fresh, names_for
-from cleancli.conversion.read import read
+from cleancli.conversion.read import read, read_reward
 from cleancli.conversion.records import Kind, Library
 from cleancli.conversion.rules import Translated, default_of, rules_of
 from cleancli.conversion.symbols import Vocabulary, facts, parameters, vocabulary
@@ -19,6 +19,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, checked_problem, load_domain
 from cleancli.language.model import (
     Action,
+    Condition,
     Count,
     Domain,
     Horizon,
@@ -70,9 +71,15 @@ class Converted:
 
 
 def convert(
-    rules: Source, state: Source, symbols: Source, wishes: Wishes, paths: tuple[str, str]
+    rules: Source,
+    state: Source,
+    symbols: Source,
+    wishes: Wishes,
+    paths: tuple[str, str],
+    reward: Source | None = None,
 ) -> Converted:
-    """The texts of a domain and a problem; `paths` are what their mistakes go by.
+    """The texts of a domain and a problem; `paths` are what their mistakes go by. What a `reward` pays for is
+    the goal.
 
     Raises Refused (E911 to E914) where the files, or the wishes, cannot be converted.
     """
@@ -82,13 +89,14 @@ def convert(
     names = names_for(library, groups)
     words = vocabulary(library, names)
     translated = rules_of(library, words, whole=wishes.predicates)
-    domain = _with_reward(_domain(library, words, translated, wishes.name), wishes)
-    problem = _problem(library, words, domain, wishes)
+    goal = () if reward is None else _goal(reward, library, words)
+    domain = _with_reward(_domain(library, words, translated, wishes.name), wishes, goal)
+    problem = replace(_problem(library, words, domain, wishes), goal=goal)
     functions = {function.name: function for function in names.functions.values()}
     members = {name: tuple(function.value_of) for name, function in functions.items()}
     notes = (*_left_out(library, words, translated), *_guessed(domain, problem, wishes))
     remarks = Remarks(rules, state, symbols, members, translated, notes)
-    texts = domain_text(domain, remarks), problem_text(problem, remarks)
+    texts = domain_text(domain, remarks), problem_text(problem, domain, remarks)
     sources = (Source(paths[0], texts[0]), Source(paths[1], texts[1]))
     mistakes = _mistakes(*sources, wishes.predicates)
     return Converted(*texts, members, notes, mistakes, sources, library, words)
@@ -135,10 +143,33 @@ def _counts(library: Library, words: Vocabulary) -> tuple[Count, ...]:
     return tuple(counts)
 
 
-def _with_reward(domain: Domain, wishes: Wishes) -> Domain:
-    """The domain with the wished reward, or else with eq. 2's for dirt, or else more of the first count."""
+def _goal(source: Source, library: Library, words: Vocabulary) -> tuple[Literal, ...]:
+    """What has to hold for a reward. Raises Refused (E911 to E913)."""
+    atoms = read_reward(source)
+    wrong = list(misfits([atoms], library))
+    for atom in atoms:
+        unknown = [term for term in atom.terms if term not in words.names.objects]
+        if not wrong and unknown:
+            message = f"neither rules nor state have an object `{unknown[0]}`"
+            wrong.append(Diagnostic("E912", message, atom.span))
+        elif not wrong and not words.has(atom):
+            message = f"no rule mentions `{atom.symbol}`: it is as it is"
+            wrong.append(Diagnostic("E913", message, atom.span))
+    goal = None if wrong else words.conjunction(atoms, {})
+    if goal is None and not wrong:
+        wrong.append(Diagnostic("E913", "these literals never hold together", atoms[0].span))
+    if goal is None:
+        raise Refused(wrong, [source])
+    return goal
+
+
+def _with_reward(domain: Domain, wishes: Wishes, goal: Condition) -> Domain:
+    """The domain with the wished reward, or one for the goal, or else with eq. 2's for dirt, or else more of
+    the first count."""
     if wishes.reward is not None:
         return replace(domain, reward=_read_reward(wishes.reward, domain))
+    if goal:
+        return replace(domain, reward=(RewardTerm(Fraction(1), RewardKind.GOAL),))
     if not domain.counts:
         raise Refused(
             [
@@ -210,7 +241,9 @@ def _declared(library: Library, kind: Kind) -> list[str]:
 def _guessed(domain: Domain, problem: Problem, wishes: Wishes) -> tuple[str, ...]:
     """Which of what the files leave open was guessed, and what the answer is good for."""
     guesses = ["rules may overlap: plan with `--compat libprada`"] if wishes.predicates else []
-    if wishes.reward is None:
+    if problem.goal:
+        guesses.append("the goal is paid for once: libPRADA pays in each state in which it holds")
+    elif wishes.reward is None:
         (term,) = domain.reward
         direction = "fewer" if term.weight > 0 else "more"
         guesses.append(f"the reward is a guess: {direction} of the count `{term.count}`")

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from cleancli.conversion.records import Atom, Declaration, Kind, Library, LibraryRule, Result
-from cleancli.conversion.scan import Scanner, Token, Unreadable, tokens_of
+from cleancli.conversion.scan import Scanner, Token, Unreadable, lines_of, tokens_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import Lines
@@ -155,6 +155,34 @@ def _result(scanner: Scanner) -> Result:
     elif not (effects := scanner.atoms()):
         raise scanner.misplaced("effects, `<no-change>` or `<noise>`")
     return Result(Fraction(probability.text), kind, effects, probability.span)
+
+
+# ---- reward.dat
+
+
+def read_reward(source: Source) -> tuple[Atom, ...]:
+    """The literals that all have to hold, below the kind of the reward. Raises Refused (E911), also for
+    rewards of other kinds."""
+    found: list[Atom] = []
+    kind: Token | None = None
+    end = Span(source.path, len(source.text.rstrip()), len(source.text.rstrip()))
+    try:
+        for start, stop in lines_of(source):
+            scanner = Scanner(tokens_of(source, start, stop), Span(source.path, stop, stop), "line")
+            if kind is None:
+                kind = scanner.take("number", "0 for a literal, or 1 for several")
+                if kind.text not in ("0", "1"):
+                    message = f"rewards of kind {kind.text} are not converted"
+                    help = "0 is a literal, 1 are several"
+                    raise Unreadable(Diagnostic("E911", message, kind.span, help=help))
+            found += scanner.atoms()
+            if scanner.next is not None:
+                raise scanner.misplaced("a literal")
+        if not found:
+            raise Scanner((), end, "text").misplaced("0 or 1, and literals")
+    except Unreadable as unreadable:
+        raise Refused([unreadable.diagnostic], [source]) from None
+    return tuple(found)
 
 
 # ---- state.dat

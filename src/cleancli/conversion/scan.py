@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from cleancli.conversion.records import Atom
@@ -15,6 +15,9 @@ _TOKEN = re.compile(
     r"|(?P<word>[A-Za-z_][A-Za-z0-9_]*)|(?P<arrow><--)|(?P<result><[A-Za-z-]+>)|(?P<empty>--)"
     r"|(?P<relation><=|>=|!=|<|>|=)|(?P<sign>[-():,#])|(?P<other>\S)"
 )
+
+
+_COMMENTS = ("#", "//")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +44,15 @@ def tokens_of(source: Source, start: int = 0, end: int | None = None) -> list[To
         Token(found.group(), str(found.lastgroup), Span(source.path, found.start(), found.end()))
         for found in _TOKEN.finditer(source.text, start, stop)
     ]
+
+
+def lines_of(source: Source) -> Iterator[tuple[int, int]]:
+    """Where the lines begin and end that are neither empty nor comments."""
+    start = 0
+    for line in source.text.splitlines(keepends=True):
+        if line.strip() and not line.lstrip().startswith(_COMMENTS):
+            yield start, start + len(line.rstrip())
+        start += len(line)
 
 
 class Scanner:

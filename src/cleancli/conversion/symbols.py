@@ -45,6 +45,11 @@ class Vocabulary:
             values = frozenset(v for v in symbol.values if fits(int(v), atom.value))
         return Literal(symbol.name, terms, values)
 
+    def has(self, atom: Atom) -> bool:
+        """Whether the symbol of a literal is one that rules or counts mention."""
+        function = self.names.functions.get(atom.symbol)
+        return (self.names.symbols[atom.symbol] if function is None else function.name) in self.symbols
+
     def conjunction(
         self, atoms: Iterable[Atom], variables: Mapping[str, Variable]
     ) -> tuple[Literal, ...] | None:

@@ -40,7 +40,7 @@ def domain_text(domain: Domain, remarks: Remarks) -> str:
     return layout(commented(print_domain(domain), head, above))
 
 
-def problem_text(problem: Problem, remarks: Remarks) -> str:
+def problem_text(problem: Problem, domain: Domain, remarks: Remarks) -> str:
     """The problem, laid out."""
     head = [f"Converted from libPRADA's {Path(remarks.state.path).name} by `cleancli convert`."]
-    return layout(commented(print_problem(problem), head, {}))
+    return layout(commented(print_problem(problem, domain), head, {}))

@@ -17,15 +17,13 @@ from cleancli.conversion.experience.vocabulary import Meaning, Vocabulary, meani
 from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.names import OBJECT, fresh
 from cleancli.conversion.records import Atom
-from cleancli.conversion.scan import Scanner, Unreadable, tokens_of
+from cleancli.conversion.scan import Scanner, Unreadable, lines_of, tokens_of
 from cleancli.conversion.symbols import facts
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Object, Symbol
 from cleancli.learning.experience import Transition
-
-_COMMENTS = ("#", "//")
 
 
 def data_text(chains: Sequence[Chain], domain: Domain, names: LibpradaNames) -> str:
@@ -114,19 +112,15 @@ def _alone(state: tuple[Atom, ...]) -> Diagnostic:
 
 def _lines(source: Source, found: list[Diagnostic]) -> Iterator[tuple[Atom, ...]]:
     """The literals of each line that has some."""
-    start = 0
-    for line in source.text.splitlines(keepends=True):
-        end = start + len(line.rstrip())
-        if line.strip() and not line.lstrip().startswith(_COMMENTS):
-            scanner = Scanner(tokens_of(source, start, end), Span(source.path, end, end), "line")
-            try:
-                atoms = scanner.atoms()
-                if scanner.next is not None:
-                    raise scanner.misplaced("a literal")
-                yield atoms
-            except Unreadable as unreadable:
-                found.append(unreadable.diagnostic)
-        start += len(line)
+    for start, end in lines_of(source):
+        scanner = Scanner(tokens_of(source, start, end), Span(source.path, end, end), "line")
+        try:
+            atoms = scanner.atoms()
+            if scanner.next is not None:
+                raise scanner.misplaced("a literal")
+            yield atoms
+        except Unreadable as unreadable:
+            found.append(unreadable.diagnostic)
 
 
 def read_data(

@@ -53,6 +53,9 @@ MOST_CASES = 64
 _DIGITS = 15
 """Digits of a probability that is no decimal."""
 
+_ONE_LITERAL, _LITERALS = "0", "1"
+"""What the library calls rewards of one literal, and of several that all hold."""
+
 Known = tuple[Literal | Equality, ...]
 """A case: literals and equalities that all hold."""
 
@@ -60,14 +63,19 @@ Known = tuple[Literal | Equality, ...]
 def libprada(
     domain: Domain, problem: Problem, noise: str, unsaid: Unsaid, names: LibpradaNames | None = None
 ) -> Written:
-    """The three files; `noise` is one of `NOISE`; `names` are those of further files beside them.
+    """The files, with reward.dat where the goal is literals; `noise` is one of `NOISE`, `names` are those of
+    further files beside them.
 
     What can't be said is told to `unsaid`, and then Refused raised with all of it (E919).
     """
     names = LibpradaNames(domain, problem) if names is None else names
     writer = _Writer(domain, problem, noise, unsaid, names)
-    texts = {"rules.dat": writer.rules(), "symbols.dat": writer.symbols(), "state.dat": writer.state()}
+    # What rules and the goal ask for is declared and stated.
+    rules, reward = writer.rules(), writer.reward()
+    texts = {"rules.dat": rules, "symbols.dat": writer.symbols(), "state.dat": writer.state()}
     unsaid.refuse()
+    if reward is not None:
+        texts["reward.dat"] = reward
     return Written(texts, writer.notes(), writer.changed_names())
 
 
@@ -83,7 +91,7 @@ class _Writer:
         self._formulas = Formulas(domain, names.predicates, [counted(domain, problem)])
         self._things = (*domain.constants, *problem.objects)
         self._uses_same = False
-        self._written_out = False
+        self._written_out = self._has_reward = False
         self._counts_left_out: list[str] = []
 
     # ---- rules.dat
@@ -264,11 +272,33 @@ class _Writer:
                 holds(SAME, [thing.name, thing.name])
         return "\n".join(" ".join(facts) for facts in found.values()) + "\n"
 
+    # ---- reward.dat
+
+    def reward(self) -> str | None:
+        """The literals of the goal, of which the library pays for all together; None where it has others."""
+        try:
+            goal = self._formulas.condition(self._problem.goal)
+            goal = Instances(self._formulas, self._problem).formula(goal)
+        except NotSaid:
+            return None
+        parts = goal.parts if isinstance(goal, Both) else (goal,)
+        literals = [
+            self._atom(p.symbol, p.terms, True in p.values, {}) for p in parts if isinstance(p, Literal)
+        ]
+        if not literals or len(literals) < len(parts):
+            return None
+        self._has_reward = True
+        kind = _ONE_LITERAL if len(literals) == 1 else _LITERALS
+        return "".join(f"{line}\n" for line in (kind, *literals))
+
     # ---- what has to be told
 
     def notes(self) -> tuple[str, ...]:
         """What the files do not say as the .nid files do."""
-        found = ["left out: rewards, costs, durations, the goal, the horizon and the discount"]
+        goal = "" if self._has_reward else "the goal, "
+        found = [f"left out: rewards, costs, durations, {goal}the horizon and the discount"]
+        if self._has_reward:
+            found.append("reward.dat pays in each state in which the goal holds")
         if self._counts_left_out:
             found.append(
                 f"left out: counts that ask for more than literals: {', '.join(self._counts_left_out)}"
