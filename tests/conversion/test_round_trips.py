@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from support.export_texts import DRIVEN, TOLL, TOUR
 from support.random_domains import Generator
 from support.round_trips import disagreements, drawn_problem, through_ppddl
 
@@ -44,3 +47,17 @@ def test_drawn_domains_come_back(seed: int) -> None:
     domain, problem = generator.domain(), generator.problem()
     back = through_ppddl(domain, problem)
     assert list(disagreements(domain, problem, back, 10, np.random.default_rng(seed))) == []
+
+
+TOLL_TWICE = "problem twice { domain = toll goal { there() } horizon = 2 }"
+
+
+@pytest.mark.parametrize(("text", "goal"), [(TOLL, TOLL_TWICE), (DRIVEN, TOUR + "horizon = 3 }")])
+def test_what_outcomes_and_objects_cost_comes_back(text: str, goal: str) -> None:
+    domain = load_domain(Source("domain.nid", text))
+    problem = load_problem(Source("problem.nid", goal), domain)
+    back = through_ppddl(domain, problem)
+    assert back.lost == ()
+    assert list(disagreements(domain, problem, back, 40, np.random.default_rng(1))) == []
+    dearer = replace(domain, actions=tuple(replace(each, cost=each.cost + 1) for each in domain.actions))
+    assert "pays" in next(disagreements(dearer, problem, back, 40, np.random.default_rng(1)))

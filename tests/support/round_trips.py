@@ -6,7 +6,7 @@ leaves out what nothing asks for and nothing changes, and a function comes back 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -29,11 +29,12 @@ from cleancli.language.model import (
     RewardKind,
     RewardTerm,
     Symbol,
+    Unlimited,
     Value,
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.variation import foretold
-from support.exported_ppddl import at_most_one_covers, calls, drawn_values, written
+from support.exported_ppddl import at_most_one_covers, calls, drawn_values, expected, written
 
 ACCURACY = 1e-9
 """How far a probability may be from what it was."""
@@ -80,12 +81,14 @@ def _through_ppddl(domain: Domain, problem: Problem, lost: tuple[str, ...]) -> R
 def disagreements(
     domain: Domain, problem: Problem, back: Returned, states: int, rng: np.random.Generator
 ) -> Iterator[str]:
-    """Where the domain that has come back does something else, in so many random states, by one action."""
+    """Where the domain that has come back does something else, or pays something else where its reward has
+    come back too, in so many random states, by one action."""
     before, after = LiftedRules(domain), LiftedRules(back.domain)
     symbols = {symbol.name: symbol for symbol in domain.symbols}
     known = {symbol.name for symbol in back.domain.symbols}
-    closures = {derived.name for derived in domain.derived}
-    always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol in closures}
+    atoms_of = {_name(symbol, value) for symbol in domain.symbols for value in symbol.values}
+    always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol not in atoms_of}
+    pays = not back.lost and not isinstance(problem.horizon, Unlimited)
     every = list(calls(domain, problem))
     called = {each.name: _came_of(each.name, domain) for each in back.domain.actions}
     for _ in range(states if every else 0):
@@ -106,10 +109,21 @@ def disagreements(
             atoms = frozenset(_moved(symbols, values, moved, known))
             wanted[atoms] = wanted.get(atoms, 0.0) + chance
         facts = {**always, **{atom: True for atom in _atoms(symbols, values) if atom[0] in known}}
-        found = _found(after, back, [each for each in called if called[each] == action], names, facts)
+        own = [each for each in called if called[each] == action]
+        taken = next(
+            (e for e in own if after.covering(after.state(back.problem.objects, facts), e, names)), None
+        )
+        found = _found(after, back, taken, names, facts)
         keys = wanted.keys() | found.keys()
         if any(abs(wanted.get(key, 0.0) - found.get(key, 0.0)) > ACCURACY for key in keys):
             yield f"{action}{names} in {sorted(values.items())}: {found} and not {wanted}"
+        elif pays and taken is not None and before.covering(state, action, names) is not None:
+            paid, due = (
+                _paid(after, back.problem, facts, taken, names),
+                _paid(before, problem, values, action, names),
+            )
+            if paid != due:
+                yield f"{action}{names} in {sorted(values.items())} pays {paid} and not {due}"
 
 
 def _came_of(name: str, domain: Domain) -> str:
@@ -120,14 +134,21 @@ def _came_of(name: str, domain: Domain) -> str:
 
 
 def _found(
-    rules: LiftedRules, back: Returned, actions: Sequence[str], names: tuple[str, ...], facts: Values
+    rules: LiftedRules, back: Returned, action: str | None, names: tuple[str, ...], facts: Values
 ) -> Mapping[Moved, float]:
-    """What follows by the one of some actions that a rule covers."""
-    state = rules.state(back.problem.objects, facts)
-    for action in actions:
-        if rules.covering(state, action, names):
-            return foretold(rules, Transition(action, names, back.problem.objects, facts, facts))
-    return {frozenset(): 1.0}
+    """What follows by an action that a rule covers, or by none."""
+    if action is None:
+        return {frozenset(): 1.0}
+    return foretold(rules, Transition(action, names, back.problem.objects, facts, facts))
+
+
+def _paid(
+    rules: LiftedRules, problem: Problem, values: Values, action: str, names: tuple[str, ...]
+) -> Fraction:
+    """What an action is paid in the mean, but for the goal."""
+    found = expected(rules, problem, values, action, names)
+    assert found is not None
+    return found[1]
 
 
 def _name(symbol: Symbol, value: Value) -> str:
