@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.cost_functions import CostFunctions
+from cleancli.conversion.export.draws import Draw, independent
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.payments import Payment, payments_of
@@ -25,6 +26,7 @@ from cleancli.language.model import (
     DerivedPredicate,
     Domain,
     Horizon,
+    Outcome,
     OutcomeKind,
     Problem,
     RewardKind,
@@ -35,6 +37,9 @@ from cleancli.language.model import (
     weight_of,
 )
 from cleancli.language.printing.printer import print_fraction
+
+_Part = Change | tuple[int, Payment] | Fraction
+"""What an outcome does: a change, what it pays, or what it costs."""
 
 _FROM = "Written by `cleancli convert` from a .nid file."
 
@@ -188,23 +193,44 @@ class _Writer:
         yield _conjunction(effects)
 
     def _effect(self, rule: Rule, action: Action, known: Formula) -> list[Node]:
-        """What the rule does: what its outcomes share is paid outside of them."""
-        branches: list[tuple[Fraction, Node]] = []
+        """What the rule does: what its outcomes share stands outside of them, and what is independent of the
+        rest is drawn by itself."""
+        results: dict[frozenset[_Part], Fraction] = {}
+        order: dict[_Part, None] = {}
         for outcome in rule.outcomes:
             if outcome.probability:
-                changes = changes_of(outcome, rule, known, self._formulas, self._noise)
-                paid = (
-                    payments_of(self._domain.reward, changes, known, self._formulas) if self._earned else ()
-                )
-                does = [*self._changes(changes, rule.variables), *self._payments(paid, rule.variables)]
-                does += self._paid(outcome.reward, outcome.cost)
-                branches.append((outcome.probability, _conjunction(does)))
-        found = self._constant(action)
-        acting = [(p, done) for p, done in branches if done != ("and",)]
-        if len(branches) == 1:
-            return [*(done for _, done in acting), *found]
-        chances = [part for p, done in acting for part in (print_fraction(p), done)]
-        return [*([("probabilistic", *chances)] if chances else []), *found]
+                parts = dict.fromkeys(self._parts(outcome, rule, known))
+                order |= parts
+                results[frozenset(parts)] = results.get(frozenset(parts), Fraction(0)) + outcome.probability
+        draws = independent(results, [*order])
+        return [*(node for draw in draws for node in self._drawn(draw, order, rule)), *self._constant(action)]
+
+    def _parts(self, outcome: Outcome, rule: Rule, known: Formula) -> Iterator[_Part]:
+        """What an outcome changes, and what it pays and costs; equal payments have different numbers."""
+        changes = changes_of(outcome, rule, known, self._formulas, self._noise)
+        yield from changes
+        if self._earned:
+            price = outcome.reward + outcome.cost * weight_of(self._domain, RewardKind.COST)
+            own = [Payment((), ALWAYS, price)] if price else []
+            yield from enumerate((*payments_of(self._domain.reward, changes, known, self._formulas), *own))
+        if self._priced and outcome.cost:
+            yield outcome.cost
+
+    def _drawn(self, draw: Draw[_Part], order: Iterable[_Part], rule: Rule) -> Iterator[Node]:
+        """The effects of one draw."""
+        chances: list[Node] = []
+        for result, chance in draw.items():
+            parts = [part for part in order if part in result]
+            paid = [part[1] for part in parts if isinstance(part, tuple)]
+            changes = self._changes([each for each in parts if isinstance(each, Change)], rule.variables)
+            does = [*changes, *self._payments(paid, rule.variables)]
+            does += [_cost(part) for part in parts if isinstance(part, Fraction)]
+            if chance == 1:
+                yield from does
+            elif does:
+                chances += [print_fraction(chance), _conjunction(does)]
+        if chances:
+            yield ("probabilistic", *chances)
 
     def _constant(self, action: Action) -> list[Node]:
         """What the action costs, whatever comes of it."""
@@ -222,7 +248,7 @@ class _Writer:
         if self._earned and (price := reward + cost * weight_of(self._domain, RewardKind.COST)):
             found.append(_pay(price))
         if self._priced and cost:
-            found.append(("increase", ("total-cost",), print_fraction(cost)))
+            found.append(_cost(cost))
         return found
 
     def _by_functions(self, counted: str, action: Action, weight: Fraction) -> Iterator[Node]:
@@ -365,6 +391,10 @@ def _conjunction(parts: Sequence[Node]) -> Node:
     for part in parts:
         flat += part[1:] if part[0] == "and" else [part]
     return flat[0] if len(flat) == 1 else ("and", *flat)
+
+
+def _cost(amount: Fraction) -> Node:
+    return ("increase", ("total-cost",), print_fraction(amount))
 
 
 def _pay(amount: Fraction) -> Node:
