@@ -296,6 +296,26 @@ def test_who_cannot_be_told_keeps_nobody_from_watching(toy: Toy) -> None:
     guard.close()
 
 
+def test_a_terminal_that_is_paused_keeps_nobody_from_watching(toy: Toy) -> None:
+    """Ctrl-S, or a pipe that is full: the text waits, and the watch does not."""
+    goes_on, said = Event(), list[str]()
+
+    def told(reason: str) -> None:
+        goes_on.wait()
+        said.append(reason)
+
+    guard = Guard(toy, TOY, told)
+    for stops in (1, 2):
+        begun(guard)
+        time.sleep(TOY.lease + 0.1)
+        assert toy.stops == stops
+        guard.rearm()
+    goes_on.set()
+    guard.close()
+    guard.tell.close()
+    assert said == ["tripped: nobody has asked for 0.3 s how a motion goes on"] * 2
+
+
 def test_drivers_need_nothing_but_numpy() -> None:
     script = (
         "import sys\n"

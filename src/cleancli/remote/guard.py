@@ -7,6 +7,7 @@ and can do no more than call the driver's `stop` (docs/protocol.md).
 
 from __future__ import annotations
 
+import queue
 import threading
 import time
 from collections.abc import Callable
@@ -20,6 +21,10 @@ from cleancli.motion.path import ToolPath, Waypoint
 from cleancli.remote.messages import DUSTPAN, Description, FramePair, Limits, Poll, State
 from cleancli.world.robot import Mover, Status
 
+MOST_TOLD = 1000
+"""Texts that wait to be told."""
+CLOSING = 1.0
+"""Seconds in which they are, when the driver ends."""
 SLACK = 1e-9
 """Metres and m/s by which rounded numbers may miss a limit that they equal."""
 
@@ -28,14 +33,31 @@ Told = Callable[[str], object]
 """Is told what a person at the driver's terminal should know."""
 
 
-def heard(told: Told) -> Told:
-    """`told`, whose own failure harms nobody: where the terminal has gone, the watch must go on."""
+class Teller:
+    """Tells by a thread of its own: who watches over a robot must not wait for a terminal that is paused, a
+    pipe that nobody reads, or what has gone. What is told meanwhile waits, up to `MOST_TOLD` texts."""
 
-    def tell(text: str) -> None:
-        with suppress(Exception):
-            told(text)
+    def __init__(self, told: Told) -> None:
+        self._told = told
+        self._waiting = queue.Queue[str | None](MOST_TOLD)
+        self._thread = threading.Thread(target=self._tell, name="teller", daemon=True)
+        self._thread.start()
 
-    return tell
+    def __call__(self, text: str) -> None:
+        """Returns at once."""
+        with suppress(queue.Full):
+            self._waiting.put_nowait(text)
+
+    def close(self) -> None:
+        """Let what waits be told, for `CLOSING` seconds at most, and nothing more."""
+        with suppress(queue.Full):
+            self._waiting.put_nowait(None)
+        self._thread.join(CLOSING)
+
+    def _tell(self) -> None:
+        while (text := self._waiting.get()) is not None:
+            with suppress(Exception):
+                self._told(text)
 
 
 class Driver(Mover, Protocol):
@@ -50,11 +72,12 @@ class Driver(Mover, Protocol):
 class Guard:
     """A driver that is only told what its `description` allows, and is stopped after `lease` seconds without
     a poll while it moves. What stops it trips the guard, which `told` is told: it then refuses all motions
-    until a person has said `rearm`. The watch is kept by a thread of its own, until `close`."""
+    until a person has said `rearm`. The watch is kept by a thread of its own, until `close`; `tell` is for
+    what else a person should know."""
 
     def __init__(self, driver: Driver, description: Description, told: Told = lambda reason: None) -> None:
         self.driver, self.description = driver, description
-        self._told = heard(told)
+        self.tell = Teller(told)
         self._beginning = threading.Lock()  # held while a motion is planned, and begins
         self._tripping = threading.Lock()  # held while a robot that trips comes to a stop
         self._state = threading.Condition()
@@ -138,7 +161,7 @@ class Guard:
                 self.driver.stop()
             except Exception as error:
                 self._trip = f"{reason}; and the driver failed to stop: {error!r}"
-            self._told(self._trip)
+            self.tell(f"tripped: {self._trip}")
 
     def lost(self, reason: str) -> None:
         """Nobody will poll any more: trip, if a motion is under way."""

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from cleancli.remote import messages
 from cleancli.remote.fields import Fields, fields_of
-from cleancli.remote.guard import Driver, Guard, Told, beyond, heard
+from cleancli.remote.guard import CLOSING, Driver, Guard, Told, beyond
 from cleancli.remote.messages import Description
 from cleancli.remote.transport import Transport
 from cleancli.remote.wire import BadMessage, Message
@@ -47,8 +47,7 @@ class Server:
     ) -> None:
         if not is_here(address.host):
             raise ValueError(f"a driver listens at 127.0.0.1 or ::1, and not at {address.host}")
-        self.guard = Guard(driver, description, lambda reason: told(f"tripped: {reason}"))
-        self._told = heard(told)
+        self.guard = Guard(driver, description, told)
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
         try:
             self._listener = socket.create_server((address.host, address.port), family=family)
@@ -58,7 +57,7 @@ class Server:
         self.address = Address(address.host, self._listener.getsockname()[1])
         self._guarding = threading.Lock()
         self._controller: Transport | None = None
-        self._clients: set[Transport] = set()
+        self._clients: dict[Transport, threading.Thread] = {}
         self._is_open = True
 
     def serve(self) -> None:
@@ -70,15 +69,16 @@ class Server:
             except OSError:  # closed, gone already, or for the moment out of what connections take
                 time.sleep(RETRY)
                 continue
+            thread = threading.Thread(target=self._converse, args=(client,), daemon=True)
             with self._guarding:
                 is_one_too_many = len(self._clients) >= MOST_CLIENTS
                 if not is_one_too_many:
-                    self._clients.add(client)
+                    self._clients[client] = thread
             if is_one_too_many:
                 client.close()
                 continue
             try:
-                threading.Thread(target=self._converse, args=(client,), daemon=True).start()
+                thread.start()
             except RuntimeError:  # the system has no thread to give; who has control keeps it
                 self._leave(client)
 
@@ -90,9 +90,12 @@ class Server:
         self._listener.close()
         self.guard.close()
         with self._guarding:
-            clients = tuple(self._clients)
-        for client in clients:
+            clients = dict(self._clients)
+        for client, thread in clients.items():
             client.close()
+            if thread.is_alive():
+                thread.join(CLOSING)
+        self.guard.tell.close()
 
     def _converse(self, client: Transport) -> None:
         """Requests and their replies in turn. What is no message ends the connection: nobody knows where the
@@ -116,14 +119,15 @@ class Server:
 
     def _leave(self, client: Transport) -> None:
         with self._guarding:
-            self._clients.discard(client)
             had_control = client is self._controller
             if had_control:
                 self._controller = None
         client.close()
         if had_control:
             self.guard.lost("the client's connection ended while the robot moved")
-            self._told("the client has gone")
+            self.guard.tell("the client has gone")
+        with self._guarding:
+            self._clients.pop(client, None)
 
     def _answered(self, asked: Message, client: Transport) -> Message:
         try:
@@ -162,7 +166,7 @@ class Server:
         if wants_control:
             if before is not None:  # it let its lease run out: it hangs, or sits behind a cable that is cut
                 before.close()
-            self._told("a client has control")
+            self.guard.tell("a client has control")
         return messages.reply(self.guard.state, **messages.described(self.guard.description))
 
     def _wait_for_who_leaves(self, client: Transport) -> None:
@@ -176,7 +180,7 @@ class Server:
     def _rearmed(self, fields: Fields) -> Message:
         fields.end()
         self.guard.rearm()
-        self._told("re-armed")
+        self.guard.tell("re-armed")
         return messages.reply(self.guard.state)
 
     def _observed(self, fields: Fields) -> Message:
@@ -202,7 +206,7 @@ class Server:
     def _begun(self, begun: int | str) -> Message:
         if isinstance(begun, int):
             return messages.reply(self.guard.state, motion=begun)
-        self._told(f"refused: {begun}")
+        self.guard.tell(f"refused: {begun}")
         return messages.refusal(begun, self.guard.state)
 
     def _poll(self, fields: Fields) -> Message:
