@@ -197,7 +197,7 @@ class Guard:
     def _watched(self) -> None:
         while True:
             with self._state:
-                if not self._is_open and self._due is None:
+                if not self._is_open:
                     return
                 left = None if self._due is None else self._due - time.monotonic()
                 if left is None or left > 0:
