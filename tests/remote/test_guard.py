@@ -257,6 +257,25 @@ def test_a_motion_under_way_is_stopped_when_the_driver_ends(toy: Toy) -> None:
     assert toy.stops == 1
 
 
+def test_ctrl_c_twice_while_the_tool_is_raised_hangs_nothing(
+    toy: Toy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The handler of a signal closes in the thread that closes already."""
+    guard = Guard(toy, TOY)
+
+    def stop() -> None:
+        Toy.stop(toy)
+        guard.close()
+
+    monkeypatch.setattr(toy, "stop", stop)
+    begun(guard)
+    closing = Thread(target=guard.close, daemon=True)
+    closing.start()
+    closing.join(10)
+    assert not closing.is_alive()
+    assert toy.stops == 1
+
+
 def test_a_motion_that_is_being_planned_is_stopped_when_the_driver_ends(
     toy: Toy, monkeypatch: pytest.MonkeyPatch
 ) -> None:

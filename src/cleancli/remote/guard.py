@@ -78,8 +78,9 @@ class Guard:
     def __init__(self, driver: Driver, description: Description, told: Told = lambda reason: None) -> None:
         self.driver, self.description = driver, description
         self.tell = Teller(told)
-        self._beginning = threading.Lock()  # held while a motion is planned, and begins
-        self._tripping = threading.Lock()  # held while a robot that trips comes to a stop
+        # A signal's handler may close, and close again, in a thread that holds them.
+        self._beginning = threading.RLock()  # held while a motion is planned, and begins
+        self._tripping = threading.RLock()  # held while a robot that trips comes to a stop
         self._state = threading.Condition()
         self._due: float | None = None  # when the lease of the motion under way ends; None without one
         self._motion, self._ended = 0, Poll(Status.DONE, "")

@@ -55,7 +55,7 @@ class Server:
             self.guard.close()
             raise
         self.address = Address(address.host, self._listener.getsockname()[1])
-        self._guarding = threading.Lock()
+        self._guarding = threading.RLock()  # a signal's handler may close in a thread that holds it
         self._controller: Transport | None = None
         self._clients: dict[Transport, threading.Thread] = {}
         self._is_open = True
