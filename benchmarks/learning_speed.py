@@ -1,10 +1,12 @@
-"""How fast `cleancli learn` is: python benchmarks/learning_speed.py [--transitions N] [--seed N] [--quick]
+"""How fast `cleancli learn` is: python benchmarks/learning_speed.py [--structure] [--seed N] [--quick]
 
 Draws 1,000 transitions of `cleaning` on walks from random tables, as benchmarks/learning.py does, and writes
 them as lines of experience over and over, each time as of another seed, up to N lines (100,000). Measures the
 CPU seconds and the memory of a process that learns from a tenth of them, and from all, up to the diff.
+With `--structure` it learns whole rules from the vocabulary alone, also from a hundredth of the lines, and
+10,000 transitions are drawn.
 
-About twenty seconds of CPU. `--quick` has 2,000 lines, in about eight.
+About twenty seconds of CPU, with `--structure` three minutes. `--quick` has 2,000 lines, in about eight.
 """
 
 from __future__ import annotations
@@ -22,16 +24,16 @@ import numpy as np
 from cleancli.learning.experience import encode
 from learning import DRAW, draw
 
-DRAWN = 1000
+DRAWN, DRAWN_FOR_RULES = 1000, 10_000
 """Transitions that differ by more than where they came from."""
 
 
-def lines(seed: int) -> list[tuple[int, str]]:
+def lines(seed: int, most: int) -> list[tuple[int, str]]:
     """Of transitions that are drawn: the number of each, and its line without the end that names its
     seed."""
     rng = np.random.default_rng(seed)
     domain, _ = DRAW["cleaning"](rng)
-    drawn = islice(draw("cleaning", domain, rng), DRAWN)
+    drawn = islice(draw("cleaning", domain, rng), most)
     timed = {"transit": 1.5, "planner": "prada+"}
     return [
         (number, encode(each.transition, timed | {"seconds": round(float(rng.uniform(4, 12)), 3)}))
@@ -50,7 +52,7 @@ def write(path: Path, drawn: Sequence[tuple[int, str]], transitions: int) -> Non
 LEARN = """
 import resource, sys
 from cleancli.cli.main import run
-code = run(["learn", "cleaning", sys.argv[1]])
+code = run(["learn", *sys.argv[1:]])
 used = resource.getrusage(resource.RUSAGE_SELF)
 own = [line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")]
 print(code, used.ru_utime + used.ru_stime, int(own[0]) / 1024, file=sys.stderr)
@@ -59,9 +61,14 @@ print(code, used.ru_utime + used.ru_stime, int(own[0]) / 1024, file=sys.stderr)
 the process."""
 
 
-def measured(path: Path) -> tuple[float, float]:
+NUMBERS, RULES = ("cleaning",), ("--structure", "--jobs", "1", "--vocabulary", "cleaning")
+"""What is learned: the probabilities of the shipped rules, or whole rules."""
+
+
+def measured(path: Path, options: Sequence[str]) -> tuple[float, float]:
     """CPU seconds and MiB of a process that learns from a file."""
-    done = subprocess.run([sys.executable, "-c", LEARN, str(path)], capture_output=True, text=True)
+    command = [sys.executable, "-c", LEARN, *options, str(path)]
+    done = subprocess.run(command, capture_output=True, text=True)
     code, seconds, memory = done.stderr.split()[-3:]
     if code != "0":
         raise SystemExit(f"cleancli learn ended with {code}")
@@ -75,16 +82,18 @@ def main() -> None:
     )
     parser.add_argument("--transitions", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1, help="of the transitions that are drawn")
+    parser.add_argument("--structure", action="store_true", help="whole rules")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
     most = 2000 if options.quick else options.transitions
-    drawn = lines(options.seed)
+    drawn = lines(options.seed, min(most, DRAWN_FOR_RULES) if options.structure else DRAWN)
+    shares, learn = ((100, 10, 1), RULES) if options.structure else ((10, 1), NUMBERS)
     print("| transitions | seconds of CPU | memory |\n|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        for number in (most // 10, most):
+        for number in (most // share for share in shares):
             path = Path(folder) / f"{number}.jsonl"
             write(path, drawn, number)
-            seconds, memory = measured(path)
+            seconds, memory = measured(path, learn)
             print(f"| {number:,} | {seconds:.1f} | {memory:.0f} MiB |", flush=True)
 
 

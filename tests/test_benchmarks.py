@@ -232,7 +232,9 @@ def test_the_seconds_and_the_memory_of_learning_are_measured(
     monkeypatch.setattr(importlib.import_module("learning_speed"), "DRAWN", 20)
     _main("learning_speed", monkeypatch, "--transitions", "400")
     rows = re.findall(r"^\| (\d+) \| (\d+\.\d) \| (\d+) MiB \|$", capsys.readouterr().out, re.M)
-    assert [int(number) for number, _, _ in rows] == [40, 400]
+    _main("learning_speed", monkeypatch, "--transitions", "400", "--structure")
+    rows += re.findall(r"^\| (\d+) \| (\d+\.\d) \| (\d+) MiB \|$", capsys.readouterr().out, re.M)
+    assert [int(number) for number, _, _ in rows] == [40, 400, 4, 40, 400]
     assert all(float(seconds) > 0 and int(memory) > 0 for _, seconds, memory in rows)
 
 
@@ -765,7 +767,7 @@ def test_whole_rules_are_learned_from_hidden_ones(
     _main("whole_rules", monkeypatch, "--quick")
     told = capsys.readouterr().out
     rows = re.findall(
-        r"^\| (\w+) \| ([\d,]+) \| (\d\.\d+) \| (\d\.\d+) \| (\d+) \((\d+)\) \|.*\|$", told, re.M
+        r"^\| (\w+) \| ([\d,]+) \| (\d\.\d+) \| (\d\.\d+) \| (\d+) \((\d+)\) \| tree \|.*\|$", told, re.M
     )
     assert [row[:2] for row in rows] == [
         (name, size) for name in ("locks", "lift", "weather") for size in ("100", "300", "1,000")
@@ -775,6 +777,20 @@ def test_whole_rules_are_learned_from_hidden_ones(
         if size == "1,000":
             assert float(off) < 1.25 * float(least) + 0.005
             assert abs(int(found) - int(hidden)) <= 1
+
+
+def test_searches_and_flickering_stand_in_one_table(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ("--sizes", "60", "--search", "tree", "pasula", "--flicker", "0", "0.05")
+    _main("whole_rules", monkeypatch, "--quick", *options)
+    rows = re.findall(r"^\| (\w+) \| 60 \| [\d.]+ \|.*\| (\w+) \| [\d.]+ \|", capsys.readouterr().out, re.M)
+    assert rows == [
+        (name, search)
+        for name in ("locks", "lift", "weather")
+        for _ in range(2)
+        for search in ("tree", "pasula")
+    ]
 
 
 def test_a_learner_ends_above_random_actions_and_the_page_says_what_its_rows_say(
