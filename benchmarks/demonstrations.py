@@ -125,9 +125,9 @@ def row(hidden: Hidden, seeds: Sequence[int]) -> str:
     runs = []
     for seed in seeds:
         runs.append(pupil_and_other(hidden, seed))
-        told = ["".join("+" if each.success else "-" for each in episodes) for episodes in runs[-1]]
-        print(f"{hidden.domain.name} {seed}: {told[0]}, knowing {told[1]}", file=sys.stderr)
-    shown = [Counter(name for each in pupil for name in each.shown) for pupil, _ in runs]
+        pupil, other = ("".join("+" if each.success else "-" for each in side) for side in runs[-1])
+        print(f"{hidden.domain.name} {seed}: {pupil}, knowing {other}", file=sys.stderr)
+    shown = [Counter(name for each in run[0] for name in each.shown) for run in runs]
     totals, most = [each.total() for each in shown], [max(each.values(), default=0) for each in shown]
     successes = np.array([[[each.success for each in side] for side in run] for run in runs], dtype=float)
     late = successes[:, :, -LATE:].sum(axis=2)
