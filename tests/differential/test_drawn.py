@@ -9,6 +9,7 @@ from random import Random
 import pytest
 
 from support.differential.abstract import (
+    AnyOf,
     Closure,
     Comparison,
     Definition,
@@ -54,7 +55,9 @@ def constructs(domain: Domain, problem: Problem) -> Iterator[str]:
     for where, part in parts_of(domain, problem):
         yield f"{where}: {type(part).__name__}"
         literals: tuple[Literal, ...] = (part,) if isinstance(part, Literal) else ()
-        if isinstance(part, Exists):
+        if isinstance(part, AnyOf):
+            literals = part.literals
+        elif isinstance(part, Exists):
             yield f"{where}: exists {part.holds}"
             literals = part.body
         elif isinstance(part, Every):
@@ -129,7 +132,7 @@ EXPECTED = (
     *(
         f"{where}: {kind}"
         for where in ("rule", "count", "definition", "goal")
-        for kind in ("Truth", "Comparison", "Exists", "Every", "derived")
+        for kind in ("Truth", "Comparison", "AnyOf", "Exists", "Every", "derived")
     ),
     *(f"rule: {kind}" for kind in ("Equality", "exists True", "exists False")),
     *(f"rule: forall, guarded {guarded}" for guarded in (True, False)),

@@ -32,6 +32,8 @@ def offered(name: str, text: str) -> list[str]:
         ("rule r: join(?a, ?b) { |", ["then", "when", "with"]),
         ("rule r: push(?a) { when |", [*SYMBOLS, "?a", "exists", "forall", "not"]),
         ("rule r: push(?a) { when dirt(|", ["?a"]),
+        ("rule r: push(?a) { when (dirt(?a) |", ["or"]),
+        ("rule r: push(?a) { when (dirt(?a) or |", [*SYMBOLS, "?a", "not"]),
         ("rule r: push(?a) { when traversal(?a, |", ["?a", "bin"]),
         ("rule r: push(?a) { when size(?a) |", ["then", "with"]),
         ("rule r: push(?a) { when size(?a) = |", ["small", "medium", "big"]),

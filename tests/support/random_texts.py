@@ -338,7 +338,8 @@ def _quantified(terms: Typed, world: World, rng: Random) -> list[list[str]]:
         ["forall", *some, "not", *mark],
         guarded,
     ]
-    parts += [["ready", "(", one, ")"], ["not", "reach", "(", one, ",", one, ")"]] if terms else []
+    either = ["(", "ready", "(", one, ")", "or", "not", "reach", "(", one, ",", one, ")", ")"]
+    parts += [either, ["ready", "(", one, ")"], ["not", "reach", "(", one, ",", one, ")"]] if terms else []
     return [rng.choice(parts)] if rng.random() < 0.5 else []
 
 

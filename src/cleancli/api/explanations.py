@@ -199,6 +199,8 @@ def _instead(failure: Failure) -> str:
             return f"{one} and {other} are different" if equal else f"both are {one}"
         case Literal(symbol):
             return f"{symbol}({', '.join(failure.objects)}) is {_value(failure.actual)}"
+        case Quantified(variables=()):
+            return "none of these holds"
         case Quantified(exists=exists):
             return "nothing fits" if exists else f"there is{_or(failure.witnesses)}"
 

@@ -12,6 +12,7 @@ from cleancli.language import syntax
 from cleancli.language.checking.learned import KEYS as LEARNED
 from cleancli.language.checking.learned import WORDS as LEARNED_WORDS
 from cleancli.language.checking.planner_block import KEYS as PLANNER
+from cleancli.language.diagnostics.sink import RESERVED
 from cleancli.language.parsing.grammar import keywords
 from cleancli.language.parsing.lexemes import Lexeme, LexemeKind
 from cleancli.language.refactoring.name_index import Kind, Occurrence
@@ -298,8 +299,9 @@ def _open_call(words: tuple[Lexeme, ...]) -> tuple[str, int] | None:
             case "(" if depth:
                 depth -= 1
             case "(":
-                named = index > 0 and words[index - 1].kind is LexemeKind.WORD
-                return (words[index - 1].text, commas) if named else None
+                before = words[index - 1] if index > 0 else words[index]
+                named = before.kind is LexemeKind.WORD and before.text not in RESERVED
+                return (before.text, commas) if named else None
             case "," if not depth:
                 commas += 1
             case "{" | "}":

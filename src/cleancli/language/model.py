@@ -92,6 +92,7 @@ class Quantified(Record):
     """Holds where some binding of `variables` satisfies the conjunction (`exists`), or none does.
 
     `forall ?x - t: guard => literal` is read as: no binding satisfies the guard and the literal's opposite.
+    Without variables there is one binding: `(p or q)` is read as: none satisfies the opposites of both.
     """
 
     exists: bool

@@ -59,6 +59,11 @@ Literal = Truth | Comparison | Equality
 
 
 @dataclass(frozen=True, slots=True)
+class AnyOf:
+    literals: tuple[Literal, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Exists:
     variables: tuple[Variable, ...]
     body: tuple[Literal, ...]
@@ -72,7 +77,7 @@ class Every:
     then: Literal
 
 
-Part = Literal | Exists | Every
+Part = Literal | AnyOf | Exists | Every
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from random import Random
 
 from support.differential.abstract import (
     Action,
+    AnyOf,
     Closure,
     Comparison,
     Count,
@@ -174,9 +175,12 @@ class Drawer:
         return tuple(drawn)
 
     def part(self, variables: Variables, wanted: Variables = ()) -> Part | None:
-        kind = self.random.choice(("literal",) * 8 + ("exists", "exists", "every", "guarded"))
+        kind = self.random.choice(("literal",) * 8 + ("any", "exists", "exists", "every", "guarded"))
         if kind == "literal":
             return self.literal(variables, wanted)
+        if kind == "any":
+            several = self.body(variables, wanted, self.random.choice((2, 2, 3)))
+            return AnyOf(several) if len(several) > 1 else None
         inner = self.fresh(self.random.choice((1, 1, 1, 2)))
         outer = (*variables, *inner)
         literals = self.body(outer, inner, self.random.choice((1, 2)) + (kind == "guarded"))
@@ -260,6 +264,7 @@ class Drawer:
             return replace(part, relation=OPPOSITE[part.relation])
         if isinstance(part, Equality):
             return replace(part, same=not part.same)
+        assert isinstance(part, Every), "of several literals each has an opposite"
         opposite = self.opposite(part.then)
         assert isinstance(opposite, Literal)
         return Exists(part.variables, (*part.guard, opposite))
@@ -288,11 +293,11 @@ class Drawer:
                 continue
             asked: tuple[Part, ...] = ()
             for index in range(self.random.choice((1, 1, 2, 2, 3)) if self.often(0.95) else 0):
-                rule, part = self.rule(f"{action.name}_r{index}", action, asked, shared)
+                rule, parts = self.rule(f"{action.name}_r{index}", action, asked, shared)
                 rules.append(rule)
-                if part is None:
+                if not parts:
                     break
-                asked = (*asked, part)
+                asked = (*asked, *parts)
         return tuple(rules)
 
     def waiting(self) -> Rule:
@@ -305,8 +310,9 @@ class Drawer:
         action: Action,
         asked: tuple[Part, ...],
         shared: tuple[tuple[str, str, str], ...],
-    ) -> tuple[Rule, Part | None]:
-        """A rule that asks for what is asked of it, and the opposite of something that it also asks for."""
+    ) -> tuple[Rule, tuple[Part, ...]]:
+        """A rule that asks for what is asked of it, and the opposite of something that it also asks for: of
+        several literals, that of each."""
         renamed = self.often(0.4)
         parameters = tuple(
             Variable(f"{each.name}r" if renamed else each.name, each.kind) for each in action.parameters
@@ -324,8 +330,9 @@ class Drawer:
         fixed = numbers and self.often(0.1)
         rule = Rule(name, action.name, parameters, condition, references, outcomes, fixed)
         if test is None or self.often(0.03):
-            return rule, test
-        return rule, self.opposite(test)
+            return rule, () if test is None else (test,)
+        opposite = map(self.opposite, test.literals if isinstance(test, AnyOf) else (test,))
+        return rule, tuple(opposite)
 
     def other_part(self, variables: Variables, asked: tuple[Part, ...]) -> Part | None:
         """A part that is about something else than those that are asked for already."""
@@ -402,6 +409,8 @@ class Drawer:
 
 def rename(part: Part, names: dict[str, str]) -> Part:
     """The part with other names for some variables."""
+    if isinstance(part, AnyOf):
+        return replace(part, literals=tuple(rename_literal(each, names) for each in part.literals))
     if isinstance(part, Exists):
         return replace(part, body=tuple(rename_literal(each, names) for each in part.body))
     if isinstance(part, Every):

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from support.differential.abstract import (
     Action,
+    AnyOf,
     Closure,
     Comparison,
     Count,
@@ -114,6 +115,8 @@ class Meaning:
         return all(self.holds(part, state, binding) for part in parts)
 
     def holds(self, part: Part, state: State, binding: Binding) -> bool:
+        if isinstance(part, AnyOf):
+            return any(self.literal(each, state, binding) for each in part.literals)
         if isinstance(part, Exists):
             found = any(
                 self.all_hold(part.body, state, inner) for inner in self.bindings(part.variables, binding)

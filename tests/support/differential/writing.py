@@ -9,6 +9,7 @@ from random import Random
 
 from support.differential.abstract import (
     Action,
+    AnyOf,
     Closure,
     Comparison,
     Count,
@@ -109,6 +110,8 @@ class Writer:
         return ", ".join(map(self.part, parts))
 
     def part(self, part: Part) -> str:
+        if isinstance(part, AnyOf):
+            return f"({' or '.join(map(self.literal, part.literals))})"
         if isinstance(part, Exists):
             word = "exists" if part.holds else "not exists"
             return f"{word} {self.variables(part.variables)}: {self.body(part.body)}"

@@ -281,10 +281,25 @@ def _part(node: syntax.PartNode, scope: Scope) -> Literal | Equality | Quantifie
             return _comparison(node, scope)
         case syntax.EqualityNode():
             return _equality(node, scope)
+        case syntax.EitherNode():
+            return _either(node, scope)
         case syntax.ExistsNode():
             return _exists(node, scope)
         case syntax.EveryNode():
             return _every(node, scope)
+
+
+def _either(node: syntax.EitherNode, scope: Scope) -> Quantified | None:
+    """That one of several literals holds is that the one binding of no variables has not all opposites."""
+    literals = check_literals(node.literals, scope)
+    if len(literals) != len(node.literals):
+        return None
+    opposites = tuple(negated(each, scope.declared) for each in literals)
+    if any(each in opposites for each in literals):
+        help = "two of these say the opposite of each other"
+        scope.findings.error("E306", "this always holds", node.span, help=help)
+        return None
+    return Quantified(False, (), opposites)
 
 
 def _exists(node: syntax.ExistsNode, scope: Scope) -> Quantified | None:

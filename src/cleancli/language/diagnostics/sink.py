@@ -12,8 +12,8 @@ from cleancli.language.diagnostics.source_lines import Lines
 
 RESERVED = frozenset(
     {
-        "closure", "count", "exists", "forall", "if", "noise", "not", "nothing", "rest", "then", "unlimited",
-        "when", "with",
+        "closure", "count", "exists", "forall", "if", "noise", "not", "nothing", "or", "rest", "then",
+        "unlimited", "when", "with",
     }
 )  # fmt: skip
 """Words that the grammar expects where names stand too; as a name they could not be used."""

@@ -212,6 +212,9 @@ class Builder:
 
     build_conjunction = build_condition
 
+    def build_either(self, c: list[_Child], span: Span) -> syntax.EitherNode:
+        return syntax.EitherNode(tuple(c), span=span)
+
     def build_exists(self, c: list[_Child], span: Span) -> syntax.ExistsNode:
         return syntax.ExistsNode(c[1], c[2], c[0] is None, span=span)
 

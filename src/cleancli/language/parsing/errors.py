@@ -145,7 +145,7 @@ class Reader:
             and "NOT" in at.accepted
             and re.match(r"\s*[:\[]", at.after) is not None  # it begins an outcome
         )
-        if comma and ("LPAR" in at.accepted or is_end):
+        if comma and (at.is_behind_name or is_end):
             place = self._span(comma.start(), comma.start() + 1)
             return Diagnostic("E104", "nothing stands behind this comma", place, help="remove it")
         pays = word is not None and word.group() in ("reward", "cost")

@@ -199,9 +199,17 @@ def print_condition(condition: Condition, symbols: Symbols) -> str:
 
 
 def _quantified(part: Quantified, symbols: Symbols) -> str:
+    if not part.variables:
+        return f"({' or '.join(print_literal(_opposite(each, symbols), symbols) for each in part.condition)})"
     body = print_condition(part.condition, symbols)
     body = f"({body})" if len(part.condition) > 1 else body
     return f"{'' if part.exists else 'not '}exists {_variables(part.variables)}: {body}"
+
+
+def _opposite(part: Literal | Equality, symbols: Symbols) -> Literal | Equality:
+    if isinstance(part, Equality):
+        return Equality(part.left, part.right, not part.equal)
+    return Literal(part.symbol, part.terms, frozenset(symbols[part.symbol].values) - part.values)
 
 
 def print_outcome(outcome: Outcome, symbols: Symbols, say_fixed: bool = True) -> str:

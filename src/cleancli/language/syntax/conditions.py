@@ -32,6 +32,12 @@ class EqualityNode(Node):
 LiteralNode = Truth | Comparison | EqualityNode
 
 
+class EitherNode(Node):
+    """`(literal or literal)`, of two or more."""
+
+    literals: tuple[LiteralNode, ...]
+
+
 class ExistsNode(Node):
     """`exists groups: literals`, or `not exists`."""
 
@@ -48,7 +54,7 @@ class EveryNode(Node):
     literal: LiteralNode
 
 
-PartNode = LiteralNode | ExistsNode | EveryNode
+PartNode = LiteralNode | EitherNode | ExistsNode | EveryNode
 
 
 class ConditionNode(Node):

@@ -18,7 +18,7 @@ def denied_equality(at: Misplaced) -> str:
 
 def group(at: Misplaced) -> str:
     """`not (...)` and other parentheses around literals as they are written here."""
-    if at.token != "(" or "LPAR" in at.accepted or "NAME" not in at.accepted:
+    if at.token != "(" or at.is_behind_name or "NAME" not in at.accepted:
         return ""
     if "REST" in at.accepted and re.match(r"\s*[\d.]", at.after):
         return "outcomes stand without parentheses: `then 0.8: wet(?a)  rest: nothing`"
@@ -27,6 +27,20 @@ def group(at: Misplaced) -> str:
     if re.match(rf"\s*\?\w+\s*!?=\s*{TERM}\s*\)", at.after) or _literal_within(at):
         return "the parts of a condition are joined by commas, without parentheses around them"
     return ""
+
+
+def one_of(at: Misplaced) -> str:
+    """What stands in parentheses otherwise than `(p(?a) or q(?a))`."""
+    if at.accepted == {"OR"}:
+        return "the parts of a condition are joined by commas, without parentheses around them"
+    if re.search(r"\($", at.before) and "FORALL" not in at.accepted and "NOT" in at.accepted:
+        return LISTS.get(at.token, "")
+    inside = re.search(r"\(\s*([\w-]+)(?:\s*\(\s*[\w-]+)?$", at.before)
+    if inside is None or at.kind not in ("VARIABLE", "NAME"):
+        return ""
+    if at.accepted == {"LPAR", "EQUAL", "UNEQUAL"}:
+        return f"the name stands before the parenthesis: `{inside[1]}(...)`"
+    return LISTS.get(inside[1], "") if at.accepted == {"RPAR", "COMMA"} else ""
 
 
 def _denied_group(at: Misplaced) -> str:

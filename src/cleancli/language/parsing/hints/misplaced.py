@@ -27,5 +27,11 @@ class Misplaced(Record):
     keywords: tuple[str, ...]
 
     @property
+    def is_behind_name(self) -> bool:
+        """Whether a parenthesis that encloses terms or parameters could stand there, and not one that
+        encloses literals."""
+        return "LPAR" in self.accepted and "NOT" not in self.accepted
+
+    @property
     def word_before(self) -> str:
         return self.before.split()[-1] if self.before else ""

@@ -8,7 +8,7 @@ from cleancli.language.parsing.hints.misplaced import Misplaced
 
 _WORDS = {
     "and": "literals are joined by commas",
-    "or": "there is no `or`: write two rules",
+    "or": "of several literals one holds: `(p(?a) or q(?a))`",
     "if": "a condition begins with `when`",
     "when": "a rule has one `when`, before `with` and `then`; its literals are joined by commas",
     "else": "write a second rule for the other case",
@@ -31,7 +31,7 @@ _TAKEN_FOR_NAMES = frozenset({"probabilistic", "maximize", "minimize"})
 
 LISTS = {
     "and": "literals are joined by commas, without `and` and parentheses",
-    "or": "there is no `or`: write two rules",
+    "or": "of several literals one holds: `(p(?a) or q(?a))`",
     "not": "write `not p(?a)`",
     "either": "a type is one name: declare a type above both",
     "=": "write `f(?a) = value`",
@@ -47,7 +47,7 @@ LISTS = {
 
 
 def habit_word(at: Misplaced) -> str:
-    words = _WORDS if "LPAR" in at.accepted else _TAKEN_FOR_NAMES
+    words = _WORDS if at.is_behind_name else _TAKEN_FOR_NAMES
     if "NAME" not in at.accepted and at.word_before in words:
         return _WORDS[at.word_before]
     # Behind a probability `not` denies an effect: what is missing is the colon.
@@ -55,7 +55,7 @@ def habit_word(at: Misplaced) -> str:
 
 
 def list_of_pddl(at: Misplaced) -> str:
-    if at.token != "(" or "LPAR" in at.accepted:
+    if at.token != "(" or at.is_behind_name:
         return ""
     if at.word_before in ("exists", "forall", "count"):
         return f"variables stand without parentheses: `{at.word_before} ?m - area: wet(?m)`"

@@ -60,7 +60,7 @@ def noted(at: Misplaced) -> str:
 
 def header(at: Misplaced) -> str:
     """What stands between a name and its parameters or terms."""
-    if at.token == ":" and "LPAR" in at.accepted:
+    if at.token == ":" and at.is_behind_name:
         return "what it takes stands in parentheses behind the name: `push(?a - area)`"
     if at.token == "(" and at.accepted == {"COLON"}:
         return "a rule has a name of its own: `rule NAME: push(?a) { ... }`"
