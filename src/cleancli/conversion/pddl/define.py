@@ -1,7 +1,8 @@
 """Formulas as conditions of .nid files: what these have no form for becomes a derived predicate with a name.
 
-A condition is a conjunction, in which quantifiers hold literals only. So `either p or q` is written as the
-opposite of a predicate that says that neither holds, and what a quantifier holds beyond literals is named.
+A condition is a conjunction, in which a disjunction has literals only, and so have quantifiers: what either
+holds beyond literals is named. Where a quantifier holds a disjunction, it is written as the opposite of a
+predicate that says that neither holds.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from cleancli.conversion.pddl.formula import (
     apart,
     both,
     free_variables,
+    is_basic,
     literal,
     negated,
 )
@@ -48,7 +50,7 @@ class Definitions:
             case Both(parts):
                 return tuple(part for each in parts for part in self.condition(each))
             case Either(parts):
-                return (self._not(both(map(negated, parts))),)
+                return (QuantifiedPart(False, (), tuple(map(self._not, parts))),)
             case Quantified(True, variables, part):
                 return (QuantifiedPart(True, variables, self.literals(part)),)
             case Quantified(_, variables, part):
@@ -67,8 +69,10 @@ class Definitions:
                 return (self.named(formula),)
 
     def decision(self, formula: Formula, holds: bool, *, plainly: bool) -> Condition:
-        """That the formula holds, or that it does not: in one literal or quantifier, so that the two exclude
-        each other; `plainly` in one literal, so that it takes no thought to see."""
+        """That the formula holds, or that it does not: in literals, or in one literal or quantifier, so that
+        the two exclude each other; `plainly` in one literal, so that it takes no thought to see."""
+        if isinstance(formula, Both | Either) and all(map(is_basic, formula.parts)):
+            return self.condition(formula if holds else negated(formula))
         if isinstance(formula, Either):
             return self.decision(negated(formula), not holds, plainly=plainly)
         if isinstance(formula, Both) or (plainly and isinstance(formula, Quantified)):
@@ -96,8 +100,9 @@ class Definitions:
         return literal(self._names[key], terms)
 
     def _not(self, formula: Formula) -> Literal | Equality:
-        opposite = negated(self.named(formula))
-        assert isinstance(opposite, Literal)
+        """The opposite as one literal."""
+        opposite = negated(formula if is_basic(formula) else self.named(formula))
+        assert isinstance(opposite, Literal | Equality)
         return opposite
 
 

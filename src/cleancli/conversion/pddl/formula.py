@@ -77,7 +77,7 @@ def negated(formula: Formula) -> Formula:
 def both(parts: Iterable[Formula]) -> Formula:
     """The conjunction."""
     found = dict.fromkeys(_flat(parts, Both))
-    if NEVER in found or any(_is_basic(part) and negated(part) in found for part in found):
+    if NEVER in found or any(is_basic(part) and negated(part) in found for part in found):
         return NEVER
     return next(iter(found)) if len(found) == 1 else Both(tuple(found))
 
@@ -85,7 +85,7 @@ def both(parts: Iterable[Formula]) -> Formula:
 def either(parts: Iterable[Formula]) -> Formula:
     """The disjunction."""
     found = dict.fromkeys(_flat(parts, Either))
-    if ALWAYS in found or any(_is_basic(part) and negated(part) in found for part in found):
+    if ALWAYS in found or any(is_basic(part) and negated(part) in found for part in found):
         return ALWAYS
     return next(iter(found)) if len(found) == 1 else Either(tuple(found))
 
@@ -116,7 +116,8 @@ def _flat(parts: Iterable[Formula], kind: type[Both] | type[Either]) -> Iterator
             yield part
 
 
-def _is_basic(formula: Formula) -> bool:
+def is_basic(formula: Formula) -> bool:
+    """Whether it is a literal or an equality."""
     return isinstance(formula, Literal | Equality)
 
 
