@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import product
+from pathlib import Path
 from random import Random
 
 import numpy as np
@@ -13,6 +14,7 @@ import cleancli
 from cleancli.conversion.export.draws import Draw, independent
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain, load_problem
+from support.exported_rddl import Simulated, chance_of, expected
 from support.round_trips import disagreements, through_ppddl
 
 
@@ -103,6 +105,19 @@ def test_coins_come_back() -> None:
     problem = load_problem(Source("p.nid", goal), domain)
     back = through_ppddl(domain, problem)
     assert list(disagreements(domain, problem, back, 20, np.random.default_rng(0))) == []
+
+
+def test_coins_are_thrown_side_by_side_in_rddl(tmp_path: Path) -> None:
+    pytest.importorskip("pyRDDLGym")
+    domain = load_domain(Source("coins.nid", coins(3)))
+    problem = load_problem(Source("p.nid", "problem p { domain = coins horizon = 2 }"), domain)
+    made = cleancli.convert(coins(3), "problem p { domain = coins horizon = 2 }", to="rddl")
+    assert "throw_all_1_drawn = Discrete(throw_all_1_outcome, @throw_all_1_1: 2.0 / 3.0" in made.domain
+    assert made.domain.count("Discrete(") == 3
+    likely = expected(domain, problem, "throw", ())
+    found, _ = Simulated(domain, problem, tmp_path, 2).drawn("throw", (), 200, seed=1)
+    assert len(likely) == 8
+    assert chance_of(found, likely) > 0.001
 
 
 def test_a_thousand_results_are_ten_coins() -> None:

@@ -6,7 +6,7 @@ these can be drawn side by side say them shorter.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 from math import prod
@@ -19,6 +19,23 @@ MOST_PARTS = 100
 
 Draw = Mapping[frozenset[_Part], Fraction]
 """Sets of parts that happen together, and how likely each is."""
+
+
+def draws_of(
+    outcomes: Iterable[tuple[Fraction, Iterable[_Part]]],
+) -> tuple[tuple[tuple[Fraction, tuple[_Part, ...]], ...], ...]:
+    """The independent draws that outcomes come to: the results of each, with their probabilities and their
+    parts in order."""
+    results: dict[frozenset[_Part], Fraction] = {}
+    order: dict[_Part, None] = {}
+    for chance, happening in outcomes:
+        parts = dict.fromkeys(happening)
+        order |= parts
+        results[frozenset(parts)] = results.get(frozenset(parts), Fraction(0)) + chance
+    return tuple(
+        tuple((chance, tuple(part for part in order if part in result)) for result, chance in draw.items())
+        for draw in independent(results, [*order])
+    )
 
 
 def independent(draw: Draw[_Part], parts: Sequence[_Part]) -> tuple[Draw[_Part], ...]:

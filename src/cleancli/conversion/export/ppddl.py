@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of
 from cleancli.conversion.export.cost_functions import CostFunctions
-from cleancli.conversion.export.draws import Draw, independent
+from cleancli.conversion.export.draws import draws_of
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.payments import Payment, payments_of
@@ -195,15 +195,9 @@ class _Writer:
     def _effect(self, rule: Rule, action: Action, known: Formula) -> list[Node]:
         """What the rule does: what its outcomes share stands outside of them, and what is independent of the
         rest is drawn by itself."""
-        results: dict[frozenset[_Part], Fraction] = {}
-        order: dict[_Part, None] = {}
-        for outcome in rule.outcomes:
-            if outcome.probability:
-                parts = dict.fromkeys(self._parts(outcome, rule, known))
-                order |= parts
-                results[frozenset(parts)] = results.get(frozenset(parts), Fraction(0)) + outcome.probability
-        draws = independent(results, [*order])
-        return [*(node for draw in draws for node in self._drawn(draw, order, rule)), *self._constant(action)]
+        likely = [outcome for outcome in rule.outcomes if outcome.probability]
+        draws = draws_of((each.probability, self._parts(each, rule, known)) for each in likely)
+        return [*(node for draw in draws for node in self._drawn(draw, rule)), *self._constant(action)]
 
     def _parts(self, outcome: Outcome, rule: Rule, known: Formula) -> Iterator[_Part]:
         """What an outcome changes, and what it pays and costs; equal payments have different numbers."""
@@ -216,11 +210,10 @@ class _Writer:
         if self._priced and outcome.cost:
             yield outcome.cost
 
-    def _drawn(self, draw: Draw[_Part], order: Iterable[_Part], rule: Rule) -> Iterator[Node]:
+    def _drawn(self, draw: Iterable[tuple[Fraction, Sequence[_Part]]], rule: Rule) -> Iterator[Node]:
         """The effects of one draw."""
         chances: list[Node] = []
-        for result, chance in draw.items():
-            parts = [part for part in order if part in result]
+        for chance, parts in draw:
             paid = [part[1] for part in parts if isinstance(part, tuple)]
             changes = self._changes([each for each in parts if isinstance(each, Change)], rule.variables)
             does = [*changes, *self._payments(paid, rule.variables)]

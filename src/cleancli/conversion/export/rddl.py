@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cleancli.conversion.export.changes import changes_of, hits
+from cleancli.conversion.export.draws import draws_of
 from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.rddl_formulas import FormulaWriter
 from cleancli.conversion.export.unsaid import Unsaid
@@ -48,13 +49,26 @@ from cleancli.language.printing.printer import print_float, print_fraction
 
 
 @dataclass(frozen=True, slots=True)
+class _Draw:
+    """What is drawn by itself when a rule applies: what each result changes, and what it pays. The fluent and
+    its type have names, and so has each result, where there are several."""
+
+    chances: tuple[Fraction, ...]
+    changes: tuple[tuple[Change, ...], ...]
+    paid: tuple[Fraction, ...]
+    fluent: str
+    type: str
+    results: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class _Ruled:
-    """A rule, where it applies, and the changes of its outcomes that may happen."""
+    """A rule, where it applies, and what is drawn of its outcomes that may happen."""
 
     rule: Rule
     name: str
     known: Formula
-    outcomes: tuple[tuple[Outcome, tuple[Change, ...]], ...]
+    draws: tuple[_Draw, ...]
 
 
 def rddl(domain: Domain, problem: Problem, horizon: int, noise: str, unsaid: Unsaid) -> Written:
@@ -90,9 +104,35 @@ class _Writer:
         with self._unsaid.of(rule.span):
             known = self._formulas.applies(rule)
             likely = [outcome for outcome in rule.outcomes if outcome.probability]
-            done = [(o, changes_of(o, rule, known, self._formulas, self._noise)) for o in likely]
+            parts = [(outcome.probability, self._parts(outcome, rule, known)) for outcome in likely]
             self._refuse_closures(rule.span, "")
-            yield _Ruled(rule, self._texts.name("rule", f"{rule.name}_applies"), known, tuple(done))
+            name = self._texts.name("rule", f"{rule.name}_applies")
+            yield _Ruled(rule, name, known, tuple(self._draws(rule, parts)))
+
+    def _parts(self, outcome: Outcome, rule: Rule, known: Formula) -> list[Change | Fraction]:
+        """What an outcome changes, and what it pays by itself."""
+        price = outcome.reward + weight_of(self._domain, RewardKind.COST) * outcome.cost
+        changes = changes_of(outcome, rule, known, self._formulas, self._noise)
+        return [*changes, *([price] if price else [])]
+
+    def _draws(
+        self, rule: Rule, parts: Sequence[tuple[Fraction, list[Change | Fraction]]]
+    ) -> Iterator[_Draw]:
+        """The draws of a rule; they are numbered where several have several results."""
+        found = draws_of(parts)
+        several = [draw for draw in found if len(draw) > 1]
+        for draw in found:
+            title = rule.name if len(several) < 2 else f"{rule.name}_{found.index(draw) + 1}"
+            own = f"{rule.name} {found.index(draw)}"  # what tells the names of one draw from those of others
+            results = range(1, len(draw) + 1) if len(draw) > 1 else ()
+            yield _Draw(
+                tuple(chance for chance, _ in draw),
+                tuple(tuple(each for each in result if isinstance(each, Change)) for _, result in draw),
+                tuple(sum((e for e in result if isinstance(e, Fraction)), Fraction(0)) for _, result in draw),
+                self._texts.name(f"drawn {own}", f"{title}_drawn") if results else "",
+                self._texts.name(f"outcomes {own}", f"{title}_outcome") if results else "",
+                tuple(f"@{self._texts.name(f'outcome {own}', f'{title}_{number}')}" for number in results),
+            )
 
     def _refuse_closures(self, place: Span | None, of: str) -> None:
         """Tells of closures that what was said last speaks of, and that are no facts."""
@@ -102,9 +142,6 @@ class _Writer:
                 del self._formulas.closures[name]
 
     # ---- names
-
-    def _outcome(self, ruled: _Ruled, number: int) -> str:
-        return f"@{self._texts.name('outcome', f'{ruled.rule.name}_{number}')}"
 
     def _some(self, variables: Sequence[Variable], texts: Sequence[str]) -> str:
         """That all texts hold for some objects."""
@@ -145,10 +182,8 @@ class _Writer:
             if isinstance(symbol.values[0], str):
                 values = ", ".join(self._texts.value_of(symbol, value) for value in symbol.values)
                 yield f"{self._texts.range_of(symbol)}: {{{values}}};"
-        for ruled in self._rules:
-            if len(ruled.outcomes) > 1:
-                names = ", ".join(self._outcome(ruled, n + 1) for n in range(len(ruled.outcomes)))
-                yield f"{self._texts.name('outcomes', f'{ruled.rule.name}_outcome')}: {{{names}}};"
+        for draw in (draw for ruled in self._rules for draw in ruled.draws if draw.results):
+            yield f"{draw.type}: {{{', '.join(draw.results)}}};"
 
     def _declarations(self) -> Iterator[str]:
         fixed = "{non-fluent, bool, default = false}"
@@ -167,9 +202,8 @@ class _Writer:
             yield f"{self._noise}: {{state-fluent, bool, default = false}};"
         for ruled in self._rules:
             yield f"{ruled.name}{self._heads(ruled.rule.variables)}: {{interm-fluent, bool}};"
-            if len(ruled.outcomes) > 1:
-                kind = self._texts.name("outcomes", f"{ruled.rule.name}_outcome")
-                yield f"{self._texts.name('drawn', f'{ruled.rule.name}_drawn')}: {{interm-fluent, {kind}}};"
+            for draw in (draw for draw in ruled.draws if draw.results):
+                yield f"{draw.fluent}: {{interm-fluent, {draw.type}}};"
         for action in self._domain.actions:
             name = self._texts.name("action", action.name)
             yield f"{name}{self._heads(action.parameters)}: {{action-fluent, bool, default = false}};"
@@ -180,21 +214,17 @@ class _Writer:
     # ---- what happens
 
     def _rule_fluents(self, ruled: _Ruled) -> Iterator[str]:
-        """Where the rule applies, and which outcome it has."""
+        """Where the rule applies, and what its draws come to."""
         rule = ruled.rule
         action = f"{self._texts.name('action', rule.action)}{self._texts.arguments(rule.variables)}"
         known = self._texts.formula(self._formulas.apart(ruled.known, rule.variables))
         asked = [] if ruled.known == ALWAYS else [known]
         said = " ^ ".join([action, *self._texts.fits(rule.variables), *asked])
         yield f"{ruled.name}{self._texts.arguments(rule.variables)} = {said};"
-        if len(ruled.outcomes) > 1:
-            kind = self._texts.name("outcomes", f"{rule.name}_outcome")
-            drawn = [
-                f"{self._outcome(ruled, number)}: {_number(outcome.probability)}"
-                for number, (outcome, _) in enumerate(ruled.outcomes, 1)
-            ]
-            name = self._texts.name("drawn", f"{rule.name}_drawn")
-            yield f"{name} = Discrete({kind}, {', '.join(drawn)});"
+        for draw in (draw for draw in ruled.draws if draw.results):
+            pairs = zip(draw.results, draw.chances, strict=True)
+            chances = ", ".join(f"{result}: {_number(chance)}" for result, chance in pairs)
+            yield f"{draw.fluent} = Discrete({draw.type}, {chances});"
 
     def _next(self, symbol: Symbol) -> Iterator[str]:
         """What a symbol becomes: what is set first, then what is deleted."""
@@ -219,30 +249,25 @@ class _Writer:
         """When a rule gives the terms a value."""
         wanted = self._formulas.predicates.of(symbol.name, None if symbol.is_predicate else value)
         sets = not symbol.is_predicate or value is True
-        for number, (_, changes) in enumerate(ruled.outcomes, 1):
+        for draw, place, changes in _results(ruled):
             for change in changes:
                 if change.symbol == wanted and change.value is sets:
                     hit = assuming(hits(change, terms, self._formulas), [ruled.known])
                     if hit != NEVER:
-                        yield self._case(
-                            ruled,
-                            number,
-                            self._texts.formula(self._formulas.apart(hit, [*terms, *ruled.rule.variables])),
-                        )
+                        hit = self._formulas.apart(hit, [*terms, *ruled.rule.variables])
+                        yield self._case(ruled, draw, place, self._texts.formula(hit))
 
-    def _case(self, ruled: _Ruled, number: int, hit: str) -> str:
+    def _case(self, ruled: _Ruled, draw: _Draw, place: int, hit: str) -> str:
+        """That the rule applies, a draw has the result at a place, and something holds."""
         applies = f"{ruled.name}{self._texts.arguments(ruled.rule.variables)}"
-        texts = [applies]
-        if len(ruled.outcomes) > 1:
-            drawn = self._texts.name("drawn", f"{ruled.rule.name}_drawn")
-            texts.append(f"({drawn} == {self._outcome(ruled, number)})")
-        return self._some(ruled.rule.variables, [*texts, hit])
+        drawn = [f"({draw.fluent} == {draw.results[place]})"] if draw.results else []
+        return self._some(ruled.rule.variables, [applies, *drawn, hit])
 
     def _next_noise(self, noise: str) -> str:
         cases = [
-            self._case(ruled, number, "true")
+            self._case(ruled, draw, place, "true")
             for ruled in self._rules
-            for number, (_, changes) in enumerate(ruled.outcomes, 1)
+            for draw, place, changes in _results(ruled)
             if any(change.symbol == noise for change in changes)
         ]
         return f"{noise}' = {' | '.join([noise, *cases])};"
@@ -309,10 +334,9 @@ class _Writer:
 
     def _by_outcomes(self, ruled: _Ruled) -> Iterator[str]:
         """What the outcomes of a rule pay by themselves."""
-        weight = weight_of(self._domain, RewardKind.COST)
-        for number, (outcome, _) in enumerate(ruled.outcomes, 1):
-            if price := outcome.reward + weight * outcome.cost:
-                happens = self._case(ruled, number, "true")
+        for draw, place, _ in _results(ruled):
+            if price := draw.paid[place]:
+                happens = self._case(ruled, draw, place, "true")
                 yield f"({_number(price)}) * (if ({happens}) then 1.0 else 0.0)"
 
     def _by_functions(self, action: Action, weight: Fraction) -> Iterator[str]:
@@ -401,7 +425,8 @@ class _Writer:
     def notes(self) -> tuple[str, ...]:
         """What the files do not say as the .nid files do."""
         found = []
-        outcomes = [outcome for ruled in self._rules for outcome, _ in ruled.outcomes]
+        every = (outcome for rule in self._domain.rules for outcome in rule.outcomes)
+        outcomes = [outcome for outcome in every if outcome.probability]
         if any(outcome.kind is OutcomeKind.NOISE for outcome in outcomes):
             found.append(f"noise {'changes nothing' if self._noise is None else 'makes `noise` true'}")
         if self._formulas.written_out:
@@ -419,9 +444,16 @@ class _Writer:
 def _variables_of(ruled: _Ruled) -> Iterator[Term]:
     """All variables that have to do with a rule."""
     yield from ruled.rule.variables
-    for _, changes in ruled.outcomes:
+    for _, _, changes in _results(ruled):
         for change in changes:
             yield from (*change.variables, *change.terms, *free_variables(change.guard))
+
+
+def _results(ruled: _Ruled) -> Iterator[tuple[_Draw, int, tuple[Change, ...]]]:
+    """All results of the draws of a rule, each with its draw and its place there."""
+    for draw in ruled.draws:
+        for place, changes in enumerate(draw.changes):
+            yield draw, place, changes
 
 
 def _indented(lines: Sequence[str]) -> str:
