@@ -1,10 +1,10 @@
 """No files of libPRADA may crash or stall what reads them: `python benchmarks/fuzz_libprada.py [files]`.
 
 The kitchen of the tests and the cleaning rules of benchmarks/libprada are changed: words and lines are lost,
-doubled and exchanged, numbers and signs put in. Each three files are converted, and what can be converted is
-grounded and written for libPRADA again. A failure is an exception other than Refused, a mistake without a
-place, or files that take longer than 5 s of CPU; the exit code is 1 then, and the seed is printed. 20,000
-take about eleven minutes on one core.
+doubled and exchanged, numbers and signs put in, and so are a reward and experience beside them. All files are
+converted, and what can be converted is grounded and written for libPRADA again. A failure is an exception
+other than Refused, a mistake without a place, or files that take longer than 5 s of CPU; the exit code is 1
+then, and the seed is printed. 20,000 take about eleven minutes on one core.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from random import Random
 
 from cleancli.compiler.ground import ground
 from cleancli.conversion.convert import Wishes, convert
+from cleancli.conversion.experience.data import recorded
 from cleancli.conversion.export.libprada import libprada
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.language.diagnostics.diagnostic import Level, Source
@@ -31,8 +32,9 @@ HERE = Path(__file__).resolve().parent
 KITCHEN = HERE.parent / "tests" / "conversion" / "kitchen"
 LIMIT = 5.0
 """CPU seconds that files may take."""
-FILES = ("rules.dat", "state.dat", "symbols.dat")
+FILES = ("rules.dat", "state.dat", "symbols.dat", "reward.dat", "data.dat")
 TOKEN = re.compile(r"[A-Za-z_0-9.]+|\s+|.")
+FACT = re.compile(r"dirt\([^)]*\)")
 WORDS = """
     ACTION: CONTEXT: OUTCOMES: default() -- <no-change> <noise> -dirt(X) dirt(X) X 7 99 1e9 0.5 1.7 -1 = >= !=
     <-- Num count integers binary primitive action transclosure ( ) # \x00 é
@@ -44,18 +46,28 @@ Texts = dict[str, str]
 
 def corpus() -> tuple[Texts, ...]:
     """The files that are changed."""
-    kitchen = {name: (KITCHEN / name).read_text(encoding="utf-8") for name in FILES}
+    kitchen = {name: (KITCHEN / name).read_text(encoding="utf-8") for name in FILES[:3]}
     shared = {
         name: (HERE / "libprada" / name).read_text(encoding="utf-8") for name in ("rules.dat", "symbols.dat")
     }
     states = [
         path.read_text(encoding="utf-8") for path in sorted((HERE / "libprada").glob("d[24].state.dat"))
     ]
-    return (kitchen, *({**shared, "state.dat": state} for state in states))
+    return tuple(with_experience(each) for each in (kitchen, *({**shared, "state.dat": s} for s in states)))
+
+
+def with_experience(texts: Texts) -> Texts:
+    """The files, with a reward for dirt, and with an action that changed nothing."""
+    state = " ".join(texts["state.dat"].split("\n"))
+    action, terms = re.findall(r"ACTION:\s+(\w+)\((.*?)\)", texts["rules.dat"])[1]
+    (number, *_) = re.findall(r"\((\d+)", state)
+    names = " ".join(number for _ in terms.split())
+    data = f"{state}\n{action}({names})\n{state}\n"
+    return {**texts, "reward.dat": f"1\n{FACT.findall(state)[0]}\n", "data.dat": data}
 
 
 def mutated(texts: tuple[Texts, ...], rng: Random) -> Texts:
-    """Three files, of which some are changed."""
+    """All files, of which some are changed."""
     found = dict(rng.choice(texts))
     for _ in range(rng.choice((1, 1, 1, 2, 3, 6))):
         name = rng.choice(FILES)
@@ -86,10 +98,11 @@ def _changed(text: str, other: str, rng: Random) -> str:
 
 
 def used(texts: Texts) -> str:
-    """What came of three files. Raises AssertionError for what must not be."""
-    rules, state, symbols = (Source(name, texts[name]) for name in FILES)
+    """What came of some files. Raises AssertionError for what must not be."""
+    rules, state, symbols, reward, data = (Source(name, texts[name]) for name in FILES)
     try:
-        made = convert(rules, state, symbols, Wishes(reward="cost"), ("domain.nid", "problem.nid"))
+        made = convert(rules, state, symbols, Wishes(reward="cost"), ("domain.nid", "problem.nid"), reward)
+        recorded(data, made, set(made.words.names.symbols.values()))
     except Refused as refused:
         _assert_placed(refused, texts)
         return "refused"
@@ -120,7 +133,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("files", type=int, nargs="?", default=20_000, help="how many times three files")
+    parser.add_argument("files", type=int, nargs="?", default=20_000, help="how many times all files")
     parser.add_argument("--seed", type=int, default=0, help="of the first; each has its own")
     options = parser.parse_args()
     texts, counts, slowest, failures = corpus(), Counter[str](), 0.0, 0

@@ -19,6 +19,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 from random import Random
@@ -105,6 +106,17 @@ UNLIKELY = 0.001
 """Chance below which frequencies are taken to differ."""
 
 
+def _varied(
+    domain: Domain, problem: Problem
+) -> tuple[tuple[str, tuple[str, ...]], dict[exported_rddl.After, float]]:
+    """The action that can have the most results in the first state, and how likely each is."""
+    found = []
+    for call in exported_ppddl.calls(domain, problem):
+        with suppress(Refused):  # an outcome gives something two values (E602)
+            found.append((call, exported_rddl.expected(domain, problem, *call)))
+    return max(found, key=lambda each: len(each[1]))
+
+
 def drawn_in_rddl(draws: int, seed: int, folder: Path) -> bool:
     """Whether pyRDDLGym draws what the rules say; prints what it draws."""
     right = True
@@ -112,9 +124,10 @@ def drawn_in_rddl(draws: int, seed: int, folder: Path) -> bool:
     for name, domain, problem in files(rng):
         if name not in RDDL:
             continue
-        every = list(exported_ppddl.calls(domain, problem))
-        chosen = max(every, key=lambda call: len(exported_rddl.expected(domain, problem, *call)))
-        likely = exported_rddl.expected(domain, problem, *chosen)
+        chosen, likely = _varied(domain, problem)
+        while len(likely) < 2:  # no rule with several outcomes covers the state that was drawn
+            problem = round_trips.drawn_problem(domain, rng)
+            chosen, likely = _varied(domain, problem)
         simulated = exported_rddl.Simulated(domain, problem, folder, STEPS)
         found, _ = simulated.drawn(*chosen, draws, seed)
         chance = exported_rddl.chance_of(found, likely)
@@ -122,6 +135,7 @@ def drawn_in_rddl(draws: int, seed: int, folder: Path) -> bool:
         print(f"{name}, {chosen}: {draws} draws of {len(likely)} results, chance {chance:.3f}")
         if name == "cleaning":
             simulated.reset(seed)
+            every = list(exported_ppddl.calls(domain, problem))
             total = sum(simulated.step(*every[int(rng.integers(len(every)))])[1] for _ in range(STEPS))
             print(f"{name}: {STEPS} steps, reward {total:g}")
     return right
