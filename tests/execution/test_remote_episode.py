@@ -280,7 +280,7 @@ class Interrupted(io.StringIO):
 
     went_on = False
 
-    def readline(self, size: int | None = -1, /) -> str:
+    def readline(self, size: int | None = -1, /) -> str:  # type: ignore[override]
         signal.raise_signal(signal.SIGINT)
         self.went_on = True
         return "n\n"
