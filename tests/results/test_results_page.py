@@ -114,6 +114,8 @@ def test_rows_of_other_studies_are_left_out_and_parts_have_figures_of_their_own(
         (against("reactive"), 8, "all of the interval lies below 1"),
         (replace(against("reactive"), expect="more"), 8, "none of the interval lies above 1"),
         (replace(against("reactive"), expect="equal", factor=0.5, margin=0.1), 8, "lies between 0.4 and 0.6"),
+        (replace(against("reactive"), expect="equal", factor=0.1, margin=0.1), 8, "0.2, all of it above 0.2"),
+        (replace(against("reactive"), expect="equal", factor=2, margin=0.1), 8, "2.1, all of it below 1.9"),
         (against("nobody"), 8, "there are no rows to compare"),
         (against("reactive"), 4, "4 runs are too few; at least 5 are needed"),
         (against("reactive"), 1, "1 run is too few; at least 5 are needed"),

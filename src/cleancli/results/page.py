@@ -268,7 +268,8 @@ def _by_numbers(each: Judged, words: Words) -> str:
         case Verdict.WON:
             return f"all of the interval lies {within}{_by_failures(each, words)}{failed}"
         case Verdict.LOST:
-            return f"none of the interval lies {within}{_by_failures(each, words)}{failed}"
+            beyond = _beyond(each.bounds, each.estimate)
+            return f"none of the interval lies {within}{beyond}{_by_failures(each, words)}{failed}"
     if not each.estimate.count:
         return "there are no rows to compare"
     if not each.estimate.known and each.estimate.count >= FEWEST:
@@ -313,6 +314,14 @@ def _within(bounds: Bounds) -> str:
     if not isfinite(bounds.high):
         return f"above {_number(bounds.low)}"
     return f"between {_number(bounds.low)} and {_number(bounds.high)}"
+
+
+def _beyond(bounds: Bounds, estimate: Estimate) -> str:
+    """On which side of two bounds an interval lies; of one bound there is one side alone."""
+    if not (isfinite(bounds.low) and isfinite(bounds.high)):
+        return ""
+    below = estimate.high < bounds.low
+    return f", all of it {f'below {_number(bounds.low)}' if below else f'above {_number(bounds.high)}'}"
 
 
 def _failures(each: Judged, words: Words) -> str:
