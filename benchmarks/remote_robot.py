@@ -8,8 +8,9 @@ moves on, whether the robot has tripped and refuses to move, and whether it move
 `frames`: pairs of 640 x 480 pictures at 30 Hz for --seconds; those that came late, their latency, and what
 share of a CPU each side takes.
 
-Exits with 1 if an episode differs, or a kill is not told or not survived. All of it takes 25 minutes, of
-which 8 are CPU; `--quick` about 20 seconds of CPU.
+Exits with 1 if an episode differs, or a kill is not told or not survived. All of it takes about 35 minutes,
+of which 10 are CPU, and the fifty kills of each kind most of them; how many are done is told to standard
+error. `--quick` takes about 20 seconds of CPU.
 """
 
 from __future__ import annotations
@@ -55,6 +56,8 @@ SCENES = ("two_groups", "layout_c", "wam_groups", "reem_pick_up")
 KINDS = ("client KILL", "client STOP", "silent", "driver KILL", "driver STOP")
 LEASE, IN_TIME = 1.0, 0.1
 """Seconds: the lease of the drivers that are killed, and how much later than that a tool may still move."""
+PATIENCE = 10.0
+"""Seconds for which a client waits for a driver that is frozen, a third of what the program's own does."""
 STILL = 1e-3
 """Metres by which a tool that stands still may be elsewhere."""
 HERTZ = 30
@@ -130,7 +133,7 @@ def compared(domain: Domain, name: str, options: EpisodeOptions, *how: str) -> b
 
 def client(address: Address) -> None:
     """Moves the tool to and fro until it is killed; says when it has begun."""
-    with Client(address) as connection:
+    with Client(address, answering=PATIENCE) as connection:
         for number in range(1000):
             motion = connection.start(_path(ENDS[number % 2]))
             assert isinstance(motion, int), motion
