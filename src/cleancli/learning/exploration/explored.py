@@ -35,6 +35,11 @@ class Specific:
     rule: int
     holds: Bools
 
+    def covers(self, held: Bools) -> Bools:
+        """Which transitions are in the context, (n,), by what held in each (`held` of parts.py)."""
+        found: Bools = np.logical_and.reduce(held[:, self.holds], axis=1)
+        return found
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExploredAction:

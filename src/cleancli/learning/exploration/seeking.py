@@ -12,7 +12,6 @@ from fractions import Fraction
 
 import numpy as np
 
-from cleancli.array_types import Bools
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.ground import ground
 from cleancli.compiler.task import GroundAction, without
@@ -109,7 +108,7 @@ def _near(domain: Domain, known: ExploredAction, number: int) -> Iterator[Hope]:
     own = known.held[known.by == number]
     for specific in known.specific:
         if specific.rule == number:
-            inside: Bools = known.held[:, specific.holds].all(axis=1)
+            inside = specific.covers(known.held)
             for column in np.flatnonzero(specific.holds):
                 without_it = int((~own[:, column]).sum())
                 opposite = signed(

@@ -156,7 +156,7 @@ def _by_context(known: ExploredAction, kinds: Bools) -> Floats:
                 UNCHANGED / (float(together[np.ix_(kind, kind)].min(initial=len(known.by))) + 1) ** 2
             )
     for each in known.specific:
-        inside: Bools = known.held[:, each.holds].all(axis=1)
+        inside = each.covers(known.held)
         outside = known.held[~inside]
         for place, kind in enumerate(kinds):
             missing = int((each.holds & ~kind).sum())
