@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from cleancli.compiler.fluents import values_of
+from cleancli.compiler.fluents import Values, values_of
 from cleancli.compiler.lifted_state import LiftedRules
-from cleancli.language.model import Domain, OutcomeKind
+from cleancli.language.model import Domain, Object, OutcomeKind
 from cleancli.learning.experience import Transition
 from cleancli.learning.explained import RESULTS_OF_NOISE
 from cleancli.learning.structure.arrays import compiled
@@ -77,3 +77,14 @@ def test_scores_of_actions_together() -> None:
     assert both == Score(40, -12.0, 6, 0.4, 4)
     assert both.score == -12 - PER_LITERAL * 6
     assert together([]) == Score()
+
+
+def test_a_transition_in_which_very_many_facts_changed_has_a_score() -> None:
+    """Each makes it less likely, together beyond the least number that is not 0."""
+    domain = domain_of("locks")
+    doors = tuple(Object(f"d{number}", "door") for number in range(200))
+    after: Values = {("open", (each.name,)): True for each in doors}
+    transition = Transition("slam", ("d0",), doors, {}, after)
+    score = scored(domain, "slam", compiled(domain, [transition])["slam"])
+    expected = math.log(IMPOSSIBLE) - 200 * math.log(RESULTS_OF_NOISE)
+    assert score.log_likelihood == pytest.approx(expected)

@@ -75,7 +75,8 @@ def scored(domain: Domain, action: str, given: ActionArrays, refitted: bool = Fa
     domain has none."""
     explained, foretold = _foretold(domain, action, given, refitted)
     literals = sum(literals_of(rule) for rule in domain.rules if rule.action == action)
-    logs = np.log(np.where(explained > 0, explained, IMPOSSIBLE * _by_noise(given.arrays)))
+    impossible = np.log(IMPOSSIBLE) - np.log(RESULTS_OF_NOISE) * np.maximum(given.arrays.changed, 1)
+    logs = np.log(explained, out=impossible, where=explained > 0)
     off = float((1 - foretold).mean()) if len(foretold) else 0.0
     return Score(len(logs), float(logs.sum()), literals, off, int((foretold == 0).sum()))
 
