@@ -130,13 +130,34 @@ def test_reasons_are_told_in_words(said: Comparison, runs: int, expected: str) -
 def test_enough_runs_without_a_ratio_are_not_called_too_few() -> None:
     said = replace(against("reactive"), measure="clean", expect="more")
     none = [replace(row, clean=False) for row in rows_of(8)]
-    one = [replace(row, clean=row.axes["strategy"] == "plan-2") for row in none]
-    for rows, expected in ((none, "both are 0 in every run"), (one, "the second is 0 in every run")):
-        (found,) = judged([said], rows)
-        assert found.verdict is Verdict.UNDECIDED
-        assert reason(found).startswith(expected)
+    (found,) = judged([said], none)
+    assert found.verdict is Verdict.UNDECIDED
+    assert reason(found).startswith("both are 0 in every run")
     (few,) = judged([said], [row for row in none if row.run < 5])
     assert reason(few) == "4 runs are too few; at least 5 are needed"
+
+
+@pytest.mark.parametrize(
+    ("expect", "margin", "verdict"), [("more", 0, "won"), ("less", 0, "lost"), ("equal", 0.2, "lost")]
+)
+def test_what_happens_at_all_is_more_than_nothing(expect: str, margin: float, verdict: str) -> None:
+    """docs/statistics.md: where all of the second is 0, the mean of the first is set beside 0."""
+    said = replace(against("reactive"), measure="clean", expect=expect, margin=margin)
+    rows = [replace(row, clean=row.axes["strategy"] == "plan-2") for row in rows_of(8)]
+    (found,) = judged([said], rows)
+    assert found.verdict == verdict
+    assert reason(found).endswith(", of the mean of the first: the second is 0 in every run")
+
+
+def test_a_column_says_where_it_counts_what_others_leave_out() -> None:
+    """As the page's introduction promises."""
+    rows = [replace(row, clean=row.run > 2, actions=40 if row.run <= 2 else 4) for row in rows_of(8)]
+    page = results_page([results_of(replace(STUDY, measure="clean", comparisons=()), rows)])
+    assert "| actions until the episode is over, also where it did not end clean |" in page
+    assert "| b | plan-2 | 8 | 2 | 0.75 [0.375, 1] | 13 [4, 26.5] |" in page
+    page = results_page([results_of(replace(STUDY, comparisons=()), rows)])
+    assert "| actions until the episode is over |" in page
+    assert re.search(r"\| b \| plan-2 \| 8 \| 2 \| .* \| 4 \[4, 4\] \|", page)
 
 
 def test_the_table_counts_the_pairs_that_are_as_expected() -> None:

@@ -34,8 +34,9 @@ class Sides:
 class Judged:
     """A comparison with its verdict.
 
-    `estimate` is what is claimed to lie within `bounds`: the ratio of the first to the second, or, where it
-    is compared with a limit, the mean of the first; there `sides` is None. `failed`: how many of the first's
+    `estimate` is what is claimed to lie within `bounds`: the ratio of the first to the second; where all of
+    the second is 0, the mean of the first, which is claimed to be beside 0; or, where it is compared with a
+    limit, the mean of the first; there `sides` is None. `failed`: how many of the first's
     episodes did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted`
     that among all comparisons of the study (Holm). `more`: how many more runs would decide it; None where
     that can't be told, or nothing is left to decide. `idle` and `never`: the sides that carried out no action
@@ -81,7 +82,10 @@ def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
         side: (found.actions[of], found.clean[of])
         for side, of in zip(SIDES, (~found.is_second, found.is_second), strict=True)
     }
-    return _judged(comparison, bounds, sides.paired.ratio, chance, told, sides)
+    ratio = sides.paired.ratio
+    if len(second) and first.any() and not second.any():
+        ratio, bounds = mean_of(first), _bounds(comparison.expect, 0.0, 0.0)
+    return _judged(comparison, bounds, ratio, chance, told, sides)
 
 
 def _against_limit(comparison: Comparison, limit: float, rows: Sequence[Row]) -> Judged:

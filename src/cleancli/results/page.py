@@ -129,7 +129,8 @@ How verdicts come about is told in docs/statistics.md of cleancli.
 Numbers of this page: `cleancli experiment`.
 
 - Intervals, in brackets, hold a mean or a ratio 95 times in 100; fewer than {FEWEST} runs have none.
-- Episodes that did not end clean are in no mean of the way to a clean table. Figures count them behind a ✗.
+- Episodes that did not end clean are in no mean of the way to a clean table, unless its column says so.
+  Figures count them behind a ✗.
   In ratios each counts as twice the longest of those that it is compared with. In the symbolic world the same
   holds of episodes that did not finish: the goal does not hold, or something is left of the count.
 - *ratio*: of the mean of the first to that of the second, in runs with the same seeds.
@@ -189,8 +190,15 @@ def _part(study: Study, rows: Sequence[Row], name: str, figures: Sequence[Figure
     measures = dict.fromkeys((study.measure, "actions", *(("left",) if words is CLEAN else ())))
     always = MEASURES[study.measure].always
     columns = [cells(rows, axes, measure, always) for measure in measures]
-    names = [*axes, "runs", f"episodes {words.other}", *(meaning_of(measure, words) for measure in measures)]
+    meanings = (_heading(measure, words, always) for measure in measures)
+    names = [*axes, "runs", f"episodes {words.other}", *meanings]
     yield _table(names, (_cell(same) for same in zip(*columns, strict=True)))
+
+
+def _heading(measure: str, words: Words, always: bool) -> str:
+    """What a column tells; where it counts episodes `always`, also that it does if it usually does not."""
+    own = always and not MEASURES[measure].always
+    return f"{meaning_of(measure, words)}{f', also where it {words.failed}' if own else ''}"
 
 
 def _in_common(rows: Sequence[Row]) -> str:
@@ -262,8 +270,7 @@ def reason(each: Judged, words: Words = CLEAN) -> str:
 
 
 def _by_numbers(each: Judged, words: Words) -> str:
-    within = _within(each.bounds)
-    failed = _failures(each, words)
+    within, failed = _within(each.bounds), f"{_beside_nothing(each)}{_failures(each, words)}"
     match each.verdict:
         case Verdict.WON:
             return f"all of the interval lies {within}{_by_failures(each, words)}{failed}"
@@ -273,7 +280,7 @@ def _by_numbers(each: Judged, words: Words) -> str:
     if not each.estimate.count:
         return "there are no rows to compare"
     if not each.estimate.known and each.estimate.count >= FEWEST:
-        return f"{_without_ratio(each)}{failed}"
+        return f"both are 0 in every run, and there is no ratio of nothing to nothing{failed}"
     if not each.estimate.known:
         few = plural(each.estimate.count, "run is", "runs are")
         return f"{few} too few; at least {FEWEST} are needed{failed}"
@@ -282,13 +289,6 @@ def _by_numbers(each: Judged, words: Words) -> str:
     else:
         more = f"about {plural(each.more, 'more run')} would decide it"
     return f"only a part of the interval lies {within}, and {more}{failed}"
-
-
-def _without_ratio(each: Judged) -> str:
-    """That enough runs have no ratio, as all of the second is 0."""
-    if each.sides is not None and each.sides.paired.lesser == 0.5:  # nothing is less than 0: all pairs tie
-        return "both are 0 in every run, and there is no ratio of nothing to nothing"
-    return "the second is 0 in every run, and there is no ratio to that: compare each with a `limit`"
 
 
 def _by_failures(each: Judged, words: Words) -> str:
@@ -314,6 +314,12 @@ def _within(bounds: Bounds) -> str:
     if not isfinite(bounds.high):
         return f"above {_number(bounds.low)}"
     return f"between {_number(bounds.low)} and {_number(bounds.high)}"
+
+
+def _beside_nothing(each: Judged) -> str:
+    """That the mean of the first is judged, since nothing has a ratio to 0."""
+    beside = each.sides is not None and each.estimate.known and isnan(each.sides.paired.ratio.value)
+    return ", of the mean of the first: the second is 0 in every run" if beside else ""
 
 
 def _beyond(bounds: Bounds, estimate: Estimate) -> str:
