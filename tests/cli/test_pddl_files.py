@@ -104,6 +104,22 @@ def test_chance_for_each_object_needs_the_problem(capsys: pytest.CaptureFixture[
     assert "tidy.pddl:15:20: error[E917]" in capsys.readouterr().err
 
 
+def test_a_condition_that_asks_for_one_of_several_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/from-pddl.md: `or` is a part of a condition, whether files are converted or not."""
+    spill = "(probabilistic 0.1 (forall (?m - area) (when (next-to ?a ?m) (wet ?m))))"
+    changed("tidy.pddl", f"(when (wet ?a)\n                   {spill})", "")
+    assert run(["convert", *FILES, "--out", "out"]) == 0
+    assert "(not wet(?a) or not full(bin))" in Path("out/tidy.nid").read_text(encoding="utf-8")
+    assert run(["check", *FILES]) == 0
+    capsys.readouterr()
+    plans = []
+    for files in (FILES, ("out/tidy.nid", "out/two.nid")):
+        assert run(["plan", *files, "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        plans.append((told["plan"], told["value"]))
+    assert plans[0] == plans[1]
+
+
 def test_mistakes_are_told_where_they_are(capsys: pytest.CaptureFixture[str]) -> None:
     changed("tidy.pddl", "(dirt ?from)\n", "(dirtt ?from)\n")
     changed("tidy_two.pddl", "(dirt a2)", "(dirt a5)")

@@ -11,6 +11,7 @@ from fractions import Fraction
 from itertools import groupby
 
 from cleancli.conversion.pddl.draft import Draft, DraftProblem
+from cleancli.conversion.pddl.formula import negated
 from cleancli.language import syntax
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import (
@@ -192,6 +193,8 @@ class _Tree:
     def _part(self, part: Literal | Equality | Quantified) -> syntax.PartNode:
         if not isinstance(part, Quantified):
             return self._literal(part)
+        if not part.variables:
+            return syntax.EitherNode(tuple(map(self._opposite, part.condition)), span=self._place)
         literals = tuple(map(self._literal, part.condition))
         return syntax.ExistsNode(self.groups(part.variables), literals, part.exists, span=self._place)
 
@@ -201,6 +204,11 @@ class _Tree:
             return syntax.EqualityNode(*terms, part.equal, span=self._place)
         applied = self._application(part.symbol, part.terms)
         return syntax.Truth(applied, True in part.values, span=self._place)
+
+    def _opposite(self, part: Literal | Equality) -> syntax.LiteralNode:
+        opposite = negated(part)
+        assert isinstance(opposite, Literal | Equality)
+        return self._literal(opposite)
 
     def _application(self, symbol: str, terms: Iterable[Term]) -> syntax.Application:
         return syntax.Application(self.name(symbol), tuple(map(self._term, terms)), span=self._place)
