@@ -104,6 +104,53 @@ def test_chance_for_each_object_needs_the_problem(capsys: pytest.CaptureFixture[
     assert "tidy.pddl:15:20: error[E917]" in capsys.readouterr().err
 
 
+POST = """
+(define (domain post)
+  (:types box)
+  (:predicates (is-empty ?b - box) (at-box ?b - box))
+  (:functions (total-cost) (walk-time ?b - box))
+  (:action walk-to
+    :parameters (?from ?to - box)
+    :precondition (and (at-box ?from) (not (= ?from ?to)))
+    :effect (and (increase (total-cost) (walk-time ?to))
+                 (probabilistic 0.9 (and (not (at-box ?from)) (at-box ?to)))))
+  (:action empty-box
+    :parameters (?b - box)
+    :precondition (at-box ?b)
+    :effect (and (increase (total-cost) 1) (probabilistic 0.4 (is-empty ?b)))))
+"""
+BOXES = """
+(define (problem boxes) (:domain post)
+  (:objects mill lane - box)
+  (:init (at-box mill) (= (total-cost) 0) (= (walk-time mill) 3) (= (walk-time lane) 5))
+  (:goal (and (is-empty mill) (is-empty lane)))
+  (:metric minimize (total-cost)))
+"""
+
+
+def test_a_domain_may_leave_values_to_its_problems_where_it_is_checked(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """docs/commands.md, PDDL and PPDDL: costs by static functions, whose values a problem states."""
+    Path("pair").mkdir()
+    Path("pair/post.pddl").write_text(POST, encoding="utf-8")
+    Path("pair/boxes.pddl").write_text(BOXES, encoding="utf-8")
+    for files in (["pair"], ["pair/post.pddl", "pair/boxes.pddl"], ["pair/post.pddl"]):
+        assert run(["check", *files]) == 0
+        assert capsys.readouterr().out.startswith("0 mistakes in")
+    assert run(["convert", "pair/post.pddl", "pair/boxes.pddl", "--out", "nid"]) == 0
+    assert run(["convert", "nid/post.nid", "nid/boxes.nid", "--to", "ppddl", "--out", "back"]) == 0
+    assert run(["check", "back"]) == 0
+    capsys.readouterr()
+    assert run(["show", "pair/post.pddl"]) == 1
+    assert "give the problem too" in capsys.readouterr().err
+    changed("pair/boxes.pddl", "(walk-time lane) 5", "(walk-time lake) 5")
+    changed("pair/post.pddl", "(walk-time ?to)", "(walk-time ?too)")
+    assert run(["check", "pair"]) == 1
+    told = capsys.readouterr().out
+    assert "post.pddl:9:52: error[E916]: the variable `?too` is not bound" in told
+
+
 def test_a_condition_that_asks_for_one_of_several_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
     """docs/from-pddl.md: `or` is a part of a condition, whether files are converted or not."""
     spill = "(probabilistic 0.1 (forall (?m - area) (when (next-to ?a ?m) (wet ?m))))"
@@ -118,6 +165,13 @@ def test_a_condition_that_asks_for_one_of_several_is_taken(capsys: pytest.Captur
         told = json.loads(capsys.readouterr().out)
         plans.append((told["plan"], told["value"]))
     assert plans[0] == plans[1]
+
+
+def test_chance_for_each_object_is_no_mistake_of_a_domain_that_is_checked() -> None:
+    old = "(probabilistic 0.1 (forall (?m - area) (when (next-to ?a ?m) (wet ?m))))"
+    changed("tidy.pddl", old, "(forall (?m - area) (probabilistic 0.1 (wet ?m)))")
+    assert run(["check", *FILES]) == 0
+    assert run(["check", FILES[0]]) == 0
 
 
 def test_mistakes_are_told_where_they_are(capsys: pytest.CaptureFixture[str]) -> None:

@@ -154,7 +154,8 @@ def _domain_of(source: Source, path: Path) -> Source:
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
-    then in `others`."""
+    then in `others`. A domain may leave to problems what these say: who checks a problem reads it again with
+    it."""
     from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
 
     if not defines_domain(source):
@@ -163,7 +164,7 @@ def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic
         domain = domain_for(source, (read_source(path) for path in pddl if path != source.path))
         made = models_of(domain or source, source)
     else:
-        made = models_of(source, source if defines_problem(source) else None)
+        made = models_of(source, source if defines_problem(source) else None, is_open=True)
     return made.diagnostics, made.sources
 
 

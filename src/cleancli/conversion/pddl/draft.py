@@ -23,10 +23,12 @@ from cleancli.language.model import Domain, Horizon, Problem
 @dataclass(frozen=True, slots=True)
 class Wishes:
     """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
-    rewards (None: a guess)."""
+    rewards (None: a guess). `is_open`: a domain without problems is only looked at, so that what these alone
+    say, the objects and the values of functions, is no mistake of it."""
 
     name: str | None = None
     horizon: int | None = None
+    is_open: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ def draft_of(
     if any(each.level is Level.ERROR and each.code != "E918" for each in findings.sorted):
         findings.refuse_errors()  # what could not be read is missing; odd probabilities are in bounds by now
     domain = domains[0]
-    words = Words(domain, problems, findings, texts)
+    words = Words(domain, problems, findings, texts, is_open=wishes.is_open and not problems)
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
     functions = Functions(domain, problems, words)

@@ -190,6 +190,8 @@ class Effects:
     def _objects(self, types: Sequence[Name], span: Span) -> tuple[Object, ...]:
         kind, members = self._words.types.of(types)
         objects = self._words.of_type(kind)
+        if objects is None and self._words.is_open:
+            return ()
         if objects is None:
             message = "chance has a part in this for each object, and it is not known which objects there are"
             help = "give the problem too; of several, one at a time"

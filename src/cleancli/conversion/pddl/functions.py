@@ -88,7 +88,7 @@ class Functions:
         if name.text not in self._declared:
             findings.unknown("E916", "function", name.text, name.span, self._declared)
             return None
-        if not self._problems:
+        if not self._problems and not self._words.is_open:
             message = f"what `{name.text}` costs is said by a problem"
             findings.error("E917", message, name.span, help="give the problem too")
             return None

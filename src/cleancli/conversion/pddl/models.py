@@ -49,10 +49,11 @@ class Models:
     sources: tuple[Source, ...]
 
 
-def models_of(domain: Source, problem: Source | None = None) -> Models:
+def models_of(domain: Source, problem: Source | None = None, *, is_open: bool = False) -> Models:
     """The models of a domain, and of the problems that another file (or the same) defines for it.
 
-    Raises Refused with every mistake.
+    `is_open`: for a domain that is only checked, and may leave to problems what these say. Raises Refused
+    with every mistake.
     """
     findings = Findings(domain)
     domains, problems = read(domain, findings)
@@ -63,7 +64,7 @@ def models_of(domain: Source, problem: Source | None = None) -> Models:
         problems = read(problem, findings)[1]
     if problem is not None:
         _refuse_none(problem, problems, findings)
-    draft = draft_of(domains, problems, findings, Wishes())
+    draft = draft_of(domains, problems, findings, Wishes(is_open=is_open))
     looked = Findings(domain)
     looked.include(findings.sources[-1], (), frozenset())
     checked = check_domain(domain_tree(draft), looked)

@@ -66,7 +66,7 @@ class Words:
     """All names of a domain and its problems, and what they mean.
 
     `constants` are the domain's, `objects` those of each problem; `named` tells where an object was first
-    named.
+    named. `is_open`: there is no problem, and what one alone says may be missing.
     """
 
     def __init__(
@@ -75,8 +75,11 @@ class Words:
         problems: Sequence[ProblemNode],
         findings: Findings,
         sources: Mapping[str, Source],
+        *,
+        is_open: bool = False,
     ) -> None:
         self.findings = findings
+        self.is_open = is_open
         self.types = Types(domain, findings, Naming(sources))
         self.symbols = Naming(sources)
         self.actions = Naming(sources)
