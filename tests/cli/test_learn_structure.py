@@ -66,6 +66,23 @@ def test_rules_from_nothing_are_written_and_learning_again_changes_nothing(
     assert said(capsys, "learn --structure --vocabulary new.nid seen.jsonl --diff").startswith("action")
 
 
+def test_what_outcomes_of_dropped_rules_paid_is_told(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/learning.md: no transition says what was paid, so a note names it."""
+    text = Path("locks.nid").read_text(encoding="utf-8")
+    paid = text.replace("then 1: nothing", "then 0.75: reward += 5\n         rest: reward += 5, cost += 1/3")
+    Path("paid.nid").write_text(paid, encoding="utf-8")
+    told = (
+        "slam: outcomes of its old rules paid `reward += 5`, `cost += 1/3`, and those of the new ones pay"
+        " nothing, because experience does not tell what was paid: write it into them again"
+    )
+    assert told in said(capsys, "learn --structure paid.nid seen.jsonl").splitlines()
+    vocabulary = "learn --structure --vocabulary paid.nid seen.jsonl --json"
+    assert told in json.loads(said(capsys, vocabulary))["notes"]
+    assert "paid" not in said(capsys, "learn --structure locks.nid seen.jsonl")
+
+
 def test_rules_that_explain_as_well_stay_with_their_comments(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

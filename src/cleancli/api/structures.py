@@ -23,7 +23,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
-from cleancli.language.printing.printer import print_condition, symbols_of
+from cleancli.language.printing.printer import print_condition, print_payments, symbols_of
 from cleancli.language.printing.rule_edits import rule_edits
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.structure.arrays import compiled
@@ -72,7 +72,11 @@ class StructureResult(Rewritten):
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli learn --structure --json` prints."""
-        return {"actions": plain(self.actions), "together": plain(self.together)}
+        return {
+            "actions": plain(self.actions),
+            "together": plain(self.together),
+            "notes": list(self.notes),
+        }
 
     def table(self) -> TextTable:
         """A row for each action, and one of all."""
@@ -184,7 +188,13 @@ def structures(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
-        (*passed_over, *notes, *_notes(names, found, wanted), *_unasked(model, dropped, transitions)),
+        (
+            *passed_over,
+            *notes,
+            *_notes(names, found, wanted),
+            *_unasked(model, dropped, transitions),
+            *_unpaid(model, dropped),
+        ),
         is_writable,
     )
 
@@ -271,6 +281,24 @@ def _unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Tran
             f"{name}: its old rules ask for {parts}, and the new ones do not, because it held before every"
             " transition: add experience in which it does not, or write it into them"
         )
+
+
+def _unpaid(model: Domain, dropped: Collection[str]) -> Iterator[str]:
+    """What outcomes of dropped rules paid: transitions do not say what was paid, so new rules pay nothing."""
+    for action in model.actions:
+        paid = dict.fromkeys(
+            payment
+            for rule in model.rules
+            if rule.action == action.name and rule.name in dropped
+            for outcome in rule.outcomes
+            for payment in print_payments(outcome.reward, outcome.cost)
+        )
+        if paid:
+            told = ", ".join(f"`{each}`" for each in paid)
+            yield (
+                f"{action.name}: outcomes of its old rules paid {told}, and those of the new ones pay"
+                " nothing, because experience does not tell what was paid: write it into them again"
+            )
 
 
 def _refuse_nothing(names: Sequence[str], transitions: Sequence[Transition]) -> None:
