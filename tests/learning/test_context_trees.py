@@ -11,7 +11,7 @@ import pytest
 from cleancli.array_types import Bools, Longs
 from cleancli.language.model import Assign, Literal, Reference, Variable
 from cleancli.learning.structure.arrays import UNDEFINED
-from cleancli.learning.structure.contexts import EACH, PER_QUESTION, Leaf, Question, Questions, Tree, tree
+from cleancli.learning.structure.contexts import EACH, Leaf, Question, Questions, Tree, tree
 from cleancli.learning.structure.outcomes import Possible
 from cleancli.learning.structure.rules import described
 from cleancli.learning.structure.terms import Named
@@ -36,20 +36,6 @@ def length(happened: Longs, outcomes: int) -> float:
     return EACH * outcomes - sum(n * math.log(n / len(happened)) for n in counts.values())
 
 
-def test_two_questions_are_asked_where_neither_tells_anything_alone() -> None:
-    """What happens is whether two of three questions are answered alike."""
-    rng = np.random.default_rng(1)
-    answers = np.vstack([rng.random((40, 3)) < 0.5] * 2)
-    answers[40:, 0] = ~answers[:40, 0]
-    answers[40:, 2] = ~answers[:40, 2]
-    happened = (answers[:, 0] == answers[:, 2]).astype(np.int64)
-    found = grown(answers, happened)
-    assert len(found.leaves) == 4
-    assert all(len({*happened[leaf.rows].tolist()}) == 1 for leaf in found.leaves)
-    asked = {asked.question.part.symbol for leaf in found.leaves for asked in leaf.path}  # type: ignore[union-attr]
-    assert asked == {"q0", "q2"}
-
-
 @pytest.mark.parametrize("rare", [2, 5, 12])
 def test_a_leaf_is_doubted_by_how_much_its_question_saves(rare: int) -> None:
     """One question, of which 30 transitions say yes; the second outcome happens there, and now and then
@@ -57,8 +43,7 @@ def test_a_leaf_is_doubted_by_how_much_its_question_saves(rare: int) -> None:
     happened = np.array([1] * (30 - rare) + [0] * rare + [1] * rare + [0] * (60 - rare))
     answers = np.arange(90)[:, None] < 30
     found = grown(answers, happened)
-    cost = PER_QUESTION * (math.log(4) + math.log(90))
-    divided = cost + length(happened[:30], 2) + length(happened[30:], 2)
+    divided = math.log(4) + length(happened[:30], 2) + length(happened[30:], 2)
     doubt = 1 / (1 + math.exp(length(happened, 2) - divided))
     assert doubt < 0.5
     assert len(found.leaves) == 2

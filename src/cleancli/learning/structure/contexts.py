@@ -83,19 +83,12 @@ class Tree:
     length: float
 
 
-EACH = 0.25
+EACH = 0.5
 """Nats that a probability must save on each side of a question; chosen. By Akaike (1974) it is 1 for a
 probability more, and a question adds those of one side alone."""
-PER_QUESTION = 0.5
-"""The share that counts of what it takes to name a question, and of the logarithm of how many transitions
-there are. Half of the latter is what one number more costs that rests on them (Schwarz 1978); half of the
-former is chosen: few transitions would have no question asked by the whole of it."""
 UNLIKELY = 2.0
 """Nats that a question costs beside that which is about an object without a name, or asks if a number is one
 between its bounds, where rules mostly ask if it is at most so much; chosen."""
-MOST_TRIED, MOST_BEHIND = 3, 10.0
-"""How many of the best questions are tried with one more on either side, but none by which the description
-is longer by more nats than that; chosen."""
 _CERTAIN = 500.0
 """Nats by which a shorter description leaves no doubt, within what `exp` can tell."""
 
@@ -104,32 +97,22 @@ def tree(possible: Possible, questions: Questions, rows: Longs) -> Tree:
     """The tree that describes these transitions best, as far as one question after the other finds it."""
     counts, beliefs = possible.counts(rows), _beliefs(possible, rows)
     length = _free(counts, beliefs) - log_likelihoods(counts[None], possible.likelihoods, beliefs)[0]
-    return _grown(possible, questions, Leaf((), rows), float(length), _divisions(possible, questions, rows))
+    return _grown(possible, questions, Leaf((), rows), float(length))
 
 
-def _grown(
-    possible: Possible, questions: Questions, leaf: Leaf, length: float, divisions: Sequence[_Division]
-) -> Tree:
-    """The tree below a node, the answers yes first, where the node by itself has this length.
-
-    Of its divisions the one is taken that is the shortest once each side is divided once more where that is
-    shorter: two questions may tell together what neither tells alone.
-    """
-    shortest, best = length, None
-    for division in divisions:
-        sides = _sides(possible, questions, leaf, division)
-        total = division.cost + sum(
-            min([alone, *(each.length for each in below)]) for _, alone, below in sides
-        )
-        if total < shortest:
-            shortest, best = total, (division, sides)
-    if best is None:
+def _grown(possible: Possible, questions: Questions, leaf: Leaf, length: float) -> Tree:
+    """The tree below a node, the answers yes first, where the node by itself has this length."""
+    best = _best(possible, questions, leaf.rows)
+    if best is None or best.length >= length:
         return Tree((leaf,), length)
-    division, sides = best
-    trees = [_grown(possible, questions, *side) for side in sides]
-    leaves = tuple(each for tree in trees for each in tree.leaves)
-    divided = division.cost + sum(tree.length for tree in trees)
-    if all(_changes(possible, each.rows) for each, *_ in sides):
+    yes = questions.answers[leaf.rows, best.question]
+    sides, divided = list[Tree](), best.cost
+    for answer, own, alone in zip((True, False), (yes, ~yes), best.lengths, strict=True):
+        path = (*leaf.path, Asked(questions.listed[best.question], answer))
+        sides.append(_grown(possible, questions, Leaf(path, leaf.rows[own]), alone))
+        divided += sides[-1].length
+    leaves = tuple(each for side in sides for each in side.leaves)
+    if _changes(possible, leaf.rows[yes]) and _changes(possible, leaf.rows[~yes]):
         doubt = 1 / (1 + math.exp(min(length - divided, _CERTAIN)))
         own = _beliefs(possible, leaf.rows)
         leaves = tuple(_doubted(each, doubt, own) for each in leaves)
@@ -173,22 +156,8 @@ class _Division(NamedTuple):
         return self.cost + sum(self.lengths)
 
 
-def _sides(
-    possible: Possible, questions: Questions, leaf: Leaf, division: _Division
-) -> list[tuple[Leaf, float, list[_Division]]]:
-    """Both sides of a node that is divided, their lengths, and what may divide them."""
-    yes = questions.answers[leaf.rows, division.question]
-    found = []
-    for answer, own, alone in zip((True, False), (yes, ~yes), division.lengths, strict=True):
-        asked = Asked(questions.listed[division.question], answer)
-        side = Leaf((*leaf.path, asked), leaf.rows[own])
-        found.append((side, alone, _divisions(possible, questions, side.rows)))
-    return found
-
-
-def _divisions(possible: Possible, questions: Questions, rows: Longs) -> list[_Division]:
-    """The questions that shorten a node's description most, or lengthen it least: the best `MOST_TRIED`, and
-    the best of each kind."""
+def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | None:
+    """The question that leads to the shortest description of a node, if any divides it."""
     counts = possible.counts(rows)
     used = counts > 0
     likelihoods, every = possible.likelihoods[used], counts[used]
@@ -198,44 +167,30 @@ def _divisions(possible: Possible, questions: Questions, rows: Longs) -> list[_D
     splits = (yes.sum(axis=1) > 0) & (yes.sum(axis=1) < every.sum())
     listed = np.flatnonzero(splits)
     if len(every) < 2 or not len(listed):
-        return []
+        return None
     start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
     beliefs = fitted(every[None], likelihoods, start)[0]
     free, start = _free(every, beliefs), np.maximum(beliefs, 1e-3)
     kinds = questions.kinds[listed]
-    costs = _costs(kinds, questions.answers[np.ix_(rows, listed)], len(possible.pattern))
+    costs = _costs(kinds, questions.answers[np.ix_(rows, listed)])
     sides = []
     for side in (yes[listed], every - yes[listed]):
         below = fitted(side, likelihoods, start / start.sum(), FEW_ROUNDS)
         sides.append(free - log_likelihoods(side, likelihoods, below))
-    return [
-        _Division(int(listed[each]), float(costs[each]), (float(sides[0][each]), float(sides[1][each])))
-        for each in _tried(costs + sides[0] + sides[1], kinds, listed, questions.by)
-    ]
+    best = int((costs + sides[0] + sides[1]).argmin())
+    by = questions.by.get(int(listed[best]))
+    if by is not None:
+        best = next(place for place, number in enumerate(listed) if number in by)
+    return _Division(int(listed[best]), float(costs[best]), (float(sides[0][best]), float(sides[1][best])))
 
 
-def _tried(lengths: Floats, kinds: Longs, listed: Longs, by: Mapping[int, tuple[int, ...]]) -> Iterable[int]:
-    """The places of the questions that are worth a try, by the lengths that they lead to; in the place of
-    one that others ask `by` stands the first of these."""
-    order = np.argsort(lengths, kind="stable")
-    best = [*order[:MOST_TRIED], *(order[kinds[order] == kind][:1] for kind in range(_KINDS))]
-    found: dict[int, None] = {}
-    for place in map(int, np.hstack(best)):
-        if lengths[place] <= lengths[order[0]] + MOST_BEHIND:
-            others = by.get(int(listed[place]))
-            found[place if others is None else int(np.flatnonzero(np.isin(listed, others))[0])] = None
-    return found
-
-
-def _costs(kinds: Longs, answers: Bools, number: int) -> Floats:
-    """The nats that each question costs which divides a node, of so many transitions of the action: it is one
-    of those of its kind, those that divide the node alike taken as one (Quinlan and Rivest 1989: of the
-    attributes available at the node)."""
+def _costs(kinds: Longs, answers: Bools) -> Floats:
+    """The nats that each question costs which divides a node: it is one of those of its kind, those that
+    divide the node alike taken as one (Quinlan and Rivest 1989: of the attributes available at the node)."""
     alike = np.ascontiguousarray(np.packbits(answers ^ answers[:1], axis=0).T)
     first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
     different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
-    naming = np.log(_KINDS * np.maximum(different[kinds], 1))
-    found: Floats = PER_QUESTION * (naming + math.log(number)) + UNLIKELY * (kinds == _UNLIKELY)
+    found: Floats = np.log(_KINDS * np.maximum(different[kinds], 1)) + UNLIKELY * (kinds == _UNLIKELY)
     return found
 
 
