@@ -77,6 +77,50 @@ def test_a_simulation_says_where_episodes_are_longer_than_a_plan(
     assert fixed not in told(tmp_path, capsys, "simulate", f"{GOAL} horizon = 1 + left", "0.3")
 
 
+COOKING = """
+domain kitchen {
+  types      { dish }
+  predicates { done(?d - dish) }
+  derived    { raw := count ?d - dish: not done(?d) }
+  actions    { cook(?d - dish) }
+  rule cooking: cook(?d) { when not done(?d)  then CHANCE: done(?d) rest: nothing }
+  reward { decrease(raw) }
+}
+"""
+
+
+def simulated(tmp_path: Path, capsys: pytest.CaptureFixture[str], horizon: str, *more: str) -> str:
+    (tmp_path / "kitchen.nid").write_text(COOKING.replace("CHANCE", "0.2"), encoding="utf-8")
+    problem = "problem meal { domain = kitchen objects { a b - dish } goal { done(a), done(b) } horizon = H }"
+    (tmp_path / "meal.nid").write_text(problem.replace("H }", f"{horizon} }}"), encoding="utf-8")
+    files = str(tmp_path / "kitchen.nid"), str(tmp_path / "meal.nid")
+    assert run(["simulate", *files, "--episodes", "40", *more]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_simulation_says_that_a_count_that_has_not_fallen_leaves_the_horizon_as_it_was(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/planning.md: episodes may be longer than one plan, and end with it by `--max-actions`."""
+    note = "the horizon follows a count: the first plan looks 3 actions ahead"
+    out = simulated(tmp_path, capsys, "1 + raw")
+    assert note in out
+    assert "return and the share of successes may be more" in out
+    assert "`--max-actions 3` ends" in out
+    assert note not in simulated(tmp_path, capsys, "1 + raw", "--max-actions", "3")
+
+
+def test_a_simulation_says_where_the_limit_of_actions_ends_what_plans_would_go_on_with(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/planning.md: a plan has any number of actions, or up to its horizon, and an episode a limit."""
+    note = "and `--max-actions 2` ended 3"
+    limit = "--max-actions", "2", "--seed", "2"
+    assert f"the horizon is unlimited, {note}" in simulated(tmp_path, capsys, "unlimited", *limit)
+    assert f"the first plan looks 9 actions ahead, {note}" in simulated(tmp_path, capsys, "9", *limit)
+    assert "early" not in simulated(tmp_path, capsys, "9")
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -28,7 +28,7 @@ from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
-from cleancli.language.model import Horizon, Problem
+from cleancli.language.model import Horizon, Problem, Unlimited
 from cleancli.learning.experience import Transition, encode
 from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, RANDOM, Judged, explorations, wanderings
 from cleancli.learning.method import KNOWN
@@ -46,14 +46,29 @@ PLAN = "plan"
 STRATEGIES = PLAN, EXPLORE, RANDOM
 """How the next action is chosen."""
 
+_FIXED = "the horizon is fixed: each plan looks {steps} ahead again"
+_FOLLOWING = (
+    "the horizon follows a count: the first plan looks {steps} ahead,"
+    " and the next one as far where the count has not fallen"
+)
+_LONGER = (
+    ", so that the return and the share of successes may be more than those of one plan"
+    " (`--max-actions {limit}` ends episodes where the first plan ends)"
+)
+_SHORTER = (
+    "{looked}, and `--max-actions {limit}` ended {early} early, so that fewer succeed than a plan says:"
+    " a greater number leaves more time"
+)
+"""How far plans look ahead, beside how long episodes are."""
+
 
 @dataclass(frozen=True, slots=True)
 class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
     those of all planners, and those of their own that these have. `short_horizon`: that of the first plan,
-    where the problem states none and episodes were given up. `fixed_horizon`: that of every plan, where the
-    problem states one that is the same in all states, and episodes took more actions. `variations`: where
-    rules were explored, how far what they foretell after each episode is from what the world does (total
+    where the problem states none and episodes were given up. `lengths`: how far plans look ahead beside how
+    long episodes were, in words, where what episodes come to differs by it. `variations`: where rules were
+    explored, how far what they foretell after each episode is from what the world does (total
     variation, in the mean), for each planner."""
 
     problem: str
@@ -68,7 +83,7 @@ class SimulationResult:
     planners: tuple[Summary, ...]
     episodes: tuple[tuple[Episode, ...], ...]
     short_horizon: int | None
-    fixed_horizon: int | None
+    lengths: str | None
     variations: tuple[tuple[float, ...], ...] = ()
 
     def to_dict(self) -> dict[str, object]:
@@ -127,11 +142,8 @@ class SimulationResult:
             yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
         if self.short_horizon is not None:
             yield too_few(self.short_horizon)
-        if self.fixed_horizon is not None:
-            yield (
-                f"the horizon is fixed: each plan looks {plural(self.fixed_horizon, 'action')} ahead again,"
-                " so that the return may be more than the value of one plan"
-            )
+        if self.lengths is not None:
+            yield self.lengths
 
 
 def simulate(
@@ -285,7 +297,7 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
         planners=tuple(summaries),
         episodes=found,
         short_horizon=_short_horizon(setup, chain(*found)),
-        fixed_horizon=_fixed_horizon(setup.problem, chain(*found)) if setup.planners else None,
+        lengths=_lengths(setup, tuple(chain(*found))) if setup.planners else None,
         variations=tuple(zip(*(each.variations for each in ordered), strict=True)),
     )
 
@@ -297,12 +309,20 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> int | None:
     return first_horizon(setup.domain, setup.problem) if given_up and unstated else None
 
 
-def _fixed_horizon(problem: Problem, played: Iterable[Episode]) -> int | None:
-    """How far each plan looks ahead, where that does not depend on the state and episodes were longer."""
-    horizon = problem.horizon
-    if not isinstance(horizon, Horizon) or horizon.count is not None:
-        return None
-    return horizon.constant if any(len(each.actions) > horizon.constant for each in played) else None
+def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:
+    """Where episodes are longer than a plan, or end before it, they don't earn what `plan` tells."""
+    stated, limit = setup.problem.horizon, setup.limits.max_actions
+    steps = None if isinstance(stated, Unlimited) else first_horizon(setup.domain, setup.problem)
+    if steps is not None and any(len(each.actions) > steps for each in played):
+        ahead = _FIXED if isinstance(stated, Horizon) and stated.count is None else _FOLLOWING
+        return ahead.format(steps=plural(steps, "action")) + _LONGER.format(limit=steps)
+    early = sum(each.reason is Reason.LIMIT and each.success is False for each in played)
+    if early and (steps is None or steps > limit):
+        looked = (
+            "the horizon is unlimited" if steps is None else f"the first plan looks {steps} actions ahead"
+        )
+        return _SHORTER.format(looked=looked, limit=limit, early=plural(early, "episode"))
+    return None
 
 
 def experience_of(setup: Batch, planner: str, played: Iterable[Episode]) -> Iterator[str]:
