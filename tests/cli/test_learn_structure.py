@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 import re
@@ -64,6 +65,60 @@ def test_rules_from_nothing_are_written_and_learning_again_changes_nothing(
     assert "0 rules learned, 0 rules dropped" in text
     assert Path("new.nid").read_text(encoding="utf-8") == new
     assert said(capsys, "learn --structure --vocabulary new.nid seen.jsonl --diff").startswith("action")
+
+
+COUNTED = """
+  learned {
+    estimator = m
+    m         = 3
+    match     = shared
+    experience "older.jsonl" [sha256 = "8580901dd31dcd79", transitions = 893]
+  }
+"""
+
+
+@pytest.mark.parametrize("block", ["", COUNTED])
+def test_a_file_learned_from_nothing_names_its_own_experience(
+    folder: Path, capsys: pytest.CaptureFixture[str], block: str
+) -> None:
+    """docs/learning.md: the new file rests on what it was learned from, and on nothing that the vocabulary
+    had counted, so that no experience counts twice and none is asked for that has no part in it."""
+    text = Path("locks.nid").read_text(encoding="utf-8")
+    end = text.rindex("}")
+    Path("locks.nid").write_text(text[:end] + block + text[end:], encoding="utf-8")
+    said(capsys, "learn --structure --vocabulary locks.nid seen.jsonl --output mine.nid")
+    mine = Path("mine.nid").read_text(encoding="utf-8")
+    digest = hashlib.sha256(Path("seen.jsonl").read_bytes()).hexdigest()[:16]
+    assert re.findall(r"experience .*", mine) == [
+        f'experience "seen.jsonl" [sha256 = "{digest}", transitions = 600]'
+    ]
+    assert ("m         = 3" in mine) == bool(block)
+    assert "it is counted already, as seen.jsonl" in said(capsys, "learn mine.nid seen.jsonl --add")
+    assert "600 transitions" in said(capsys, "learn mine.nid seen.jsonl")
+    Path("more.jsonl").write_text(Path("seen.jsonl").read_text(encoding="utf-8").split("\n", 1)[1], "utf-8")
+    assert run(["learn", "mine.nid", "more.jsonl"]) == 1
+    assert "seen.jsonl (600 transitions" in capsys.readouterr().err
+    assert said(capsys, "learn --structure mine.nid seen.jsonl").startswith("action")
+
+
+def test_durations_of_a_file_learned_from_nothing_are_counted_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = """domain lamp {
+  types { lamp }
+  predicates { lit(?l - lamp) }
+  actions { switch(?l - lamp) [duration = 4 s [prior 2 s, seen 7]] }
+  reward { - cost }
+"""
+    Path("lamp.nid").write_text(f"{text}{COUNTED}}}\n", encoding="utf-8")
+    line = {"action": "switch", "arguments": ["l"], "objects": {"l": "lamp"}, "seconds": 3, "transit": 0}
+    switched = json.dumps({**line, "before": [], "after": [["lit", ["l"], True]]})
+    Path("seen.jsonl").write_text(f"{switched}\n" * 20, encoding="utf-8")
+    said(capsys, "learn --structure --vocabulary lamp.nid seen.jsonl --output mine.nid")
+    mine = Path("mine.nid").read_text(encoding="utf-8")
+    assert "older.jsonl" not in mine
+    assert "prior 2 s, seen 20]" in mine
 
 
 def test_what_outcomes_of_dropped_rules_paid_is_told(

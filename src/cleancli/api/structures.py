@@ -12,7 +12,7 @@ import numpy as np
 from cleancli.api.checks import check_least, check_one_of
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
 from cleancli.api.learned import Change, Rewritten, check_writable
-from cleancli.api.lessons import edited, experience_files, is_own_file
+from cleancli.api.lessons import edited, experience_files, is_own_file, knowledge, method_of
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.lifted import Test, further
@@ -23,9 +23,14 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
+from cleancli.language.printing.learned_edits import learned_edits
 from cleancli.language.printing.printer import print_condition, print_payments, symbols_of
 from cleancli.language.printing.rule_edits import rule_edits
+from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition, read_experience
+from cleancli.learning.gathered import GivenFile, gather
+from cleancli.learning.learn import learned_from
+from cleancli.learning.method import DEFAULT
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import SEARCHES, TREE, Revised, revised
 from cleancli.learning.structure.score import Score, scored, together
@@ -178,11 +183,14 @@ def structures(
     dropped = {rule.name for rule in found.dropped}
     if wanted.vocabulary:
         dropped |= {rule.name for rule in model.rules if rule.action in names}
-    edits = rule_edits(model, domain.sources, dropped, found.added, found.default)
-    texts, main = edited(domain.sources, edits), domain.sources[0].path
-    if edits:
+    changed = rule_edits(model, domain.sources, dropped, found.added, found.default)
+    texts, main = edited(domain.sources, changed), domain.sources[0].path
+    if changed:
         texts[main] = Source(main, layout(texts[main].text, main))
-    checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
+    new = checked_domain(texts[main], include_outside, lambda file: texts[str(file)]).get()
+    if found.added and len(found.added) == len(new.rules):
+        texts = _rested(new, list(texts.values()), files)
+        texts[main] = Source(main, layout(texts[main].text, main))
     scores = _Scores(found.before, found.after, *_held_out(start, transitions, names, wanted, done))
     return StructureResult(
         tuple(_row(name, [name], start, found, scores) for name in found.after),
@@ -197,6 +205,21 @@ def structures(
         ),
         is_writable,
     )
+
+
+def _rested(model: Domain, sources: Sequence[Source], files: Sequence[GivenFile]) -> dict[str, Source]:
+    """The texts of a domain whose rules were all learned from files, as resting on these alone: its `learned`
+    block names them, and what else had counts, of durations and of the default rule, is counted anew."""
+    method = DEFAULT if model.learned is None else method_of(model.learned)
+    gathered = gather(model, files, method.is_strict, adding=False, replacing=True)
+    lesson = learned_from(model, gathered.evidence, method, adding=False)
+    has_counts = any(outcome.seen is not None for outcome in model.default)
+    rules = [each for each in lesson.rules if each.rule is None and has_counts]
+    timed = {action.name for action in model.actions if action.duration_seen is not None}
+    durations = [each for each in lesson.durations if each.action in timed]
+    rests_on = knowledge(method, gathered.experience)
+    changed = (*edits(model, sources, rules, durations), *learned_edits(model, sources[0], rests_on))
+    return edited(sources, changed)
 
 
 def _actions(model: Domain, wanted: Wanted) -> tuple[tuple[str, ...], list[str]]:
