@@ -121,6 +121,31 @@ def test_a_simulation_says_where_the_limit_of_actions_ends_what_plans_would_go_o
     assert "early" not in simulated(tmp_path, capsys, "9")
 
 
+def test_check_and_plan_advise_the_same_horizon(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/diagnostics.md, W404: twice what the goal takes at least, and no less than 10."""
+    told(tmp_path, capsys, "plan", GOAL)
+    boats = "r s t u v w"
+    goal = "over(a), over(b), " + ", ".join(f"ready({boat})" for boat in boats.split())
+    problem = f"problem cars {{ domain = ferry objects {{ a b - car {boats} - boat }} goal {{ {goal} }} }}"
+    (tmp_path / "cars.nid").write_text(problem, encoding="utf-8")
+    for command in "check", "plan", "simulate":  # four actions for the cars and six for the boats
+        assert run([command, str(tmp_path / "ferry.nid"), str(tmp_path / "cars.nid")]) == 0
+        assert "write for example `horizon = 20`" in "".join(capsys.readouterr())
+
+
+def test_a_policy_that_lacks_time_to_try_again_is_told_as_short(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two dishes fit into the usual three actions, and are seldom done in them: 0.104."""
+    simulated(tmp_path, capsys, "9", "--max-actions", "1")
+    (tmp_path / "meal.nid").write_text(
+        "problem meal { domain = kitchen objects { a b - dish } goal { done(a), done(b) } }", encoding="utf-8"
+    )
+    assert run(["plan", str(tmp_path / "kitchen.nid"), str(tmp_path / "meal.nid")]) == 0
+    short = "these 2 actions reach the goal with probability 0.1: write for example `horizon = 10`"
+    assert f"{HINT} {short}" in capsys.readouterr().out
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -135,7 +160,7 @@ def test_a_run_says_so_where_nothing_seems_worth_doing(
         code = run(["execute", "ferry.nid", "cars.nid", "--planner", "exact"])
         assert code == (3 if hinted else 0)
         out = capsys.readouterr().out
-        assert (f"{HINT} 3 actions may be too few: write for example `horizon = 10`" in out) == hinted
+        assert (f"{HINT} 3 actions may be too few: write for example `horizon = 12`" in out) == hinted
 
 
 def test_a_run_warns_of_a_goal_that_nothing_reaches(

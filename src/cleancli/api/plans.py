@@ -13,6 +13,7 @@ from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
+from cleancli.compiler.short_horizon import longer_horizon
 from cleancli.compiler.task import Objective, literal_text
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
@@ -54,9 +55,9 @@ _SHORT = (
 """Beside a plan that the usual horizon is too short for."""
 
 LIKELY = 0.5
-"""A plan without a step to spare that reaches the goal less often than this is told as short. Chosen."""
+"""A plan that would use more steps and reaches the goal less often than this is told as short. Chosen."""
 
-_BESIDE = ("objects", "margin", "counted", "horizon_stated")
+_BESIDE = ("objects", "margin", "counted", "longer_horizon")
 """What only the text of a plan tells."""
 
 
@@ -88,7 +89,8 @@ class PlanBranch:
 class PlanResult:
     """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
     is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
-    sequence; None where the problem has no goal."""
+    sequence; None where the problem has no goal. `longer_horizon`: one to try, where the problem states none
+    and the usual one seems too short."""
 
     problem: str
     planner: str
@@ -110,7 +112,7 @@ class PlanResult:
     objects: int
     margin: float
     counted: int
-    horizon_stated: bool
+    longer_horizon: int | None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -137,8 +139,8 @@ class PlanResult:
             within = plural(steps, "action")
             more = f" (for prada and aprada, {self.margin:g} more)" if self.planner in _WITH_MARGIN else ""
             yield _NOTHING[self.empty_because].format(more=more, within=within)
-            if self.empty_because == "margin" and not self.horizon_stated:
-                yield too_few(steps)
+            if self.longer_horizon is not None:
+                yield too_few(steps, self.longer_horizon)
         elif self.goal_reached:
             yield "the goal holds already; this is worth doing all the same:"
 
@@ -154,11 +156,10 @@ class PlanResult:
             yield from reached_lines(self.reached, self.planner)
             return
         if self.goal_chance is not None and self.plan and not self.goal_reached:
-            chance = self.goal_chance.probability
-            if not self.horizon_stated and self._is_short(chance):
-                number = len(self.plan)
+            if self.longer_horizon is not None:
+                number, chance = len(self.plan), self.goal_chance.probability
                 within = "this action reaches" if number == 1 else f"these {number} actions reach"
-                yield _SHORT.format(within=within, chance=chance, longer=longer_horizon(number))
+                yield _SHORT.format(within=within, chance=chance, longer=self.longer_horizon)
             yield chance_line(self.goal_chance, self.horizon)
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
         coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"
@@ -166,10 +167,6 @@ class PlanResult:
             f"value {self.value:.4f} ({self.measure}) by {self.planner}{sampled},"
             f" horizon {self.horizon}, {plural(self.objects, 'object')}{coverage}"
         )
-
-    def _is_short(self, chance: float) -> bool:
-        """Whether the plan cannot reach the goal, or seldom does and has no step to spare."""
-        return not chance or (chance < LIKELY and len(self.plan) == self.horizon)
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,6 +286,7 @@ def plan_result(
     job: PlanningRequest, found: Plan, expected: Forecast | None, seconds: Mapping[str, float]
 ) -> PlanResult:
     """The plan with all that there is to say about it."""
+    chance = _goal_chance(job, found)
     return PlanResult(
         problem=job.problem.name,
         planner=found.planner,
@@ -299,7 +297,7 @@ def plan_result(
         horizon=found.horizon,
         coverage=found.coverage,
         goal_reached=reaches_goal(job.task, job.task.initial),
-        goal_chance=_goal_chance(job, found),
+        goal_chance=chance,
         empty_because=None if found.actions else why_nothing(job.task),
         ignored=job.ignored,
         left_out=job.left_out,
@@ -310,18 +308,14 @@ def plan_result(
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
-        horizon_stated=job.problem.horizon is not None,
+        longer_horizon=longer_horizon(job.task) if _seems_short(job, found, chance) else None,
     )
 
 
-def too_few(steps: int) -> str:
-    """What helps where the usual horizon, of so many steps, may be too short for a problem's goal."""
-    return _TOO_FEW.format(within=plural(steps, "action"), longer=longer_horizon(steps))
-
-
-def longer_horizon(steps: int) -> int:
-    """A horizon to try where the usual one of so many steps may be too short."""
-    return max(2 * steps, 10)
+def too_few(steps: int, longer: int) -> str:
+    """What helps where the usual horizon, of so many steps, may be too short for a problem's goal: a longer
+    one."""
+    return _TOO_FEW.format(within=plural(steps, "action"), longer=longer)
 
 
 def chance_line(chance: GoalChance, horizon: int | None) -> str:
@@ -344,6 +338,19 @@ def _chance_of(job: PlanningRequest, policy: Policy) -> GoalChance | None:
     if not job.problem.goal or job.options.compat:  # there, rules may overlap
         return None
     return goal_chance(job.task, policy, job.options.seed)
+
+
+def _seems_short(job: PlanningRequest, found: Plan, chance: GoalChance | None) -> bool:
+    """Whether the usual horizon may be why nothing is done, or why a plan seldom reaches the goal: a policy
+    tries again as long as there are steps, and a sequence has no step to spare."""
+    if job.problem.horizon is not None:
+        return False
+    if not found.actions:
+        return why_nothing(job.task) == "margin"
+    if chance is None or reaches_goal(job.task, job.task.initial):
+        return False
+    used_up = found.policy is not None or len(found.actions) == found.horizon
+    return not chance.probability or (chance.probability < LIKELY and used_up)
 
 
 def _branches(job: PlanningRequest, policy: Policy | None) -> tuple[PlanBranch, ...]:

@@ -26,7 +26,8 @@ from cleancli.api.run_session import (
 )
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.horizon import first_horizon
+from cleancli.compiler.ground import ground
+from cleancli.compiler.short_horizon import longer_horizon
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
@@ -42,7 +43,8 @@ from cleancli.language.model import Domain, Problem, Unlimited
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.method import KNOWN
-from cleancli.planning.plan import BadOption
+from cleancli.planning.plan import BadOption, Options
+from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back, tidy
@@ -91,7 +93,7 @@ class OpenedRun:
 class RunResult:
     """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world.
     `evidence`: what it and the runs before it have seen, to learn from. `short_horizon`: that of the first
-    plan, where the problem states none and no plan was believed to reach its goal."""
+    plan and a longer one to try, where the problem states none and no plan was believed to reach its goal."""
 
     folder: Path
     clean: bool
@@ -103,7 +105,7 @@ class RunResult:
     video: bool
     record: Mapping[str, object]
     evidence: Evidence = field(default=NO_EVIDENCE, repr=False)
-    short_horizon: int | None = None
+    short_horizon: tuple[int, int] | None = None
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""
@@ -125,7 +127,7 @@ class RunResult:
         if self.told:
             yield f"in the end: {self.told}"
         if self.short_horizon is not None:
-            yield too_few(self.short_horizon)
+            yield too_few(*self.short_horizon)
         if kinds:
             spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
             yield f"seconds: {sum(self.seconds.values()):.1f} ({spent})"
@@ -163,11 +165,14 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
     )
 
 
-def _short_horizon(inputs: Inputs, done: bool, reason: str) -> int | None:
+def _short_horizon(inputs: Inputs, done: bool, reason: str) -> tuple[int, int] | None:
     given = inputs.given
     if done or not isinstance(given, Problem) or given.horizon is not None or not given.goal:
         return None
-    return first_horizon(inputs.domain, given) if reason.startswith(IDLE) else None
+    if not reason.startswith(IDLE):
+        return None
+    task = ground(inputs.domain, fewer(inputs.domain, given, Options().counted).problem)
+    return task.horizon, longer_horizon(task)
 
 
 @contextmanager

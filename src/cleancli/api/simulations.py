@@ -22,8 +22,10 @@ from cleancli.api.plans import too_few
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
+from cleancli.compiler.ground import ground
 from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
+from cleancli.compiler.short_horizon import longer_horizon
 from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
@@ -34,6 +36,7 @@ from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, RANDOM, Judg
 from cleancli.learning.method import KNOWN
 from cleancli.planning.choice import planner_named
 from cleancli.planning.plan import BadOption
+from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
@@ -65,11 +68,11 @@ _SHORTER = (
 @dataclass(frozen=True, slots=True)
 class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
-    those of all planners, and those of their own that these have. `short_horizon`: that of the first plan,
-    where the problem states none and episodes were given up. `lengths`: how far plans look ahead beside how
-    long episodes were, in words, where what episodes come to differs by it. `variations`: where rules were
-    explored, how far what they foretell after each episode is from what the world does (total
-    variation, in the mean), for each planner."""
+    those of all planners, and those of their own that these have. `short_horizon`: that of the first plan
+    and a longer one to try, where the problem states none and episodes were given up. `lengths`: how far
+    plans look ahead beside how long episodes were, in words, where what episodes come to differs by it.
+    `variations`: where rules were explored, how far what they foretell after each episode is from what the
+    world does (total variation, in the mean), for each planner."""
 
     problem: str
     domain: str
@@ -82,7 +85,7 @@ class SimulationResult:
     think: bool
     planners: tuple[Summary, ...]
     episodes: tuple[tuple[Episode, ...], ...]
-    short_horizon: int | None
+    short_horizon: tuple[int, int] | None
     lengths: str | None
     variations: tuple[tuple[float, ...], ...] = ()
 
@@ -141,7 +144,7 @@ class SimulationResult:
         if self.variations:
             yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
         if self.short_horizon is not None:
-            yield too_few(self.short_horizon)
+            yield too_few(*self.short_horizon)
         if self.lengths is not None:
             yield self.lengths
 
@@ -302,11 +305,14 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
     )
 
 
-def _short_horizon(setup: Batch, played: Iterable[Episode]) -> int | None:
-    """The horizon of the first plan, where the problem states none and planners gave episodes up."""
+def _short_horizon(setup: Batch, played: Iterable[Episode]) -> tuple[int, int] | None:
+    """The horizon of the first plan and a longer one, where the problem states none and planners gave
+    episodes up."""
     given_up = any(each.reason is Reason.IDLE and each.success is False for each in played)
-    unstated = setup.problem.horizon is None
-    return first_horizon(setup.domain, setup.problem) if given_up and unstated else None
+    if not given_up or setup.problem.horizon is not None:
+        return None
+    task = ground(setup.domain, fewer(setup.domain, setup.problem, setup.options.counted).problem)
+    return task.horizon, longer_horizon(task)
 
 
 def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from cleancli.api.plans import longer_horizon
 from cleancli.cli.echo import echo_refused
-from cleancli.compiler.short_horizon import ShortHorizon, short_horizon
+from cleancli.compiler.short_horizon import ShortHorizon, longer_horizon, short_horizon
 from cleancli.compiler.task import Task
 from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.conversion.pddl.recognized import is_pddl
@@ -32,7 +31,7 @@ def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagn
 def warnings_of_horizon(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
     """W404 where the goal takes more actions than plans of the grounded problem have."""
     found = short_horizon(task)
-    return () if found is None else (_too_short(found, problem, _place(source)),)
+    return () if found is None else (_too_short(found, longer_horizon(task), problem, _place(source)),)
 
 
 def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) -> None:
@@ -72,13 +71,12 @@ def _warning(found: Unreached, problem: Problem, place: Span) -> Diagnostic:
     return Diagnostic("W403", f"{what}: {reason}", place, help=help, level=Level.WARNING)
 
 
-def _too_short(found: ShortHorizon, problem: Problem, place: Span) -> Diagnostic:
+def _too_short(found: ShortHorizon, longer: int, problem: Problem, place: Span) -> Diagnostic:
     takes = f"more than {found.horizon}" if found.least is None else f"at least {found.least}"
     unstated = ": the problem states no horizon" if problem.horizon is None else ""
     message = (
         f"the goal of `{problem.name}` takes {takes} actions,"
         f" and plans have {plural(found.horizon, 'action')} at most{unstated}"
     )
-    longer = longer_horizon(found.least or found.horizon)
     help = f"write for example `horizon = {longer}`, so that there is time for what fails and is tried again"
     return Diagnostic("W404", message, place, help=help, level=Level.WARNING)

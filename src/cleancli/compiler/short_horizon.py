@@ -1,4 +1,4 @@
-"""Goals that take more actions than a problem's plans may have.
+"""Goals that take more actions than a problem's plans may have, or than any number.
 
 What can happen is taken to happen as one wishes, so what is told takes at least so many actions. States are
 looked at one by one; of problems that have too many nothing is said.
@@ -15,6 +15,18 @@ from cleancli.compiler.task import GroundState, Task, holds
 WORK = 200_000
 """Rules that are asked about states, which takes some tenths of a second. Chosen."""
 
+SHORTEST = 10
+"""No shorter horizon is advised. Chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoalDistance:
+    """How many actions a goal takes at least: `least`, None where no number of them is enough. `exact`:
+    whether so many may be enough; else the work was too much to find that out."""
+
+    least: int | None
+    exact: bool
+
 
 @dataclass(frozen=True, slots=True)
 class ShortHorizon:
@@ -24,23 +36,37 @@ class ShortHorizon:
     least: int | None
 
 
-def short_horizon(task: Task) -> ShortHorizon | None:
-    """The horizon, where it is certain to be too short for the goal; None else, and where that cannot be
-    known with so much work, where no number of actions is known to be enough, or without goal or horizon."""
-    if not task.goal or task.reaching is not None:
-        return None
+def goal_distance(task: Task) -> GoalDistance:
+    """How far the goal is, as far as so much work finds it out; 0 without a goal."""
     frontier, known, work, steps = [task.initial], {task.initial}, 0, 0
     while frontier:
-        if any(reaches_goal(task, state) for state in frontier):
-            return ShortHorizon(task.horizon, steps) if steps > task.horizon else None
+        if not task.goal or any(reaches_goal(task, state) for state in frontier):
+            return GoalDistance(steps, exact=True)
         work += len(frontier) * len(task.rules)
         if work > WORK:
-            return ShortHorizon(task.horizon, None) if steps >= task.horizon else None
+            return GoalDistance(steps + 1, exact=False)
         found = dict.fromkeys(after for state in frontier for after in _after(task, state))
         frontier = [state for state in found if state not in known]
         known.update(frontier)
         steps += 1
-    return None
+    return GoalDistance(None, exact=True)
+
+
+def short_horizon(task: Task) -> ShortHorizon | None:
+    """The horizon, where it is certain to be too short for the goal; None else, and where that cannot be
+    known with so much work, where no number of actions is enough, or without goal or horizon."""
+    if task.reaching is not None:
+        return None
+    found = goal_distance(task)
+    if found.least is None or found.least <= task.horizon:
+        return None
+    return ShortHorizon(task.horizon, found.least if found.exact else None)
+
+
+def longer_horizon(task: Task) -> int:
+    """A horizon to try where that of a task is too short, or may be: twice as long, or twice what the goal
+    takes at least, so that there is time for what fails and is tried again."""
+    return max(2 * max(task.horizon, goal_distance(task).least or 0), SHORTEST)
 
 
 def _after(task: Task, state: GroundState) -> Iterator[GroundState]:
