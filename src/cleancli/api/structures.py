@@ -43,14 +43,15 @@ HELD_OUT = 5
 @dataclass(frozen=True, slots=True)
 class StructureScore:
     """How well rules explain transitions: the logarithm of their likelihood, the literals of the rules, what
-    the two come to, and how far what is foretold of transitions that were held out is from what happened
-    (total variation, in the mean; None where too few are held out)."""
+    the two come to, and of transitions that were held out the log-likelihood of one, in the mean (None where
+    none is held out): a proper score, which in expectation is best for rules that say what is so (Gneiting
+    and Raftery 2007, section 3)."""
 
     rules: int
     literals: int
     log_likelihood: float
     score: float
-    held_out: float | None
+    held_out_log_likelihood: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,14 +86,23 @@ class StructureResult(Rewritten):
 
     def table(self) -> TextTable:
         """A row for each action, and one of all."""
-        heads = ("action", "transitions", "rules", "literals", "log-likelihood", "score", "held-out TV", "")
+        heads = (
+            "action",
+            "transitions",
+            "rules",
+            "literals",
+            "log-likelihood",
+            "score",
+            "held out, each",
+            "",
+        )
         rows = (
             (
                 each.action,
                 str(each.transitions),
                 *(
                     f"{_number(getattr(each.before, name))} -> {_number(getattr(each.after, name))}"
-                    for name in ("rules", "literals", "log_likelihood", "score", "held_out")
+                    for name in ("rules", "literals", "log_likelihood", "score", "held_out_log_likelihood")
                 ),
                 f"{len(each.kept)} kept" if each.kept else "",
             )
@@ -197,6 +207,7 @@ def structures(
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
         (
+            *_about_held_out(scores),
             *passed_over,
             *notes,
             *_notes(names, found, wanted),
@@ -266,6 +277,17 @@ def _held_out(
     return before, after
 
 
+def _about_held_out(scores: _Scores) -> Iterator[str]:
+    """What the column says of which nobody can guess it."""
+    number = together(list(scores.held_after.values())).transitions
+    if number:
+        yield (
+            f"held out, each: the mean log-likelihood of {plural(number, 'transition')} that were held out,"
+            " by the rules as they were, and by rules that were learned from the others; nearer to 0 is"
+            " better"
+        )
+
+
 def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores: _Scores) -> ActionStructure:
     before, after, held_before, held_after = (
         together([each[name] for name in names if name in each]) for each in scores
@@ -280,8 +302,9 @@ def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores
 
 
 def _score(score: Score, rules: int, held_out: Score) -> StructureScore:
-    off = round(held_out.variation, 4) if held_out.transitions else None
-    return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), off)
+    number = held_out.transitions
+    each = round(held_out.log_likelihood / number, 4) + 0.0 if number else None  # -0.0 + 0.0 is 0.0
+    return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), each)
 
 
 def _unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Transition]) -> Iterator[str]:
