@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from cleancli.cli.main import run
+from cleancli.experiment.store import LINES
 
 DOMAIN = """domain lamps {
   types      { lamp }
@@ -120,3 +121,24 @@ def test_runs_of_another_domain_in_a_folder_are_passed_over_and_counted(
     for other in (["runs/r3"], ["runs", "runs/r3"]):
         assert run(["learn", "lamps.nid", *other]) == 1
         assert "error[E701]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("structure", [[], ["--structure"]])
+def test_a_study_is_told_once_to_keep_no_experience(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    structure: list[str],
+) -> None:
+    """docs/diagnostics.md, E701: whether its folder is given or its file."""
+    monkeypatch.chdir(tmp_path)
+    Path("lamps.nid").write_text(DOMAIN % "", encoding="utf-8")
+    Path("luck").mkdir()
+    row = {"row": {"study": "luck", "run": 1, "clean": False}}
+    Path("luck", LINES).write_text(f"{json.dumps(row)}\n" * 60, encoding="utf-8")
+    for given in ("luck", f"luck/{LINES}"):
+        assert run(["learn", *structure, "lamps.nid", given]) == 1
+        error = capsys.readouterr().err
+        assert error.count("error[") == 1
+        assert f"error[E701]: `luck/{LINES}` has the rows of a study, which keeps no experience" in error
+        assert "simulate DOMAIN PROBLEM --record FILE" in error

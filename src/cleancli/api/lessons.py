@@ -45,6 +45,9 @@ from cleancli.recording.folder import EXPERIENCE, RUN, check_folder
 from cleancli.recording.series import SERIES
 from cleancli.resources import shipped
 
+ROWS = "episodes.jsonl"
+"""What the folder of a study has in place of experience: who reads it says so."""
+
 
 def learn(
     domain: GivenDomain,
@@ -245,7 +248,8 @@ def _files_of(path: Path) -> Iterator[GivenFile]:
         return
     for folder in [path] if (path / RUN).exists() else list(_runs_in(path)) or [path]:
         check_folder(folder)
-        yield GivenFile(str(folder), folder / EXPERIENCE)
+        is_study = not (folder / EXPERIENCE).exists() and (folder / ROWS).exists()
+        yield GivenFile(str(folder), folder / (ROWS if is_study else EXPERIENCE))
 
 
 def _runs_in(path: Path) -> Iterator[Path]:

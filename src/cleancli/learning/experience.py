@@ -127,7 +127,7 @@ def decode(file: BinaryIO, name: str, domain: Domain, reading: Reading | None = 
     No more of the file than a line is in memory at a time. A last line without a line end is a record that a
     crash cut short and is passed over. Raises Refused at the end, for the first `MOST` other lines that are
     no transitions of the domain, and the number of those that follow; once for all lines whose actions the
-    domain lacks; at once for a line that is too long.
+    domain lacks; at once for a line that is too long, and for the row of a study.
     """
     wrong, reader = _Wrong(name, domain.name), _Reader(domain)
     reading = Reading() if reading is None else reading
@@ -142,11 +142,38 @@ def decode(file: BinaryIO, name: str, domain: Domain, reading: Reading | None = 
             _refuse_no_text(line)
             transition = reader.transition(line)
         except ValueError as error:
+            if _is_row(line):
+                raise _rows_of_study(name) from None
             wrong.add(line, error)
         else:
             wrong.skip()
             yield transition
     wrong.refuse(reading.transitions)
+
+
+class _Study(msgspec.Struct):
+    study: str
+
+
+class _Row(msgspec.Struct):
+    """A line of the episodes.jsonl of a study, as far as it is told by."""
+
+    row: _Study
+
+
+def _is_row(line: bytes) -> bool:
+    try:
+        msgspec.json.decode(line, type=_Row)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        return False
+    return True
+
+
+def _rows_of_study(name: str) -> Refused:
+    """That a file has what the episodes of a study came to (E701)."""
+    message = f"`{name}` has the rows of a study, which keeps no experience"
+    help = "record some: `cleancli simulate DOMAIN PROBLEM --record FILE`, or `cleancli execute`"
+    return Refused([Diagnostic("E701", message, None, help=help)])
 
 
 class _NoAction(ValueError):
