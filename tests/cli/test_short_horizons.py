@@ -146,6 +146,25 @@ def test_a_policy_that_lacks_time_to_try_again_is_told_as_short(
     assert f"{HINT} {short}" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("horizon", ["horizon = 5", "horizon = unlimited", ""])
+def test_a_goal_whose_parts_exclude_each_other_is_said_to_be_out_of_reach(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], horizon: str
+) -> None:
+    """docs/diagnostics.md, W403: each part can be had alone, and landing takes the car from the boat."""
+    more = f"goal {{ over(a), on(a), over(b) }} {horizon}"
+    beyond = "the goal is out of reach, whatever is done"
+    out = told(tmp_path, capsys, "plan", more)
+    assert beyond in out
+    assert HINT not in out
+    assert beyond in told(tmp_path, capsys, "simulate", more)
+    assert run(["check", str(tmp_path / "ferry.nid"), str(tmp_path / "cars.nid")]) == 0
+    assert "W403" in "".join(capsys.readouterr())
+    monkeypatch.chdir(tmp_path)
+    assert run(["execute", "ferry.nid", "cars.nid", "--planner", "exact", "--max-actions", "3"]) == 3
+    assert beyond in capsys.readouterr().out
+    assert beyond not in told(tmp_path, capsys, "plan", f"goal {{ over(a), over(b) }} {horizon}", "0.1")
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

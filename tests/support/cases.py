@@ -7,7 +7,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from cleancli.cli.inputs import open_loaded
-from cleancli.cli.unreached import warnings_of, warnings_of_horizon
+from cleancli.cli.unreached import warnings_of, warnings_of_states
 from cleancli.compiler.ground import ground
 from cleancli.experiment.series import open_studies
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
@@ -96,7 +96,7 @@ def _with_domain(domain: Domain, sources: list[Source]) -> tuple[Diagnostic, ...
     if os.path.exists("problem.nid"):
         problem = load_problem(_read("problem.nid", sources), domain)
         task = ground(domain, problem)
-        found = warnings_of(sources[-1], domain, problem) or warnings_of_horizon(sources[-1], problem, task)
+        found = warnings_of(sources[-1], domain, problem) or warnings_of_states(sources[-1], problem, task)
     if os.path.exists("scene.nid"):
         symbolize((), load_scene(_read("scene.nid", sources)), domain)
     if os.path.exists("experience.jsonl"):

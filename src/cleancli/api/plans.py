@@ -13,7 +13,7 @@ from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen, timed
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.semantics import reaches_goal
-from cleancli.compiler.short_horizon import longer_horizon
+from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import Objective, literal_text
 from cleancli.language.calls import Call, read_actions
 from cleancli.language.diagnostics.plural import plural
@@ -54,10 +54,13 @@ _SHORT = (
 )
 """Beside a plan that the usual horizon is too short for."""
 
+HOPELESS = "the goal is out of reach, whatever is done: it holds in no state that actions may lead to"
+"""Where all states are known that actions may lead to."""
+
 LIKELY = 0.5
 """A plan that would use more steps and reaches the goal less often than this is told as short. Chosen."""
 
-_BESIDE = ("objects", "margin", "counted", "longer_horizon")
+_BESIDE = ("objects", "margin", "counted", "longer_horizon", "hopeless")
 """What only the text of a plan tells."""
 
 
@@ -90,7 +93,8 @@ class PlanResult:
     """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
     is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
     sequence; None where the problem has no goal. `longer_horizon`: one to try, where the problem states none
-    and the usual one seems too short."""
+    and the usual one seems too short. `hopeless`: no action can lead to the goal, which a search of bounded
+    work has shown."""
 
     problem: str
     planner: str
@@ -113,6 +117,7 @@ class PlanResult:
     margin: float
     counted: int
     longer_horizon: int | None
+    hopeless: bool
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -155,6 +160,8 @@ class PlanResult:
         if self.reached is not None:
             yield from reached_lines(self.reached, self.planner)
             return
+        if self.hopeless:
+            yield HOPELESS
         if self.goal_chance is not None and self.plan and not self.goal_reached:
             if self.longer_horizon is not None:
                 number, chance = len(self.plan), self.goal_chance.probability
@@ -287,6 +294,8 @@ def plan_result(
 ) -> PlanResult:
     """The plan with all that there is to say about it."""
     chance = _goal_chance(job, found)
+    hopeless = _is_hopeless(job, chance)
+    short = not hopeless and _seems_short(job, found, chance)
     return PlanResult(
         problem=job.problem.name,
         planner=found.planner,
@@ -308,7 +317,8 @@ def plan_result(
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
-        longer_horizon=longer_horizon(job.task) if _seems_short(job, found, chance) else None,
+        longer_horizon=longer_horizon(job.task) if short else None,
+        hopeless=hopeless,
     )
 
 
@@ -338,6 +348,14 @@ def _chance_of(job: PlanningRequest, policy: Policy) -> GoalChance | None:
     if not job.problem.goal or job.options.compat:  # there, rules may overlap
         return None
     return goal_chance(job.task, policy, job.options.seed)
+
+
+def _is_hopeless(job: PlanningRequest, chance: GoalChance | None) -> bool:
+    """Whether it is known that the goal is never reached; of a problem made smaller that would not be known
+    of the whole."""
+    if chance is None or chance.probability or job.ignored or job.left_out:
+        return False
+    return goal_distance(job.task).least is None
 
 
 def _seems_short(job: PlanningRequest, found: Plan, chance: GoalChance | None) -> bool:

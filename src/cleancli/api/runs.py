@@ -13,7 +13,7 @@ from typing import Any
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, refuse_learning_pddl
 from cleancli.api.plain import plain
-from cleancli.api.plans import too_few
+from cleancli.api.plans import HOPELESS, too_few
 from cleancli.api.resuming import Note, last_checkpoint, reopened, unfinished
 from cleancli.api.run_session import (
     Inputs,
@@ -27,7 +27,7 @@ from cleancli.api.run_session import (
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.ground import ground
-from cleancli.compiler.short_horizon import longer_horizon
+from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
@@ -93,7 +93,8 @@ class OpenedRun:
 class RunResult:
     """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world.
     `evidence`: what it and the runs before it have seen, to learn from. `short_horizon`: that of the first
-    plan and a longer one to try, where the problem states none and no plan was believed to reach its goal."""
+    plan and a longer one to try, where the problem states none and no plan was believed to reach its goal.
+    `hopeless`: no action of the symbolic world can lead to the goal."""
 
     folder: Path
     clean: bool
@@ -106,6 +107,7 @@ class RunResult:
     record: Mapping[str, object]
     evidence: Evidence = field(default=NO_EVIDENCE, repr=False)
     short_horizon: tuple[int, int] | None = None
+    hopeless: bool = False
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""
@@ -126,7 +128,9 @@ class RunResult:
         yield (f"{'' if self.clean else 'not '}{done}: {self.reason}, after {plural(self.actions, 'action')}")
         if self.told:
             yield f"in the end: {self.told}"
-        if self.short_horizon is not None:
+        if self.hopeless:
+            yield HOPELESS
+        elif self.short_horizon is not None:
             yield too_few(*self.short_horizon)
         if kinds:
             spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
@@ -162,7 +166,16 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
         record,
         saved.evidence,
         _short_horizon(inputs, ended.clean, ended.reason),
+        _is_hopeless(inputs, ended.clean),
     )
+
+
+def _is_hopeless(inputs: Inputs, done: bool) -> bool:
+    given = inputs.given
+    if done or not isinstance(given, Problem) or not given.goal:
+        return False
+    world = inputs.domain if inputs.world is None else inputs.world.domain
+    return goal_distance(ground(world, given)).least is None
 
 
 def _short_horizon(inputs: Inputs, done: bool, reason: str) -> tuple[int, int] | None:
@@ -371,6 +384,7 @@ def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str
         filmed,
         record,
         short_horizon=_short_horizon(run.inputs, ended.clean, ended.reason),
+        hopeless=_is_hopeless(run.inputs, ended.clean),
     )
 
 

@@ -18,14 +18,14 @@ from cleancli.api.inputs import (
     load_problem,
 )
 from cleancli.api.plain import fields_of, plain
-from cleancli.api.plans import too_few
+from cleancli.api.plans import HOPELESS, too_few
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
 from cleancli.compiler.ground import ground
 from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
-from cleancli.compiler.short_horizon import longer_horizon
+from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
@@ -71,8 +71,9 @@ class SimulationResult:
     those of all planners, and those of their own that these have. `short_horizon`: that of the first plan
     and a longer one to try, where the problem states none and episodes were given up. `lengths`: how far
     plans look ahead beside how long episodes were, in words, where what episodes come to differs by it.
-    `variations`: where rules were explored, how far what they foretell after each episode is from what the
-    world does (total variation, in the mean), for each planner."""
+    `hopeless`: no action of the world can lead to the goal. `variations`: where rules were explored, how far
+    what they foretell after each episode is from what the world does (total variation, in the mean), for each
+    planner."""
 
     problem: str
     domain: str
@@ -87,6 +88,7 @@ class SimulationResult:
     episodes: tuple[tuple[Episode, ...], ...]
     short_horizon: tuple[int, int] | None
     lengths: str | None
+    hopeless: bool
     variations: tuple[tuple[float, ...], ...] = ()
 
     def to_dict(self) -> dict[str, object]:
@@ -143,9 +145,11 @@ class SimulationResult:
             yield f"{summary.planner} explored, and what it foretells is off by {_falling(off)}"
         if self.variations:
             yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
-        if self.short_horizon is not None:
+        if self.short_horizon is not None and not self.hopeless:
             yield too_few(*self.short_horizon)
-        if self.lengths is not None:
+        if self.hopeless:
+            yield HOPELESS
+        elif self.lengths is not None:
             yield self.lengths
 
 
@@ -301,6 +305,7 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
         episodes=found,
         short_horizon=_short_horizon(setup, chain(*found)),
         lengths=_lengths(setup, tuple(chain(*found))) if setup.planners else None,
+        hopeless=_is_hopeless(setup, chain(*found)),
         variations=tuple(zip(*(each.variations for each in ordered), strict=True)),
     )
 
@@ -313,6 +318,13 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> tuple[int, int] |
         return None
     task = ground(setup.domain, fewer(setup.domain, setup.problem, setup.options.counted).problem)
     return task.horizon, longer_horizon(task)
+
+
+def _is_hopeless(setup: Batch, played: Iterable[Episode]) -> bool:
+    """Whether it is known that no episode could reach the goal."""
+    if not setup.problem.goal or any(each.success for each in played):
+        return False
+    return goal_distance(ground(setup.world, setup.problem)).least is None
 
 
 def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:

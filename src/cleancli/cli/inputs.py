@@ -197,7 +197,7 @@ def _check_problem(source: Source, text: Source) -> tuple[tuple[Diagnostic, ...]
     found = checked_problem(source, domain.model)
     if found.model is None:
         return found.diagnostics, found.sources
-    from cleancli.cli.unreached import warnings_of, warnings_of_horizon
+    from cleancli.cli.unreached import warnings_of, warnings_of_states
     from cleancli.compiler.ground import ground
 
     try:
@@ -206,8 +206,8 @@ def _check_problem(source: Source, text: Source) -> tuple[tuple[Diagnostic, ...]
         conflicts = [each for each in refused.diagnostics if each.code == "E602"]
         if conflicts:
             return (*found.diagnostics, *conflicts), (*domain.sources, *found.sources)
-        short: tuple[Diagnostic, ...] = ()
+        searched: tuple[Diagnostic, ...] = ()
     else:
-        short = warnings_of_horizon(source, found.model, task)
+        searched = warnings_of_states(source, found.model, task)
     vain = warnings_of(source, domain.model, found.model)
-    return (*found.diagnostics, *(vain or short)), found.sources
+    return (*found.diagnostics, *(vain or searched)), found.sources

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
-from cleancli.compiler.short_horizon import ShortHorizon, longer_horizon, short_horizon
+from cleancli.compiler.short_horizon import ShortHorizon, goal_distance, longer_horizon, short_horizon
 from cleancli.compiler.task import Task
 from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.conversion.pddl.recognized import is_pddl
@@ -28,8 +28,11 @@ def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagn
     return tuple(_warning(each, problem, _place(source)) for each in unreached(domain, problem))
 
 
-def warnings_of_horizon(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
-    """W404 where the goal takes more actions than plans of the grounded problem have."""
+def warnings_of_states(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
+    """W403 where the goal holds in no state of the grounded problem that may occur, and W404 where it takes
+    more actions than plans have."""
+    if goal_distance(task).least is None:
+        return (_never(problem, "it holds in no state that actions may lead to", _place(source)),)
     found = short_horizon(task)
     return () if found is None else (_too_short(found, longer_horizon(task), problem, _place(source)),)
 
@@ -61,14 +64,17 @@ def _warning(found: Unreached, problem: Problem, place: Span) -> Diagnostic:
         named.append(f"{len(found.never) - _MOST_NAMED} more")
     untrue = f"no action makes {' or '.join(named)} true" if named else None
     if found.count is None:
-        what = f"the goal of `{problem.name}` can never be reached"
-        reason = untrue or "its parts never hold together"
-        help = "add what is missing to `init`, write a rule that brings it about, or correct the goal"
-    else:
-        what = f"`{found.count}` can never fall to 0 in `{problem.name}`"
-        reason = untrue or "no action changes what it counts"
-        help = "write a rule that brings it about, or take out of `init` what no action can end"
-    return Diagnostic("W403", f"{what}: {reason}", place, help=help, level=Level.WARNING)
+        return _never(problem, untrue or "its parts never hold together", place)
+    message = f"`{found.count}` can never fall to 0 in `{problem.name}`"
+    reason = untrue or "no action changes what it counts"
+    help = "write a rule that brings it about, or take out of `init` what no action can end"
+    return Diagnostic("W403", f"{message}: {reason}", place, help=help, level=Level.WARNING)
+
+
+def _never(problem: Problem, reason: str, place: Span) -> Diagnostic:
+    message = f"the goal of `{problem.name}` can never be reached: {reason}"
+    help = "add what is missing to `init`, write a rule that brings it about, or correct the goal"
+    return Diagnostic("W403", message, place, help=help, level=Level.WARNING)
 
 
 def _too_short(found: ShortHorizon, longer: int, problem: Problem, place: Span) -> Diagnostic:
