@@ -57,9 +57,11 @@ def test_what_changes_nothing_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
     files = [tmp_path / "watch.nid", tmp_path / "night.nid"]
     words = ["explain", *files, "walk(hall, vault)", "--after", "walk(hall, vault)"]
     assert said(capsys, *words).splitlines()[:2] == [
-        "after walk(hall, vault): nothing has changed",
+        "after walk(hall, vault): nothing has changed, since no rule covers it",
         "walk(hall, vault): no rule covers it then",
     ]
     told = json.loads(said(capsys, *words, "--json"))
-    assert told["after"] == [{"action": "walk(hall, vault)", "effects": []}]
+    assert told["after"] == [{"action": "walk(hall, vault)", "effects": [], "rule": None}]
+    charged = said(capsys, *words[:-1], " ".join(["charge()"] * 3)).splitlines()
+    assert charged[1:3] == ["after charge(): battery() := 4", "after charge(): nothing has changed"]
     assert "unknown action `wlak`" in said(capsys, *words[:-1], "wlak(hall)", code=1)

@@ -63,10 +63,12 @@ class OtherRule:
 
 @dataclass(frozen=True, slots=True)
 class DoneBefore:
-    """An action before the one that is explained, and the `effects` that it is taken to have had."""
+    """An action before the one that is explained, the `effects` that it is taken to have had, and by which
+    `rule`; None: by none that covers it."""
 
     action: str
     effects: tuple[str, ...]
+    rule: str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +134,8 @@ def _done(domain: Domain, problem: Problem, call: Call) -> tuple[DoneBefore, Pro
     }
     state = frozenset(Fact(*fluent, value) for fluent, value in values.items() if value is not False)
     effects = tuple(effect_text(each.fact.symbol, each.fact.objects, each.fact.value) for each in changes)
-    return DoneBefore(_called(*call), effects), replace(problem, state=state)
+    rule = None if found.covering is None else found.covering.name
+    return DoneBefore(_called(*call), effects, rule), replace(problem, state=state)
 
 
 def _called(action: str, arguments: Sequence[str]) -> str:
@@ -166,7 +169,8 @@ def _lines(
 ) -> Iterator[str]:
     called = _called(found.action, found.arguments)
     for done in before:
-        yield f"after {done.action}: {', '.join(done.effects) or 'nothing has changed'}"
+        uncovered = ", since no rule covers it" if done.rule is None else ""
+        yield f"after {done.action}: {', '.join(done.effects) or 'nothing has changed'}{uncovered}"
     if found.covering is not None:
         yield f"{called}: covered by rule {found.covering.name}{_binding(found.covering.binding)}"
         yield from (f"  {_outcome(outcome)}" for outcome in found.covering.outcomes)
