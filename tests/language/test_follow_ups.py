@@ -61,3 +61,22 @@ def test_outcomes(outcomes: str, expected: list[str]) -> None:
 )
 def test_a_default_that_says_more_than_it_can(default: str, expected: list[str]) -> None:
     assert codes("1: not dirt(?a)", default) == expected
+
+
+@pytest.mark.parametrize(
+    ("head", "outcome", "expected"),
+    [
+        ("wipe(?a, ?h)", "not dirt(?a), kept(?a)", ["E203", "E208"]),
+        ("wipe(?a, ?h)", "not dirt(?h), wet(?b)", ["E204", "E208"]),
+        ("wipe(?a, ?h)", "not dirt(?h), wet(?a)", ["E208"]),
+        ("wipe()", "not dirt(?a)", ["E208"]),
+    ],
+)
+def test_too_many_variables_of_a_rule_hide_nothing_else_in_it(
+    head: str, outcome: str, expected: list[str]
+) -> None:
+    """docs/language.md: all mistakes of a text are told, and none that follows from another."""
+    text = TEXT.replace("wipe(?a) {", f"{head} {{") % (f"1: {outcome}", "1: nothing")
+    with pytest.raises(Refused) as refused:
+        load_domain(Source("d.nid", text))
+    assert sorted(each.code for each in refused.value.diagnostics) == expected

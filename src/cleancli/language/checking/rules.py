@@ -49,7 +49,7 @@ def _rule(node: syntax.RuleNode, scope: Scope) -> Rule | None:
         0 if node.condition is None else len(node.condition.parts)
     )
     outcomes = check_outcomes(node.outcomes, node.name.span, inner, condition, fixed)
-    if len(variables) != len(action.parameters) or not complete:
+    if not len(variables) == len(node.terms) == len(action.parameters) or not complete:
         return None
     _warn_unused_references(node, references, outcomes, scope)
     rule = Rule(node.name.text, action.name, variables, condition, outcomes, references, span=node.name.span)
@@ -96,13 +96,16 @@ def _action(node: syntax.RuleNode, scope: Scope) -> Action | None:
             f"`{action.name}` takes {plural(wants, 'variable')}, not {len(node.terms)}",
             Span(node.span.path, node.action.span.start, (node.terms or (node.action,))[-1].span.end),
         )
-        return None
+        return action if len(node.terms) > wants else None  # what it lacks is bound nowhere in the rule
     return action
 
 
 def _variables(node: syntax.RuleNode, action: Action, scope: Scope) -> tuple[Variable, ...]:
+    """The variables of a rule's head; of unknown types, which fit everywhere, where it has too many."""
+    is_whole = len(node.terms) == len(action.parameters)
+    types = [each.type for each in action.parameters] if is_whole else [""] * len(node.terms)
     variables: dict[str, Variable] = {}
-    for term, parameter in zip(node.terms, action.parameters, strict=True):
+    for term, kind in zip(node.terms, types, strict=True):
         if not term.is_variable:
             scope.findings.error(
                 "E204",
@@ -119,5 +122,5 @@ def _variables(node: syntax.RuleNode, action: Action, scope: Scope) -> tuple[Var
             )
         else:
             warn_shadow(term.name, term.span, scope)
-        variables[term.name] = Variable(term.name, parameter.type)
+        variables[term.name] = Variable(term.name, kind)
     return tuple(variables.values())
