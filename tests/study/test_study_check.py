@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.study.check import load_study
 from cleancli.study.model import Study
 
@@ -100,3 +103,18 @@ def test_a_comparison_is_of_what_the_study_shows_unless_it_names_another_measure
     assert small is not None
     assert small.comparisons[0].measure == "actions"
     assert load(TEXT.replace("    measure = moving\n", "")).comparisons[0].measure == "seconds"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("strategy = plan_2, reactive", "strategy = plan_2+, reactive", "E104"),
+        ("strategy = plan_2, reactive", "strategy = plan_2, reactiv", "E506"),
+        ("part narrow { rag { width = 8 cm, 100 mm } }", "part narrow { rag { width = 8, 100 mm } }", "E503"),
+    ],
+)
+def test_no_comparison_is_wrong_because_a_value_could_not_be_read(old: str, new: str, code: str) -> None:
+    """docs/diagnostics.md, E521: no cell has it; which cells there are is not known here."""
+    with pytest.raises(Refused) as refused:
+        load(TEXT.replace(old, new, 1))
+    assert [each.code for each in refused.value.diagnostics] == [code]

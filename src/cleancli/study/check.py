@@ -41,6 +41,9 @@ class _Stated:
 
 _Settings = Mapping[str, _Stated]
 
+_AXIS = "axis"
+"""The kind of name by which an axis is noted of which a value could not be read."""
+
 _QUICK: _Settings = {"runs": _Stated((1,)), "episodes": _Stated((1,)), "simulator": _Stated(("stand-in",))}
 """What a quick study has where it says nothing else."""
 
@@ -160,9 +163,11 @@ def _selection(settings: _Settings) -> Selection:
 def _refuse_unknown_cells(
     side: _Settings, parts: Sequence[tuple[str, _Settings]], findings: Findings
 ) -> None:
-    """E521 for what selects no row of the study."""
+    """E521 for what selects no row of the study, as far as it was read what its cells have."""
     for axis, stated in side.items():
         if axis in COMPARED or axis == "episode":
+            continue
+        if axis in findings.broken or (_AXIS, axis) in findings.unclear:
             continue
         known = _values(axis, parts, findings.source.text)
         for value, node in zip(stated.values, stated.nodes, strict=True):
@@ -234,6 +239,7 @@ def _state(entry: Listed, place: str, settings: dict[str, _Stated], findings: Fi
     for node in entry.values:
         value = kind.read(node, report)
         if value is None:
+            findings.unclear.add((_AXIS, f"{place}.{key}" if place in VARIED else key))
             continue
         value = axis_value(kind, value)
         if value in found:
