@@ -287,7 +287,7 @@ def test_a_symbolic_run_hides_nothing_from_the_planner_and_has_no_seconds_of_loo
     assert "planning 1.00" in told["symbolic"]
     assert "the goal holds yes" in told["symbolic"]
     assert "Neither perception nor the planner has seen this." in told["table"]
-    assert "The planner sees every fact of the symbolic world. facts 10" in told["symbolic"]
+    assert "The planner sees every fact of the symbolic world. facts that hold 10" in told["symbolic"]
     assert "Neither perception nor the planner" not in told["symbolic"]
 
 

@@ -115,6 +115,7 @@ def run_page(run: Run) -> str:
             videos=embedded(run.folder, run.videos),
             steps=[_view(step, run, _settable(steps), row.symbolic) for step in steps],
             kinds=[(name_of(kind), colour_of(kind)) for kind in in_order(spent)],
+            options=tuple(told_options(run.header.options, row.symbolic)),
         )
     )
 
@@ -149,7 +150,37 @@ def templates() -> jinja2.Environment:
     environment.filters["call"] = lambda step: call(step.action, step.arguments)
     environment.filters["step_text"] = step_text
     environment.filters["measure"] = _measure
+    environment.filters["named"] = _named
+    environment.filters["said"] = _said
     return environment
+
+
+_NAMES = {"facts": "facts that hold", "goal": "the goal holds"}
+"""What is called otherwise in run.json than on a page."""
+
+_OF_LEARNING = ("estimator", "m", "match", "forgetting")
+
+
+def _named(name: str) -> str:
+    """A key of run.json in words."""
+    return _NAMES.get(name, name.replace("_", " "))
+
+
+def _said(value: object) -> str:
+    """A value of run.json in words; points in metres."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, tuple):
+        return "; ".join(f"{x:.3f}, {y:.3f} m" for x, y in value) or "nowhere"
+    return str(value)
+
+
+def told_options(options: Mapping[str, object], symbolic: bool) -> Iterator[tuple[str, object]]:
+    """Those that meant something: none of learning where nothing was learned, and no job without a table."""
+    idle = _OF_LEARNING if options.get("estimator") is None else ()
+    for name, value in options.items():
+        if value is not None and name not in idle and not (symbolic and name == "job"):
+            yield name, value
 
 
 def seconds_text(seconds: float) -> str:

@@ -11,7 +11,7 @@ from cleancli.files.replace import replace_file
 from cleancli.language.diagnostics.diagnostic import printable
 from cleancli.recording.folder import PAGE
 from cleancli.report.account import RunRow, colour_of, name_of, row_of, taken
-from cleancli.report.page import Bar, bars, seconds_text, templates
+from cleancli.report.page import Bar, bars, seconds_text, templates, told_options
 from cleancli.report.plots import Marks, Step, band, line, marks, numbered, stairs, thinned
 from cleancli.report.rules import RuleCourse, actions_of, courses
 from cleancli.report.series import Series, read_series
@@ -106,6 +106,7 @@ def series_page(series: Series) -> str:
             action_marks=marks(end, least=1.0),
             ends=[100 * each / end for each in ends[:-1]] if end else [],
             header=first.header,
+            options=tuple(told_options(first.header.options, any(row.symbolic for row in rows))),
         )
     )
 
