@@ -165,6 +165,31 @@ def test_a_goal_whose_parts_exclude_each_other_is_said_to_be_out_of_reach(
     assert beyond not in told(tmp_path, capsys, "plan", f"goal {{ over(a), over(b) }} {horizon}", "0.1")
 
 
+BREAKING = """
+domain kiln {
+  predicates { fired() cracked() sold() }
+  actions    { fire() sell() }
+  rule firing:  fire() { when not fired(), not cracked()  then 0.3: fired() rest: cracked() }
+  rule selling: sell() { when fired()  then 1: sold() }
+  reward { 1 * goal }
+}
+"""
+
+
+def test_a_course_that_does_not_reach_the_goal_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/planning.md: the likeliest course follows a crack, and nothing is sold on it."""
+    problem = "problem pot { domain = kiln goal { sold() } horizon = 4 }"
+    (tmp_path / "pot.nid").write_text(problem, encoding="utf-8")
+    for chance, astray in (("0.3", True), ("0.7", False)):
+        (tmp_path / "kiln.nid").write_text(BREAKING.replace("0.3", chance), encoding="utf-8")
+        assert run(["plan", str(tmp_path / "kiln.nid"), str(tmp_path / "pot.nid"), "--planner", "exact"]) == 0
+        out = capsys.readouterr().out
+        assert ("this course does not reach the goal; `--explain` says" in out) == astray
+        assert f"reaches the goal with probability {chance} " in out
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

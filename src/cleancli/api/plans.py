@@ -57,10 +57,13 @@ _SHORT = (
 HOPELESS = "the goal is out of reach, whatever is done: it holds in no state that actions may lead to"
 """Where all states are known that actions may lead to."""
 
+_ASTRAY = "this course does not reach the goal; `--explain` says what else may happen, and what is done then"
+"""Below the likeliest course of a policy that comes to the goal on other ways alone."""
+
 LIKELY = 0.5
 """A plan that would use more steps and reaches the goal less often than this is told as short. Chosen."""
 
-_BESIDE = ("objects", "margin", "counted", "longer_horizon", "hopeless")
+_BESIDE = ("objects", "margin", "counted", "longer_horizon", "hopeless", "astray")
 """What only the text of a plan tells."""
 
 
@@ -94,7 +97,7 @@ class PlanResult:
     is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
     sequence; None where the problem has no goal. `longer_horizon`: one to try, where the problem states none
     and the usual one seems too short. `hopeless`: no action can lead to the goal, which a search of bounded
-    work has shown."""
+    work has shown. `astray`: the likeliest course of the policy, which is the plan, does not reach it."""
 
     problem: str
     planner: str
@@ -118,6 +121,7 @@ class PlanResult:
     counted: int
     longer_horizon: int | None
     hopeless: bool
+    astray: bool
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli plan --json` prints."""
@@ -162,6 +166,8 @@ class PlanResult:
             return
         if self.hopeless:
             yield HOPELESS
+        elif self.astray:
+            yield _ASTRAY
         if self.goal_chance is not None and self.plan and not self.goal_reached:
             if self.longer_horizon is not None:
                 number, chance = len(self.plan), self.goal_chance.probability
@@ -319,6 +325,7 @@ def plan_result(
         counted=job.options.counted,
         longer_horizon=longer_horizon(job.task) if short else None,
         hopeless=hopeless,
+        astray=_is_astray(job, found.policy),
     )
 
 
@@ -356,6 +363,15 @@ def _is_hopeless(job: PlanningRequest, chance: GoalChance | None) -> bool:
     if chance is None or chance.probability or job.ignored or job.left_out:
         return False
     return goal_distance(job.task).least is None
+
+
+def _is_astray(job: PlanningRequest, policy: Policy | None) -> bool:
+    """Whether no state on the likeliest course of a policy satisfies the goal."""
+    if policy is None or not job.problem.goal:
+        return False
+    course = policy.course(policy.start)
+    on = (job.task.initial, *course.states)
+    return bool(course.actions) and not any(reaches_goal(job.task, state) for state in on)
 
 
 def _seems_short(job: PlanningRequest, found: Plan, chance: GoalChance | None) -> bool:
