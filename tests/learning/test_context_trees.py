@@ -33,7 +33,7 @@ def grown(answers: Bools, happened: Longs) -> Tree:
 def length(happened: Longs, outcomes: int) -> float:
     """Of a node by itself, where all outcomes of the action happen: by their frequencies."""
     counts = Counter(happened.tolist())
-    return EACH * outcomes - sum(n * math.log(n / len(happened)) for n in counts.values())
+    return EACH * math.log(90) * outcomes - sum(n * math.log(n / len(happened)) for n in counts.values())
 
 
 @pytest.mark.parametrize("rare", [2, 5, 12])

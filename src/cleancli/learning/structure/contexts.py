@@ -83,9 +83,10 @@ class Tree:
     length: float
 
 
-EACH = 0.5
-"""Nats that a probability must save on each side of a question; chosen. By Akaike (1974) it is 1 for a
-probability more, and a question adds those of one side alone."""
+EACH = 1 / 12
+"""The share of the logarithm of how many transitions an action has that each probability of an outcome costs,
+on either side of a question; chosen. It is half of that logarithm by Schwarz (1978), which few transitions
+cannot pay; a question adds the probabilities of one side alone."""
 UNLIKELY = 2.0
 """Nats that a question costs beside that which is about an object without a name, or asks if a number is one
 between its bounds, where rules mostly ask if it is at most so much; chosen."""
@@ -96,7 +97,9 @@ _CERTAIN = 500.0
 def tree(possible: Possible, questions: Questions, rows: Longs) -> Tree:
     """The tree that describes these transitions best, as far as one question after the other finds it."""
     counts, beliefs = possible.counts(rows), _beliefs(possible, rows)
-    length = _free(counts, beliefs) - log_likelihoods(counts[None], possible.likelihoods, beliefs)[0]
+    length = (
+        _free(possible, counts, beliefs) - log_likelihoods(counts[None], possible.likelihoods, beliefs)[0]
+    )
     return _grown(possible, questions, Leaf((), rows), float(length))
 
 
@@ -170,9 +173,9 @@ def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | 
         return None
     start = np.full(likelihoods.shape[1], 1 / likelihoods.shape[1])
     beliefs = fitted(every[None], likelihoods, start)[0]
-    free, start = _free(every, beliefs), np.maximum(beliefs, 1e-3)
+    free, start = _free(possible, every, beliefs), np.maximum(beliefs, 1e-3)
     kinds = questions.kinds[listed]
-    costs = _costs(kinds, questions.answers[np.ix_(rows, listed)])
+    costs = _costs(kinds, questions.answers[np.ix_(rows, listed)], len(possible.pattern))
     sides = []
     for side in (yes[listed], every - yes[listed]):
         below = fitted(side, likelihoods, start / start.sum(), FEW_ROUNDS)
@@ -184,20 +187,24 @@ def _best(possible: Possible, questions: Questions, rows: Longs) -> _Division | 
     return _Division(int(listed[best]), float(costs[best]), (float(sides[0][best]), float(sides[1][best])))
 
 
-def _costs(kinds: Longs, answers: Bools) -> Floats:
-    """The nats that each question costs which divides a node: it is one of those of its kind, those that
-    divide the node alike taken as one (Quinlan and Rivest 1989: of the attributes available at the node)."""
+def _costs(kinds: Longs, answers: Bools, number: int) -> Floats:
+    """The nats that each question costs which divides a node, of so many transitions of the action: to say
+    which it is of those of its kind, those that divide the node alike taken as one (Quinlan and Rivest 1989:
+    of the attributes available at the node), and no more than half of that and of the logarithm of the
+    transitions, since few transitions could not pay all of the name."""
     alike = np.ascontiguousarray(np.packbits(answers ^ answers[:1], axis=0).T)
     first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
     different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
-    found: Floats = np.log(_KINDS * np.maximum(different[kinds], 1)) + UNLIKELY * (kinds == _UNLIKELY)
+    naming = np.log(_KINDS * np.maximum(different[kinds], 1))
+    least = np.minimum(naming, (naming + math.log(number)) / 2)
+    found: Floats = least + UNLIKELY * (kinds == _UNLIKELY)
     return found
 
 
-def _free(counts: Floats, beliefs: Floats) -> float:
+def _free(possible: Possible, counts: Floats, beliefs: Floats) -> float:
     """What the probabilities of a node's outcomes cost; as much on either side of a question, also where an
     outcome is on one side alone."""
-    return EACH * float((beliefs * counts.sum() > 0.5).sum())
+    return EACH * math.log(len(possible.pattern)) * float((beliefs * counts.sum() > 0.5).sum())
 
 
 # ---- what may be asked
