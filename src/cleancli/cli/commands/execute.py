@@ -253,8 +253,7 @@ def command(
     known, chosen = _known(known, epsilon, delta), strategy or usual_strategy(given.is_scene)
     asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure, is_taught=teacher is not None)
-    acting = None if world is None else open_loaded(world)
-    shown_by = _shown_by(teacher, said)
+    acting, shown_by = None if world is None else open_loaded(world), _shown_by(teacher, said)
     inputs = inputs_of(
         given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, teacher=shown_by
     )
