@@ -162,13 +162,14 @@ def _motion(client: Client) -> None:
 
 
 def _carried_out(client: Client, until: float) -> bool:
-    """Whether a motion went on to its end. It did not where this machine was so busy that its lease ran out
-    between two polls, which is no fault of the driver."""
+    """Whether a motion went on to its end. It did not where this machine was so busy that its lease may have
+    run out between two polls, which is no fault of the driver; the one before may have renewed it as soon as
+    it was asked."""
+    asked, arrived = time.monotonic(), None
     path, motion = _begun(client)
     end, clock = path.waypoints[-1], client.state.clock
-    answered, arrived = time.monotonic(), None
     while True:
-        asked, before = time.monotonic(), answered
+        before, asked = asked, time.monotonic()
         now = client.poll(motion)
         answered = time.monotonic()
         if answered - asked > client.description.period + SLOW:
