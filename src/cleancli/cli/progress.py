@@ -49,8 +49,8 @@ def _said_late(what: str) -> Iterator[None]:
 
 
 def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
-    """The items as they come, of which there are so many; where they take long, a terminal shows how far, and
-    elsewhere a line of standard error says what is done."""
+    """The items as they come, of which there are so many; where they take long, a terminal shows how far, and elsewhere
+    a line of standard error says what is done."""
     console = _terminal()
     if console is None:
         with _said_late(what):
