@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from cleancli.cli import progress
 from cleancli.cli.main import run
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span, printable
 from cleancli.language.diagnostics.render import render
@@ -88,23 +86,6 @@ def test_a_diff_is_exact_for_programs_and_written_out_for_people(
     shown = capsys.readouterr().out
     assert not steering(shown)
     assert r"remark \x1b" in shown
-
-
-def test_what_takes_long_is_said_in_a_line_outside_a_terminal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """docs/commands.md: after two seconds, on standard error; what is quick says nothing."""
-    monkeypatch.setattr(progress, "SLOW", 0.05)
-    for seconds, said in ((0.0, ""), (0.5, "planning ...\n")):
-        with progress.working("planning"):
-            time.sleep(seconds)
-        assert capsys.readouterr() == ("", said)
-        for _ in progress.counted("planning", range(1), 1):
-            time.sleep(seconds)
-        assert capsys.readouterr() == ("", said)
-    with progress.working("planning", quiet=True):
-        time.sleep(0.2)
-    assert capsys.readouterr() == ("", "")
 
 
 def test_mistakes_keep_their_colours_in_a_terminal() -> None:

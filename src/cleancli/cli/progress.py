@@ -1,12 +1,11 @@
-"""Progress of what takes its time: shown in a terminal, and said in a line elsewhere where it takes long."""
+"""Progress of what takes its time, shown in a terminal only."""
 
 from __future__ import annotations
 
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
@@ -21,40 +20,20 @@ _Item = TypeVar("_Item")
 
 @contextmanager
 def working(what: str, quiet: bool = False) -> Iterator[None]:
-    """Show in a terminal that something takes its time; elsewhere say so in a line of standard error where it
-    takes over two seconds. If `quiet`, nothing."""
-    if quiet:
+    """Show in a terminal that something takes its time; elsewhere, or if `quiet`, nothing."""
+    console = None if quiet else _terminal()
+    if console is None:
         yield
         return
-    console = _terminal()
-    with _said_late(what) if console is None else console.status(what):
+    with console.status(what):
         yield
-
-
-@contextmanager
-def _said_late(what: str) -> Iterator[None]:
-    errors = sys.stderr
-
-    def say() -> None:
-        with suppress(OSError, ValueError):  # nobody reads it any more, or it is closed
-            print(f"{what} ...", file=errors, flush=True)
-
-    timer = threading.Timer(SLOW, say)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
 
 
 def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
-    """The items as they come, of which there are so many; where they take long, a terminal shows how far, and elsewhere
-    a line of standard error says what is done."""
+    """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
     console = _terminal()
     if console is None:
-        with _said_late(what):
-            yield from items
+        yield from items
         return
     bar, started = _bar(what, console), time.monotonic()
     task = bar.add_task(what, total=number)
