@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from cleancli.api.horizons import first_and_longer, is_hopeless
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, refuse_learning_pddl
 from cleancli.api.plain import plain
 from cleancli.api.plans import HOPELESS, too_few
@@ -26,8 +27,6 @@ from cleancli.api.run_session import (
 )
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.ground import ground
-from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
@@ -44,7 +43,6 @@ from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.method import KNOWN
 from cleancli.planning.plan import BadOption, Options
-from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.refusal import planning_refused
 from cleancli.recording.begun import begun_folder, named
 from cleancli.recording.checkpoint import cut_back, tidy
@@ -175,7 +173,7 @@ def _is_hopeless(inputs: Inputs, done: bool) -> bool:
     if done or not isinstance(given, Problem) or not given.goal:
         return False
     world = inputs.domain if inputs.world is None else inputs.world.domain
-    return goal_distance(ground(world, given)).least is None
+    return is_hopeless(world, given)
 
 
 def _short_horizon(inputs: Inputs, done: bool, reason: str) -> tuple[int, int] | None:
@@ -184,8 +182,7 @@ def _short_horizon(inputs: Inputs, done: bool, reason: str) -> tuple[int, int] |
         return None
     if not reason.startswith(IDLE):
         return None
-    task = ground(inputs.domain, fewer(inputs.domain, given, Options().counted).problem)
-    return task.horizon, longer_horizon(task)
+    return first_and_longer(inputs.domain, given, Options().counted)
 
 
 @contextmanager

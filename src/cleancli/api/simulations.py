@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cleancli.api.asked import Asked, named
 from cleancli.api.checks import check_least, check_one_of
+from cleancli.api.horizons import first_and_longer, is_hopeless
 from cleancli.api.inputs import (
     GivenDomain,
     GivenProblem,
@@ -22,10 +23,8 @@ from cleancli.api.plans import HOPELESS, too_few
 from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.fluents import values_of
-from cleancli.compiler.ground import ground
 from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
-from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import Objective
 from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
@@ -36,7 +35,6 @@ from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, RANDOM, Judg
 from cleancli.learning.method import KNOWN
 from cleancli.planning.choice import planner_named
 from cleancli.planning.plan import BadOption
-from cleancli.planning.reductions.subproblem import fewer
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
@@ -316,15 +314,14 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> tuple[int, int] |
     given_up = any(each.reason is Reason.IDLE and each.success is False for each in played)
     if not given_up or setup.problem.horizon is not None:
         return None
-    task = ground(setup.domain, fewer(setup.domain, setup.problem, setup.options.counted).problem)
-    return task.horizon, longer_horizon(task)
+    return first_and_longer(setup.domain, setup.problem, setup.options.counted)
 
 
 def _is_hopeless(setup: Batch, played: Iterable[Episode]) -> bool:
     """Whether it is known that no episode could reach the goal."""
     if not setup.problem.goal or any(each.success for each in played):
         return False
-    return goal_distance(ground(setup.world, setup.problem)).least is None
+    return is_hopeless(setup.world, setup.problem)
 
 
 def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:
