@@ -18,7 +18,6 @@ ten seconds.
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import statistics
 import sys
@@ -30,7 +29,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from exploration import ACTIONS, Hidden, facts_of, glasses, of_files
+from exploration import Hidden, asked, facts_of
 from whole_rules import without_rules
 
 from cleancli.compiler.fluents import Fluent
@@ -146,18 +145,7 @@ def row(hidden: Hidden, seeds: Sequence[int]) -> str:
 
 def main() -> None:
     """Print the table, row by row."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("folder", type=Path, nargs="?", metavar="FOLDER")
-    parser.add_argument("--domain", choices=list(ACTIONS), help="this one alone")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=1, help="the first of them, and that of drawn states")
-    parser.add_argument("--quick", action="store_true", help="two seeds in glasses")
-    options = parser.parse_args()
-    seeds = range(options.seed, options.seed + (2 if options.quick else options.seeds))
-    every = {} if options.folder is None or options.quick else of_files(options.folder, options.seed)
-    every["glasses"] = glasses(options.seed)
+    options, seeds, every = asked(__doc__, "two seeds in glasses")
     heads = ("domain", "episodes 1 to 5: pupil (knowing)", "6 to 10", "pupil as far", "demonstrations (most)")
     print(f"| {' | '.join((*heads, 'of one action (most)', 'actions', 'CPU s'))} |")
     print("|---|---|---|---|---|---|---|---|", flush=True)

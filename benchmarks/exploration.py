@@ -186,20 +186,27 @@ def row(hidden: Hidden, seeds: Sequence[int], actions: int) -> str:
     )
 
 
-def main() -> None:
-    """Print the table, row by row."""
+def asked(description: str | None, quick: str) -> tuple[argparse.Namespace, Sequence[int], dict[str, Hidden]]:
+    """The options of a benchmark that is tried by several seeds in these domains, the seeds, and the domains;
+    `quick` says what it does then."""
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder", type=Path, nargs="?", metavar="FOLDER")
     parser.add_argument("--domain", choices=list(ACTIONS), help="this one alone")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1, help="the first of them, and that of drawn states")
-    parser.add_argument("--quick", action="store_true", help="60 actions by two seeds in glasses")
+    parser.add_argument("--quick", action="store_true", help=quick)
     options = parser.parse_args()
     seeds = range(options.seed, options.seed + (2 if options.quick else options.seeds))
     every = {} if options.folder is None or options.quick else of_files(options.folder, options.seed)
     every["glasses"] = glasses(options.seed)
+    return options, seeds, every
+
+
+def main() -> None:
+    """Print the table, row by row."""
+    options, seeds, every = asked(__doc__, "60 actions by two seeds in glasses")
     heads = (
         "domain",
         "actions",

@@ -23,31 +23,8 @@ from cleancli.learning.variation import variation
 from cleancli.planning.plan import BadOption
 from cleancli.recording.folder import EXPERIENCE
 from cleancli.recording.journal import Planned, read_journal
+from support.locked_doors import PROBLEM, RULES, VOCABULARY
 
-VOCABULARY = """\
-domain doors {
-  types      { door }
-  predicates { open(?d - door)  locked(?d - door) }
-  derived    { shut := count ?d - door: not open(?d) }
-  actions    { push(?d - door)  unlock(?d - door)  bolt(?d - door) }
-  %s
-  reward     { decrease(shut) }
-}
-"""
-RULES = """
-  rule push: push(?d) { when not locked(?d), not open(?d) then 0.8: open(?d) 0.2: nothing }
-  rule unlock: unlock(?d) { when locked(?d) then 1: not locked(?d) }
-  rule bolt: bolt(?d) { when not open(?d), not locked(?d) then 1: locked(?d) }
-"""
-PROBLEM = """\
-problem p {
-  domain = doors
-  objects { a b c - door }
-  init { locked(a) }
-  goal { forall ?d - door: open(?d) }
-  horizon = 8
-}
-"""
 ASKED: dict[str, Any] = {
     "episodes": 2,
     "seed": 4,
