@@ -128,6 +128,13 @@ def test_every_number_names_its_source(page: Path) -> None:
     assert [f"line {number.line}: {number.written}" for number in numbers if not number.source] == []
 
 
+def with_what_it_imports(script: Path) -> str:
+    """The text of a benchmark and of those in its folder whose options it takes over."""
+    text = script.read_text(encoding="utf-8")
+    others = (script.parent / f"{name}.py" for name in re.findall(r"^from (\w+) import", text, re.M))
+    return "".join((text, *(other.read_text(encoding="utf-8") for other in others if other.exists())))
+
+
 @pytest.mark.parametrize("page", docs_numbers.PAGES, ids=docs_numbers.called)
 def test_commands_that_make_numbers_are_there(page: Path) -> None:
     for command in named_commands(page.read_text(encoding="utf-8")):
@@ -135,7 +142,7 @@ def test_commands_that_make_numbers_are_there(page: Path) -> None:
         if words[0] == "cleancli":
             assert words[1] in COMMANDS, command
         elif words[0] == "python":
-            text = (ROOT / words[1]).read_text(encoding="utf-8")
+            text = with_what_it_imports(ROOT / words[1])
             for option in (word for word in words if word.startswith("--") and word != "--help"):
                 assert f'"{option}"' in text, f"{command}: {words[1]} has no {option}"
         else:
