@@ -23,7 +23,7 @@ from cleancli.conversion.pddl.effects import (
 )
 from cleancli.conversion.pddl.formula import ALWAYS, literal, negated
 from cleancli.conversion.pddl.problem import Start
-from cleancli.conversion.pddl.resolve import Predicate, Words
+from cleancli.conversion.pddl.resolve import NO_VARIABLES, Predicate, Words
 from cleancli.conversion.pddl.rules import outcome_of
 from cleancli.conversion.pddl.schemas import Schema
 from cleancli.conversion.pddl.syntax import ChanceNode
@@ -75,7 +75,7 @@ def begun(
 
 def _results(drawn: Sequence[ChanceNode], words: Words, effects: Effects) -> list[Result]:
     """What the initial state may be besides the facts; E917 where that depends on conditions."""
-    tree = All(tuple(effects.tree(node, {}) for node in drawn))
+    tree = All(tuple(effects.tree(node, NO_VARIABLES) for node in drawn))
     if first_condition(tree) is not None:
         words.findings.error("E917", "conditions decide of nothing before the first action", drawn[0].span)
         return []

@@ -184,7 +184,7 @@ class Effects:
         parts = []
         for chosen in product(*found):
             bound = {each.name.text: thing for each, thing in zip(node.variables, chosen, strict=True)}
-            parts.append(self.tree(node.effect, {**scope, **bound}))
+            parts.append(self.tree(node.effect, scope.inside(bound)))
         return All(tuple(parts))
 
     def _objects(self, types: Sequence[Name], span: Span) -> tuple[Object, ...]:

@@ -10,7 +10,7 @@ from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.formula import NEVER
 from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.read_conditions import Reader
-from cleancli.conversion.pddl.resolve import Words
+from cleancli.conversion.pddl.resolve import NO_VARIABLES, Words
 from cleancli.conversion.pddl.syntax import (
     AtomNode,
     ChanceNode,
@@ -101,7 +101,7 @@ def starts_of(problems: Sequence[ProblemNode], words: Words, definitions: Defini
 def _goal(problem: ProblemNode, words: Words, definitions: Definitions) -> Condition:
     if problem.goal is None:
         return ()
-    goal = words.formula(problem.goal, {})
+    goal = words.formula(problem.goal, NO_VARIABLES)
     if goal == NEVER:
         words.findings.error("E917", "this goal can never hold", problem.goal.span)
         return ()
@@ -133,7 +133,7 @@ def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) ->
 
 def _resolved(node: AtomNode, words: Words, objects: Mapping[str, Object]) -> Fact | None:
     """The fact that an atom is; None after a mistake. What another problem declares is no object of this."""
-    atom = words.atom(node, {})
+    atom = words.atom(node, NO_VARIABLES)
     if atom is None:
         return None
     for name in node.terms:

@@ -6,7 +6,7 @@ What is not declared is declared where its meaning is plain (W911), and otherwis
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
@@ -43,8 +43,21 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import Findings, meant
 from cleancli.language.model import Object, Term, Variable
 
-Scope = Mapping[str, Term]
-"""What each variable of PDDL stands for at a place; an object where a `forall` is written out."""
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """What each variable of PDDL stands for at a place, an object where a `forall` is written out; and all
+    that variables around the place stand for, also those of which a nearer one has the name."""
+
+    terms: Mapping[str, Term] = field(default_factory=dict)
+    around: tuple[Term, ...] = ()
+
+    def inside(self, terms: Mapping[str, Term]) -> Scope:
+        """The scope where more variables are bound."""
+        return Scope({**self.terms, **terms}, (*self.around, *terms.values()))
+
+
+NO_VARIABLES = Scope()
 
 
 @dataclass(slots=True)
@@ -205,9 +218,9 @@ class Words:
     def term(self, name: Name, scope: Scope) -> Term | None:
         """What a term stands for; None, and E916, for nothing that is known."""
         if name.is_variable:
-            bound = scope.get(name.text)
+            bound = scope.terms.get(name.text)
             if bound is None:
-                help = meant(name.text, scope, "variable")
+                help = meant(name.text, scope.terms, "variable")
                 self.findings.error("E916", f"the variable `{name.text}` is not bound", name.span, help=help)
             return bound
         thing = self._known.get(name.text)
@@ -226,25 +239,20 @@ class Words:
         predicate = self.predicate(node, terms)
         return (predicate.name, tuple(terms)) if len(predicate.types) == len(terms) else None
 
-    def bound(
-        self, typed: Sequence[Typed], scope: Scope
-    ) -> tuple[tuple[Variable, ...], dict[str, Term], Formula]:
-        """The variables of a quantifier or a schema, what all names stand for inside of it, and what `either`
-        asks of the variables. No variable has the name of another around it, or of an object."""
-        taken: list[Term] = [*scope.values(), *self.constants.values()]
-        inner, own, asked = dict(scope), list[Variable](), list[Formula]()
-        seen: set[str] = set()
+    def bound(self, typed: Sequence[Typed], scope: Scope) -> tuple[tuple[Variable, ...], Scope, Formula]:
+        """The variables of a quantifier or a schema, the scope inside of it, and what `either` asks of the
+        variables. No variable has the name of another around it, or of an object."""
+        taken: list[Term] = [*scope.around, *self.constants.values()]
+        own, asked = dict[str, Variable](), list[Formula]()
         for each in typed:
-            if each.name.text in seen:
+            if each.name.text in own:
                 self.findings.error("E916", f"`{each.name.text}` is bound twice here", each.name.span)
-            seen.add(each.name.text)
             kind, members = self.types.of(each.types)
             variable = apart(Variable(readable(each.name.text, "v"), kind), taken)
             taken.append(variable)
-            own.append(variable)
-            inner[each.name.text] = variable
+            own[each.name.text] = variable
             asked.append(self._of_types(variable, members))
-        return tuple(own), inner, both(asked)
+        return tuple(own.values()), scope.inside(own), both(asked)
 
     def _of_types(self, variable: Variable, members: tuple[str, ...]) -> Formula:
         """That what a variable stands for is of one of some types; always true for none of them, and where

@@ -16,7 +16,7 @@ from cleancli.conversion.pddl.effects import (
     known_under_conditions,
 )
 from cleancli.conversion.pddl.formula import ALWAYS, both
-from cleancli.conversion.pddl.resolve import Words
+from cleancli.conversion.pddl.resolve import NO_VARIABLES, Words
 from cleancli.conversion.pddl.rules import (
     Case,
     cases_of,
@@ -78,7 +78,7 @@ def _schemas(node: ActionNode, words: Words, effects: Effects, definitions: Defi
     """The schema; where its cost depends on conditions one for each cost, of which one can be applied in a
     state. None where nothing can change: what only costs is worth nothing."""
     findings, before = words.findings, words.findings.errors
-    variables, scope, asked = words.bound(node.parameters, {})
+    variables, scope, asked = words.bound(node.parameters, NO_VARIABLES)
     precondition = both([asked, words.formula(node.precondition, scope)])
     tree = effects.tree(node.effect, scope)
     precondition = both([precondition, *known_for(tree)])
