@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from cleancli.conversion.records import Atom, Declaration, Kind, Library, LibraryRule, Result
-from cleancli.conversion.scan import Scanner, Token, Unreadable, lines_of, tokens_of
+from cleancli.conversion.scan import Scanner, Token, Unreadable, lines_of, scanner_of, tokens_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import Lines
@@ -41,10 +41,10 @@ def _symbols(source: Source, found: list[Diagnostic]) -> Iterator[Declaration]:
     start = 0
     for line in source.text.splitlines(keepends=True):
         end = start + len(line.rstrip())
-        tokens = tokens_of(source, start, end)
-        if tokens:
+        scanner = scanner_of(source, start, end, "line")
+        if scanner.next is not None:
             try:
-                yield _declaration(Scanner(tokens, Span(source.path, end, end), "line"))
+                yield _declaration(scanner)
             except Unreadable as unreadable:
                 found.append(unreadable.diagnostic)
         start += len(line)
@@ -168,16 +168,14 @@ def read_reward(source: Source) -> tuple[Atom, ...]:
     end = Span(source.path, len(source.text.rstrip()), len(source.text.rstrip()))
     try:
         for start, stop in lines_of(source):
-            scanner = Scanner(tokens_of(source, start, stop), Span(source.path, stop, stop), "line")
+            scanner = scanner_of(source, start, stop, "line")
             if kind is None:
                 kind = scanner.take("number", "0 for a literal, or 1 for several")
                 if kind.text not in ("0", "1"):
                     message = f"rewards of kind {kind.text} are not converted"
                     help = "0 is a literal, 1 are several"
                     raise Unreadable(Diagnostic("E911", message, kind.span, help=help))
-            found += scanner.atoms()
-            if scanner.next is not None:
-                raise scanner.misplaced("a literal")
+            found += scanner.all_atoms()
         if not found:
             raise Scanner((), end, "text").misplaced("0 or 1, and literals")
     except Unreadable as unreadable:
@@ -189,13 +187,8 @@ def read_reward(source: Source) -> tuple[Atom, ...]:
 
 
 def _state(source: Source, found: list[Diagnostic]) -> tuple[Atom, ...]:
-    end = len(source.text.rstrip())
-    scanner = Scanner(tokens_of(source), Span(source.path, end, end), "text")
     try:
-        facts = scanner.atoms()
-        if scanner.next is not None:
-            raise scanner.misplaced("a literal")
-        return facts
+        return scanner_of(source, 0, len(source.text.rstrip()), "text").all_atoms()
     except Unreadable as unreadable:
         found.append(unreadable.diagnostic)
         return ()

@@ -55,6 +55,11 @@ def lines_of(source: Source) -> Iterator[tuple[int, int]]:
         start += len(line)
 
 
+def scanner_of(source: Source, start: int, end: int, part: str) -> Scanner:
+    """A scanner of the tokens from one place of a text to another, which are a `part` of it."""
+    return Scanner(tokens_of(source, start, end), Span(source.path, end, end), part)
+
+
 class Scanner:
     """Takes the tokens of a `part` of a text one after the other; `end` is the place behind the last."""
 
@@ -125,6 +130,13 @@ class Scanner:
             found.append(self.atom())
             self.accept(",")
         return tuple(found)
+
+    def all_atoms(self) -> tuple[Atom, ...]:
+        """The literals that are left, up to the end; raises Unreadable for anything else."""
+        found = self.atoms()
+        if self.next is not None:
+            raise self.misplaced("a literal")
+        return found
 
     def _term(self) -> str:
         if self.sees("word"):

@@ -17,9 +17,9 @@ from cleancli.conversion.experience.vocabulary import Meaning, Vocabulary, meani
 from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.names import OBJECT, fresh
 from cleancli.conversion.records import Atom
-from cleancli.conversion.scan import Scanner, Unreadable, lines_of, tokens_of
+from cleancli.conversion.scan import Unreadable, lines_of, scanner_of
 from cleancli.conversion.symbols import facts
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Object, Symbol
@@ -113,12 +113,8 @@ def _alone(state: tuple[Atom, ...]) -> Diagnostic:
 def _lines(source: Source, found: list[Diagnostic]) -> Iterator[tuple[Atom, ...]]:
     """The literals of each line that has some."""
     for start, end in lines_of(source):
-        scanner = Scanner(tokens_of(source, start, end), Span(source.path, end, end), "line")
         try:
-            atoms = scanner.atoms()
-            if scanner.next is not None:
-                raise scanner.misplaced("a literal")
-            yield atoms
+            yield scanner_of(source, start, end, "line").all_atoms()
         except Unreadable as unreadable:
             found.append(unreadable.diagnostic)
 
