@@ -633,7 +633,7 @@ def test_a_robot_at_the_end_of_a_socket_is_as_one_in_process(tmp_path: Path) -> 
 @pytest.mark.needs_pybullet
 def test_kills_trip_a_robot_at_the_end_of_a_socket(tmp_path: Path) -> None:
     """How long the tool moves on is for a quiet machine to say."""
-    result = _run("remote_robot.py", "--part", "kills", "--quick", cwd=tmp_path)
+    result = _run("remote_kills.py", "--quick", cwd=tmp_path)
     told = re.findall(r"^(.*): 1 times, told and survived 1;", result.stdout, re.M)
     assert told == ["client KILL", "client STOP", "silent"], result.stderr
 
