@@ -1,11 +1,16 @@
-"""Remote robots that lose their clients: python benchmarks/remote_kills.py [--kind NAME...] [--seed N]
+"""Remote robots that lose their clients: python benchmarks/remote_kills.py [--kind NAME...] [--keep FILE]
 
 --kills times each, a client is killed (KILL) or frozen (STOP) in mid-motion, its connection goes silent, or
 the driver is killed or frozen; how long the tool moves on, whether the robot has tripped and refuses to move,
-and whether it moves once it is re-armed.
+and whether it moves once it is re-armed. `run KILL`: the client is `cleancli execute`, and the run is resumed
+and killed time after time, until the table is clean.
 
-Exits with 1 if a kill is not told or not survived. Fifty kills of each kind take about 35 minutes, of which
-10 are CPU; how many are done is told to standard error. `--quick` takes about 10 seconds of CPU.
+Each kill is a line of FILE as soon as it is over; those that FILE holds are not done again. How many are done
+is told to standard error. Exits with 1 if the tool moves on for too long, or a kill is not told or not
+survived.
+
+Fifty kills of each kind take about 25 minutes, of which 7 are CPU; `--quick` (one each of the first three
+kinds) takes about 5 seconds of CPU.
 """
 
 from __future__ import annotations
@@ -17,26 +22,46 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from math import dist
+from pathlib import Path
+from statistics import median
+
+from kept import Kept, Row
 
 from cleancli.motion.path import Interpolation, ToolPath, Waypoint
 from cleancli.remote.client import Client, Refusal
+from cleancli.resources import shipped
 from cleancli.scene.address import Address, address_of
 from cleancli.world.errors import RobotError
 from cleancli.world.robot import Status
 
-KINDS = ("client KILL", "client STOP", "silent", "driver KILL", "driver STOP")
+KINDS = ("client KILL", "client STOP", "silent", "driver KILL", "driver STOP", "run KILL")
+SCENE = "two_groups"
 LEASE, IN_TIME = 1.0, 0.1
-"""Seconds: the lease of the drivers that are killed, and how much later than that a tool may still move."""
-PATIENCE = 10.0
-"""Seconds for which a client waits for a driver that is frozen, a third of what the program's own does."""
+"""Seconds: the lease of the drivers, and how much later than that a tool may still move."""
+WATCHED, WATCHED_AGAIN = LEASE + 4 * IN_TIME, 0.3
+"""Seconds for which a tool is looked at after a kill, and after a driver that was frozen goes on."""
+TRIES = 10
+"""Clients that are started until one sets off."""
+PATIENCE = 3.0
+"""Seconds for which a client waits for a driver that is frozen, a tenth of what the program's own does."""
 STILL = 1e-3
 """Metres by which a tool that stands still may be elsewhere."""
+LATEST, LATEST_OF_RUN = 1.0, 8.0
+"""Seconds after the tool has set off in which something is killed; a stroke of a run takes as long."""
+MOST_ACTIONS = 1000
+"""Of a run that is killed in most of its strokes."""
+SET_OFF = 1e-2
+"""Metres by which a tool must be elsewhere to have set off."""
 ENDS = ((-0.3, 0.0, 0.1), (0.3, 0.0, 0.1))
+
+Outcome = tuple[float, bool]
+"""For how long a tool moved on, and whether all was told and survived."""
 
 
 @contextmanager
@@ -56,38 +81,52 @@ def serving(*words: str) -> Iterator[tuple[subprocess.Popen[str], Address]]:
 
 
 def client(address: Address) -> None:
-    """Moves the tool to and fro until it is killed; says when it has begun."""
+    """Moves the tool to and fro until it is killed; says when it has set off."""
     with Client(address, answering=PATIENCE) as connection:
-        for number in range(1000):
-            motion = connection.start(_path(ENDS[number % 2]))
-            assert isinstance(motion, int), motion
-            while connection.poll(motion).status is Status.RUNNING:
-                if number == 1:
-                    print("moving", flush=True)
-                    number = 2
+        at = connection.state.tool
+        near, far = sorted(ENDS, key=lambda end: dist(end, at))
+        has_set_off = False
+        while True:
+            for end in (far, near):
+                motion = connection.start(_path(end))
+                assert isinstance(motion, int), motion
+                while connection.poll(motion).status is Status.RUNNING:
+                    if not has_set_off and dist(connection.state.tool, at) > SET_OFF:
+                        has_set_off = True
+                        print("moving", flush=True)
 
 
 class Relay:
-    """A connection between a client and a driver that can go silent: neither side is told of it."""
+    """A connection between a client and a driver that can go silent: neither side is told of it, until
+    `close`."""
 
     def __init__(self, to: Address) -> None:
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.address = Address("127.0.0.1", self._listener.getsockname()[1])
         self.is_silent = False
+        self._ends: tuple[socket.socket, ...] = ()
         threading.Thread(target=self._carry, args=(to,), daemon=True).start()
+
+    def close(self) -> None:
+        """End what is left of it."""
+        for end in (self._listener, *self._ends):
+            with suppress(OSError):  # ended already
+                end.shutdown(socket.SHUT_RDWR)
+            end.close()
 
     def _carry(self, to: Address) -> None:
         near, _ = self._listener.accept()
         far = socket.create_connection((to.host, to.port))
+        self._ends = near, far
         for one, other in ((near, far), (far, near)):
             threading.Thread(target=self._pass_on, args=(one, other), daemon=True).start()
 
     def _pass_on(self, one: socket.socket, other: socket.socket) -> None:
         with suppress(OSError):
-            while data := one.recv(1 << 16):
-                while self.is_silent:
-                    time.sleep(0.1)
+            while (data := one.recv(1 << 16)) and not self.is_silent:
                 other.sendall(data)
+            if not self.is_silent:
+                other.shutdown(socket.SHUT_RDWR)
 
 
 def moves_on(address: Address, since: float, seconds: float) -> float:
@@ -128,60 +167,130 @@ def moving(address: Address) -> Iterator[subprocess.Popen[str] | None]:
             process.kill()
 
 
-def kill(kind: str, driver: subprocess.Popen[str], address: Address, delay: float) -> tuple[float, bool]:
-    """One kill of a kind, a while after the tool has set off: for how long it moved on, and whether all was
-    told and survived."""
-    relay = Relay(address) if kind == "silent" else None
-    with moving(address if relay is None else relay.address) as process:
-        if process is None:  # the machine was too busy for the lease before anything was killed
-            with Client(address, control=False) as person:
-                person.rearm()
-            return kill(kind, driver, address, delay)
+def kill(kind: str, driver: subprocess.Popen[str], address: Address, delay: float) -> Outcome | None:
+    """One kill of a kind, a while after the tool has set off; None where it has not done so: the machine was
+    too busy for the lease before anything was killed."""
+    if kind == "silent":
+        with closing(Relay(address)) as relay, moving(relay.address) as process:
+            if process is None:
+                return None
+            time.sleep(delay)
+            relay.is_silent = True
+            moved = moves_on(address, time.monotonic(), WATCHED)
+        return moved, is_tripped_and_rearmed(address)
+    with moving(address) as process:
+        if process is None:
+            return None
         time.sleep(delay)
-        since = time.monotonic()
-        whom = driver if kind.startswith("driver") else process
-        match kind.split():
-            case [_, "KILL"]:
-                whom.kill()
-            case [_, "STOP"]:
-                whom.send_signal(signal.SIGSTOP)
-            case _:
-                assert relay is not None
-                relay.is_silent = True
-        if whom is driver:
-            # A client is told at once, or when its patience is over.
-            ended = process.wait(timeout=60) != 0
-            driver.send_signal(signal.SIGCONT)
-            if kind == "driver KILL":
-                return 0.0, ended
-            return moves_on(address, time.monotonic(), 0.3), ended and is_tripped_and_rearmed(address)
-        moved = moves_on(address, since, LEASE + 4 * IN_TIME)
-        process.kill()
-    return moved, is_tripped_and_rearmed(address)
+        whom, since = (driver if kind.startswith("driver") else process), time.monotonic()
+        whom.send_signal(signal.SIGKILL if kind.endswith("KILL") else signal.SIGSTOP)
+        if whom is process:
+            moved, is_told = moves_on(address, since, WATCHED), True
+        else:  # its client is told at once, or when its patience is over
+            moved, is_told = 0.0, process.wait(timeout=60) != 0
+    if kind == "driver KILL":
+        return moved, is_told
+    if kind == "driver STOP":
+        driver.send_signal(signal.SIGCONT)
+        moved = moves_on(address, time.monotonic(), WATCHED_AGAIN)
+    return moved, is_told and is_tripped_and_rearmed(address)
 
 
-def kills(number: int, kinds: Sequence[str], rng: random.Random) -> bool:
-    """Each kind so often; whether all were told and survived, in time."""
-    good = True
-    for kind in kinds:
-        results = list[tuple[float, bool]]()
-        for each in _by_driver(kind, number):
-            with serving("two_groups", "--real-time", "--lease", str(LEASE)) as (driver, address):
-                for _ in range(each):
-                    results.append(kill(kind, driver, address, rng.uniform(0, 1)))
-                    print(f"{kind}: {len(results)} of {number}", file=sys.stderr, flush=True)
-        worst, told_well = max(moved for moved, _ in results), sum(fine for _, fine in results)
-        most = LEASE + IN_TIME
-        late = sum(moved > most for moved, _ in results)
-        good &= (kind.startswith("driver") or not late) and told_well == number
-        moved_on = f"the tool moved on {worst:.2f} s at most, {late} times for more than {most:g} s"
-        print(f"{kind}: {number} times, told and survived {told_well}; {moved_on}", flush=True)
-    return good
+def killed(kind: str, driver: subprocess.Popen[str], address: Address, delay: float) -> Outcome:
+    """One kill of a kind, tried again where the machine was too busy."""
+    for _ in range(TRIES):
+        if (outcome := kill(kind, driver, address, delay)) is not None:
+            return outcome
+        with Client(address, control=False) as person:
+            person.rearm()
+    raise SystemExit(f"{kind}: of {TRIES} clients none has set off")
 
 
-def _by_driver(kind: str, number: int) -> list[int]:
-    """How many kills each driver is there for: one that is killed for one alone."""
-    return [1] * number if kind == "driver KILL" else [number]
+def kills(kind: str, numbers: Sequence[int], seed: int) -> Iterator[Row]:
+    """A kill for each number. A driver is there for all of them, but for one that is killed."""
+    served = [[number] for number in numbers] if kind == "driver KILL" else [numbers]
+    for some in served:
+        with serving(SCENE, "--real-time", "--lease", str(LEASE)) as (driver, address):
+            for number in some:
+                delay = _rng(kind, seed, number).uniform(0, LATEST)
+                yield _row(kind, seed, number, killed(kind, driver, address, delay))
+
+
+# Runs
+
+
+def killed_runs(kind: str, numbers: Sequence[int], seed: int) -> Iterator[Row]:
+    """A kill of a run for each number; a run that has come clean is followed by one on another table."""
+    left = list(numbers)
+    while left:
+        with tempfile.TemporaryDirectory() as folder:
+            yield from _killed_until_clean(kind, left, seed, Path(folder))
+
+
+def _killed_until_clean(kind: str, left: list[int], seed: int, folder: Path) -> Iterator[Row]:
+    """Kills of the run on one table, whose numbers leave `left`."""
+    words = [SCENE, "--real-time", "--lease", str(LEASE), "--seed", str(seed + left[0])]
+    with serving(*words) as (_, address):
+        scene = folder / "remote.nid"
+        drive = f'drive = remote  address = "{address}"'
+        text = (shipped("problems") / f"{SCENE}.nid").read_text(encoding="utf-8")
+        scene.write_text(text.replace("drive = gantry", drive), encoding="utf-8")
+        runs = folder / "runs"
+        run = _execute("cleaning", str(scene), "--runs", str(runs), "--max-actions", str(MOST_ACTIONS))
+        while left and sets_off(run, address):
+            number = left.pop(0)
+            time.sleep(_rng(kind, seed, number).uniform(0, LATEST_OF_RUN))
+            if not sets_off(run, address):  # it came clean first
+                left.insert(0, number)
+                break
+            since = time.monotonic()
+            run.kill()
+            moved = moves_on(address, since, WATCHED)
+            is_well = is_tripped_and_rearmed(address)
+            run = _execute("--resume", str(next(runs.iterdir())))
+            is_well &= sets_off(run, address) if left else run.wait() == 0
+            yield _row(kind, seed, number, (moved, is_well or run.poll() == 0))
+        assert run.wait() == 0, f"a run that was killed time after time ended with {run.returncode}"
+
+
+def sets_off(run: subprocess.Popen[bytes], address: Address) -> bool:
+    """Whether the tool moves from now on, before the run is over."""
+    with Client(address, control=False) as watch:
+        at = watch.state.tool
+        while run.poll() is None:
+            watch.refresh()
+            if dist(watch.state.tool, at) > SET_OFF:
+                return True
+            time.sleep(1e-2)
+    return False
+
+
+def _execute(*words: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([sys.executable, "-m", "cleancli", "execute", "--quiet", *words])
+
+
+# All
+
+
+def told(kind: str, rows: Sequence[Row]) -> tuple[str, bool]:
+    """What the kills of a kind come to, and whether that is as it must be."""
+    moved, well = [row["moved"] for row in rows], sum(row["well"] for row in rows)
+    most = LEASE + IN_TIME
+    late = sum(each > most for each in moved)
+    text = (
+        f"{kind}: {len(rows)} times, told and survived {well}; the tool moved on {median(moved):.2f} s "
+        f"(median) and {max(moved):.2f} s at most, {late} times for more than {most:g} s"
+    )
+    return text, not late and well == len(rows)
+
+
+def _rng(kind: str, seed: int, number: int) -> random.Random:
+    return random.Random(f"{kind} {seed} {number}")
+
+
+def _row(kind: str, seed: int, number: int, outcome: Outcome) -> Row:
+    moved, is_well = outcome
+    return {"job": [kind, seed, number], "moved": round(moved, 3), "well": is_well}
 
 
 def _path(to: tuple[float, float, float]) -> ToolPath:
@@ -196,6 +305,7 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--kind", nargs="*", choices=KINDS, default=KINDS)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="kills done before are in it")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--client", type=address_of, help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -204,7 +314,19 @@ def main() -> int:
             client(given.client)
         return 1
     number, kinds = (1, KINDS[:3]) if given.quick else (given.kills, given.kind)
-    return not kills(number, kinds, random.Random(given.seed))
+    kept, is_good = Kept(given.keep), True
+    known = {tuple(row["job"]): row for row in kept.rows()}
+    for kind in kinds:
+        jobs = [(kind, given.seed, each) for each in range(number)]
+        missing = [each for *_, each in jobs if (kind, given.seed, each) not in known]
+        for row in (killed_runs if kind == "run KILL" else kills)(kind, missing, given.seed):
+            kept.add(known.setdefault(tuple(row["job"]), row))
+            done = sum(job in known for job in jobs)
+            print(f"{kind}: {done} of {number}", file=sys.stderr, flush=True)
+        text, is_as_it_must = told(kind, [known[job] for job in jobs])
+        print(text, flush=True)
+        is_good &= is_as_it_must
+    return not is_good
 
 
 if __name__ == "__main__":

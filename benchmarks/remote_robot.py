@@ -5,8 +5,8 @@ time, and where the tool was after each poll. `real`: the same in real time; the
 and the longest gap between two polls of a motion. `frames`: pairs of 640 x 480 pictures at 30 Hz for
 --seconds; those that came late, their latency, and what share of a CPU each side takes.
 
-Exits with 1 if an episode differs. All of it takes about 20 minutes, most of it CPU. `--quick` takes about 10
-seconds of CPU.
+Exits with 1 if an episode differs. All of it takes about 4 minutes, half of which are CPU; `--quick` takes
+about 10 seconds of CPU.
 """
 
 from __future__ import annotations

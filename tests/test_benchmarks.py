@@ -60,6 +60,7 @@ LONG = {
     "physics.py",
     "reaching.py",
     "regret.py",
+    "remote_kills.py",
     "stand_in.py",
     "strategies.py",
     "strokes.py",
@@ -632,10 +633,13 @@ def test_a_robot_at_the_end_of_a_socket_is_as_one_in_process(tmp_path: Path) -> 
 
 @pytest.mark.needs_pybullet
 def test_kills_trip_a_robot_at_the_end_of_a_socket(tmp_path: Path) -> None:
-    """How long the tool moves on is for a quiet machine to say."""
-    result = _run("remote_kills.py", "--quick", cwd=tmp_path)
-    told = re.findall(r"^(.*): 1 times, told and survived 1;", result.stdout, re.M)
-    assert told == ["client KILL", "client STOP", "silent"], result.stderr
+    """How long the tool moves on is for a quiet machine to say. What was done is not done again."""
+    words = ("remote_kills.py", "--quick", "--keep", str(tmp_path / "kept"))
+    first = _run(*words, cwd=tmp_path)
+    told = re.findall(r"^(.*): 1 times, told and survived 1;", first.stdout, re.M)
+    assert told == ["client KILL", "client STOP", "silent"], first.stderr
+    again = _run(*words, cwd=tmp_path)
+    assert (again.stdout, again.stderr) == (first.stdout, "")
 
 
 def test_what_a_cluster_costs_an_episode_is_measured(tmp_path: Path) -> None:
