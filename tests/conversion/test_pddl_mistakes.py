@@ -273,6 +273,30 @@ def test_mistakes_are_told_at_once() -> None:
     assert [d.code for d in caught.value.diagnostics] == ["E916"] * 3
 
 
+@pytest.mark.parametrize(
+    "facts",
+    [
+        "(dirt a1) (dirt a3) (clean a1) (in a1)",
+        "(dirt a1)\n  (DIRT A1) ; again\n  (in a1 a2)",
+        "(in bin a1) (dirt) (wiped) (wiped)",
+        "(dirt a1) (not a1) (increase a1)",
+        "(dirt a1)(in a2 bin)( dirt\n a2 )(dart a1)",
+    ],
+)
+def test_facts_alone_are_told_as_those_beside_other_things_are(facts: str) -> None:
+    """An `:init` of facts alone is read in one piece; a value at its end makes it be read one by one."""
+
+    def told(more: str) -> list[Diagnostic]:
+        text = TEXT.replace("(dirt a1) (dirt a2))\n", f"{facts}{more})\n")
+        try:
+            found = converted(text).diagnostics
+        except Refused as refused:
+            found = refused.diagnostics
+        return [each for each in found if each.span is not None and each.span.path == "given.pddl"]
+
+    assert told("") == told(" (= (total-cost) 0)") != []
+
+
 def test_facts_of_the_objects_of_another_problem_are_mistakes() -> None:
     text = LIDS + WITH + WITHOUT.replace("(open)", "(open) (shut l)")
     text = text.replace("(shut ?b - box)", "(shut ?b - object)", 1)

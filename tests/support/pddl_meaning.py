@@ -26,7 +26,7 @@ from cleancli.conversion.pddl.syntax import (
     EachNode,
     EffectNode,
     EqualNode,
-    FactNode,
+    FactsNode,
     Name,
     NotNode,
     OrNode,
@@ -70,9 +70,10 @@ class Meaning:
         """The objects that a variable may stand for."""
         wanted = [name.text for name in typed.types] or ["object"]
         return [
-            each.name.text
+            word.text
             for each in (*self.domain.constants, *self.problem.objects)
             if any(self._is_a(own, w) for own in [n.text for n in each.types] or ["object"] for w in wanted)
+            for word in each.words
         ]
 
     def bindings(self, variables: tuple[Typed, ...]) -> Iterator[dict[str, str]]:
@@ -215,7 +216,7 @@ class Meaning:
 
     def initial(self) -> World:
         """The world at first, where chance has no part in it."""
-        plain = {fact.names for fact in self.problem.init if isinstance(fact, FactNode)}
+        plain = {names for each in self.problem.init if isinstance(each, FactsNode) for names in each.names}
         facts = [fact for fact in self.problem.init if isinstance(fact, SetNode)]
         return frozenset(plain | {self.atom(fact.atom, {}) for fact in facts if fact.value})
 

@@ -28,9 +28,14 @@ class Naming:
     def of(self, name: Name, initial: str) -> str:
         """What something is called, now and each time; `initial` stands before a name that begins with a
         digit."""
-        if name.text not in self._given:
-            self._given[name.text] = self.fresh(self.written(name), initial)
-        return self._given[name.text]
+        return self.of_text(name.text, name.span.path, name.span.start, initial)
+
+    def of_text(self, text: str, path: str, start: int, initial: str) -> str:
+        """As `of`, for a name that stands in the file at `path`."""
+        if text not in self._given:
+            written = self._sources[path].text[start : start + len(text)]
+            self._given[text] = self.fresh(written, initial)
+        return self._given[text]
 
     def fresh(self, wanted: str, initial: str = "n") -> str:
         """The wanted name, with underscores behind it while it is taken."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import repeat
 
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.formula import NEVER
@@ -13,9 +14,8 @@ from cleancli.conversion.pddl.read_conditions import Reader
 from cleancli.conversion.pddl.resolve import NO_VARIABLES, Words
 from cleancli.conversion.pddl.syntax import (
     AtomNode,
-    ChanceNode,
     DomainNode,
-    FactNode,
+    FactsNode,
     ProblemNode,
     SetNode,
 )
@@ -109,20 +109,18 @@ def _goal(problem: ProblemNode, words: Words, definitions: Definitions) -> Condi
 
 
 def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) -> frozenset[Fact]:
-    """The facts that hold at first. One in which all is declared and fits is taken as it is; of others it is
-    looked up what is wrong with them, and where."""
-    fitting = _Fitting(words, objects)
-    reader = Reader(problem.span.path, words.findings)
-    found: set[Fact] = set()
-    for node in problem.init:
-        if isinstance(node, ChanceNode):
-            continue  # an action draws it (`beginning`)
-        if isinstance(node, FactNode) and (plain := fitting.fact(node.names)) and plain not in found:
-            found.add(plain)
-            continue
-        atom = reader.atom(node.group) if isinstance(node, FactNode) else node.atom
+    """The facts that hold at first. Where all are declared and fit, they are taken as they are; otherwise it
+    is looked up what is wrong with each, and where."""
+    together = [node for node in problem.init if isinstance(node, FactsNode)]
+    rows = [names for node in together for names in node.names]
+    found = _Fitting(words, objects).facts(rows)
+    atoms = [(node.atom, node.value) for node in problem.init if isinstance(node, SetNode)]
+    if len(found) < len(rows):
+        found, reader = set(), Reader(problem.span.path, words.findings)
+        atoms += [(reader.atom(group), True) for node in together for group in node.groups]
+    for atom, holds in atoms:
         fact = _resolved(atom, words, objects)
-        if fact is None or (isinstance(node, SetNode) and not node.value):
+        if fact is None or not holds:
             continue
         if fact in found:
             message = f"`{atom.symbol.text}` holds twice of the same"
@@ -148,28 +146,37 @@ class _Fitting:
 
     def __init__(self, words: Words, objects: Mapping[str, Object]) -> None:
         self._words = words
-        self._objects = {**words.constants, **objects}
+        self._own: dict[str, dict[str, str]] = {}
+        for name, thing in (*words.constants.items(), *objects.items()):
+            self._own.setdefault(thing.type, {})[name] = thing.name
         self._of_type: dict[str, dict[str, str]] = {}
-        self._places: dict[str, tuple[str, list[dict[str, str]]]] = {}
 
-    def fact(self, names: tuple[str, ...]) -> Fact | None:
-        """The fact of a declared predicate and objects that fit it; None where they are not."""
-        symbol, *terms = names
-        if symbol not in self._places:
-            predicate = self._words.predicates.get(symbol)
-            if predicate is None:
-                return None
-            self._places[symbol] = predicate.name, [self._fitting(kind) for kind in predicate.types]
-        name, places = self._places[symbol]
-        if len(terms) != len(places):
-            return None
-        objects = tuple([place.get(term, "") for place, term in zip(places, terms, strict=True)])
-        return None if "" in objects else Fact(name, objects)
+    def facts(self, rows: Sequence[tuple[str, ...]]) -> set[Fact]:
+        """The facts that rows of names say; none of a predicate that is not declared, or of which some row
+        does not fit."""
+        grouped: dict[str, list[tuple[str, ...]]] = {}
+        for row in rows:
+            grouped.setdefault(row[0], []).append(row[1:])
+        return {fact for symbol, each in grouped.items() for fact in self._of(symbol, each)}
+
+    def _of(self, symbol: str, rows: Sequence[tuple[str, ...]]) -> Iterator[Fact]:
+        predicate = self._words.predicates.get(symbol)
+        if predicate is None or set(map(len, rows)) != {len(predicate.types)}:
+            return iter(())
+        if not predicate.types:
+            return iter((Fact(predicate.name, ()),))
+        columns = zip(map(self._fitting, predicate.types), zip(*rows, strict=True), strict=True)
+        try:
+            named = [[titles[name] for name in names] for titles, names in columns]
+        except KeyError:
+            return iter(())
+        return map(Fact, repeat(predicate.name), zip(*named, strict=True))
 
     def _fitting(self, kind: str) -> dict[str, str]:
+        """The objects of a type, and of those below it."""
         if kind not in self._of_type:
-            is_a = self._words.types.is_a
-            self._of_type[kind] = {n: o.name for n, o in self._objects.items() if is_a(o.type, kind)}
+            below = (own for name, own in self._own.items() if self._words.types.is_a(name, kind))
+            self._of_type[kind] = {name: title for own in below for name, title in own.items()}
         return self._of_type[kind]
 
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cleancli.conversion.pddl.read_conditions import Reader, Unreadable
-from cleancli.conversion.pddl.read_effects import effect_of, initial_of
+from cleancli.conversion.pddl.read_effects import are_facts, effect_of, initial_of
 from cleancli.conversion.pddl.syntax import (
     ActionNode,
     AllNode,
     AndNode,
     ChanceNode,
     DomainNode,
-    FactNode,
+    FactsNode,
     MetricNode,
     Name,
     ProblemNode,
@@ -109,7 +109,7 @@ def _domain(name: Group, sections: list[Group], reader: Reader) -> DomainNode:
     return DomainNode(
         _named(name, reader),
         reader.typed(of(":types")),
-        reader.typed(of(":constants")),
+        reader.objects(of(":constants")),
         tuple(_signatures(of(":predicates"), reader)),
         tuple(_signatures(of(":functions"), reader)),
         tuple(action for action in actions if action is not None),
@@ -190,13 +190,13 @@ def _problem(name: Group, sections: list[Group], reader: Reader) -> ProblemNode:
     def of(head: str) -> list[Node]:
         return [item for section in sections if section.head == head for item in section.items[1:]]
 
-    facts, values = _init(of(":init"), reader)
+    facts, values = _init([section for section in sections if section.head == ":init"], reader)
     domain, goal = last(":domain"), last(":goal")
     rewarded, surely = last(":goal-reward"), last(":goal-probability")
     return ProblemNode(
         _named(name, reader),
         None if domain is None else reader.name(domain, "the name of a domain"),
-        reader.typed(of(":objects")),
+        reader.objects(of(":objects")),
         facts,
         values,
         None if goal is None else reader.condition(goal),
@@ -208,22 +208,40 @@ def _problem(name: Group, sections: list[Group], reader: Reader) -> ProblemNode:
 
 
 def _init(
-    items: Sequence[Node], reader: Reader
-) -> tuple[tuple[FactNode | SetNode | ChanceNode, ...], tuple[ValueNode, ...]]:
+    sections: Sequence[Group], reader: Reader
+) -> tuple[tuple[FactsNode | SetNode | ChanceNode, ...], tuple[ValueNode, ...]]:
     """The facts, what chance decides of them, and the values of functions."""
-    facts: list[FactNode | SetNode | ChanceNode] = []
+    facts: list[FactsNode | SetNode | ChanceNode] = []
     values: list[ValueNode] = []
-    for item in _members(items):
-        try:
-            found = initial_of(item, reader)
-        except Unreadable as wrong:
-            reader.note(wrong)
-            continue
-        if isinstance(found, ValueNode):
-            values.append(found)
-        else:
-            facts.append(found)
+    for section in sections:
+        together, others = _apart(section)
+        facts.append(together)
+        for item in others:
+            try:
+                found = initial_of(item, reader)
+            except Unreadable as wrong:
+                reader.note(wrong)
+                continue
+            if isinstance(found, ValueNode):
+                values.append(found)
+            else:
+                facts.append(found)
     return tuple(facts), tuple(values)
+
+
+def _apart(section: Group) -> tuple[FactsNode, list[Node]]:
+    """The facts of an `:init`, and what else stands in it."""
+    atoms = section.atoms
+    if atoms and are_facts(atoms):
+        return FactsNode(atoms, section), []
+    names, groups, others = list[tuple[str, ...]](), list[Group](), list[Node]()
+    for item in _members(section.items[1:]):
+        if isinstance(item, Group) and (found := item.names) and are_facts([found]):
+            names.append(found)
+            groups.append(item)
+        else:
+            others.append(item)
+    return FactsNode(names, Group(section.start, section.end, tuple(groups))), others
 
 
 def _members(items: Sequence[Node]) -> Iterator[Node]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from cleancli.conversion.pddl.syntax import (
@@ -14,6 +14,7 @@ from cleancli.conversion.pddl.syntax import (
     EqualNode,
     Name,
     NotNode,
+    ObjectsNode,
     OrNode,
     QuantifiedNode,
     Typed,
@@ -69,12 +70,16 @@ class Reader:
         """Warns of a mistake whose mend is plain (W911)."""
         self.findings.warning("W911", message, self.span(node), mend)
 
-    def name(self, node: Node, wanted: str) -> Name:
-        """A name or the name of a variable."""
+    def word(self, node: Node, wanted: str) -> Word:
+        """A word that may be a name, or the name of a variable."""
         if isinstance(node, Group) or node.text == "-" or node.text.startswith(":"):
             shown = "a group" if isinstance(node, Group) else f"`{node.text}`"
             raise Unreadable(f"expected {wanted}, but there is {shown}", self.span(node))
-        return Name(node.text, span=Span(self.path, node.start, node.start + len(node.text)))
+        return node
+
+    def name(self, node: Node, wanted: str) -> Name:
+        """A name or the name of a variable."""
+        return name_of(self.word(node, wanted), self.path)
 
     def group(self, node: Node, wanted: str) -> Group:
         """A group in parentheses."""
@@ -91,9 +96,23 @@ class Reader:
         return value
 
     def typed(self, items: Sequence[Node], *, variables: bool = False) -> tuple[Typed, ...]:
+        """As `objects`, each name for itself; perhaps of variables."""
+        names = [
+            (name_of(word, self.path), types)
+            for words, types in self._listed(items, variables=variables)
+            for word in words
+        ]
+        return tuple(Typed(name, types, span=name.span) for name, types in names)
+
+    def objects(self, items: Sequence[Node]) -> tuple[ObjectsNode, ...]:
         """`a b - type c`: a type is for all names before it that have none; `(either ...)` is several."""
-        found: list[Typed] = []
-        waiting: list[Name] = []
+        return tuple(ObjectsNode(*each) for each in self._listed(items, variables=False))
+
+    def _listed(
+        self, items: Sequence[Node], *, variables: bool
+    ) -> Iterator[tuple[tuple[Word, ...], tuple[Name, ...]]]:
+        """The names before each type with it, and those at the end that have none."""
+        waiting: list[Word] = []
         place = 0
         while place < len(items):
             item = items[place]
@@ -107,17 +126,17 @@ class Reader:
                     place += 1
                 else:
                     raise Unreadable("no type stands behind this", self.span(item))
-                types = self._types(node)
-                found += [Typed(name, types, span=name.span) for name in waiting]
+                yield tuple(waiting), self._types(node)
                 waiting = []
                 continue
-            name = self.name(item, "a variable" if variables else "a name")
-            if name.is_variable != variables:
+            word = self.word(item, "a variable" if variables else "a name")
+            if word.text.startswith("?") != variables:
                 what = "is no variable: write `?` before it" if variables else "is a variable"
-                raise Unreadable(f"`{name.text}` {what}", name.span)
-            waiting.append(name)
+                raise Unreadable(f"`{word.text}` {what}", self.span(word))
+            waiting.append(word)
             place += 1
-        return (*found, *(Typed(name, (), span=name.span) for name in waiting))
+        if waiting:
+            yield tuple(waiting), ()
 
     def _types(self, node: Node) -> tuple[Name, ...]:
         if isinstance(node, Word):
@@ -186,6 +205,11 @@ class Reader:
             return CompareNode(span=self.span(node))
         left, right = (self.name(part, "an object or a variable") for part in node.items[1:])
         return EqualNode(left, right, span=self.span(node))
+
+
+def name_of(word: Word, path: str) -> Name:
+    """A word as a name that stands in the file at `path`."""
+    return Name(word.text, span=Span(path, word.start, word.end))
 
 
 def number_in(node: Node) -> Fraction | None:

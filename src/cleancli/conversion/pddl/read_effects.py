@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from cleancli.conversion.pddl.read_conditions import Reader, Unreadable, number_in
@@ -11,7 +12,6 @@ from cleancli.conversion.pddl.syntax import (
     ChanceNode,
     EachNode,
     EffectNode,
-    FactNode,
     PayNode,
     SetNode,
     ValueNode,
@@ -109,10 +109,13 @@ def _function(node: Node, reader: Reader) -> AtomNode:
 # ---- what holds at first
 
 
-def initial_of(node: Node, reader: Reader) -> FactNode | SetNode | ChanceNode | ValueNode:
+def are_facts(rows: Iterable[tuple[str, ...]]) -> bool:
+    """Whether each row of names begins with what may be a predicate."""
+    return _NO_PREDICATES.isdisjoint(names[0] for names in rows)
+
+
+def initial_of(node: Node, reader: Reader) -> SetNode | ChanceNode | ValueNode:
     """A fact, what chance decides, or the value of a function. Raises `Unreadable`."""
-    if isinstance(node, Group) and (names := node.names) and names[0] not in _NO_PREDICATES:
-        return FactNode(names, node)
     if isinstance(node, Group) and node.head == "=":
         if len(node.items) != 3:
             raise Unreadable("`=` gives a function a value", reader.span(node))

@@ -22,6 +22,7 @@ from cleancli.conversion.pddl.formula import (
     quantified,
 )
 from cleancli.conversion.pddl.naming import Naming, readable
+from cleancli.conversion.pddl.read_conditions import name_of
 from cleancli.conversion.pddl.syntax import (
     AndNode,
     AtomNode,
@@ -31,6 +32,7 @@ from cleancli.conversion.pddl.syntax import (
     EqualNode,
     Name,
     NotNode,
+    ObjectsNode,
     OrNode,
     ProblemNode,
     QuantifiedNode,
@@ -98,8 +100,10 @@ class Words:
         self.actions = Naming(sources)
         self._names = Naming(sources)
         self._is_alone = not problems
-        self.constants = self._declared(domain.constants, {})
-        self.objects = [self._declared(problem.objects, self.constants) for problem in problems]
+        self.constants = self._declared(domain.constants, domain.span.path, {})
+        self.objects = [
+            self._declared(problem.objects, problem.span.path, self.constants) for problem in problems
+        ]
         self._known = {
             name: thing for each in (self.constants, *self.objects) for name, thing in each.items()
         }
@@ -116,22 +120,27 @@ class Words:
         found = [*self.constants.values(), *(thing for each in self.objects for thing in each.values())]
         return tuple(dict.fromkeys(found))
 
-    def _declared(self, typed: Iterable[Typed], constants: Mapping[str, Object]) -> dict[str, Object]:
+    def _declared(
+        self, nodes: Iterable[ObjectsNode], path: str, constants: Mapping[str, Object]
+    ) -> dict[str, Object]:
+        """The objects that stand in the file at `path`."""
         found: dict[str, Object] = {}
-        for each in typed:
-            kind, members = self.types.of(each.types)
-            name = each.name.text
-            thing = Object(self._names.of(each.name, "o"), kind)
+        for node in nodes:
+            kind, members = self.types.of(node.types)
             if members:
-                message = f"it is not said which of several types `{name}` is of"
-                self.findings.error("E917", message, each.types[0].span)
-            first = found.get(name, constants.get(name))
-            if first is None:
-                found[name] = thing
-            elif first == thing:
-                self.findings.warning("W911", f"`{name}` is declared twice", each.name.span, "passed over")
-            else:
-                self.findings.error("E916", f"`{name}` is declared with another type before", each.name.span)
+                message = f"it is not said which of several types `{node.words[0].text}` is of"
+                self.findings.error("E917", message, node.types[0].span)
+            for word in node.words:
+                name = word.text
+                first = found.get(name) or constants.get(name)
+                if first is None:
+                    found[name] = Object(self._names.of_text(name, path, word.start, "o"), kind)
+                elif first.type == kind:
+                    span = name_of(word, path).span
+                    self.findings.warning("W911", f"`{name}` is declared twice", span, "passed over")
+                else:
+                    message = f"`{name}` is declared with another type before"
+                    self.findings.error("E916", message, name_of(word, path).span)
         return found
 
     def of_type(self, kind: str) -> tuple[Object, ...] | None:

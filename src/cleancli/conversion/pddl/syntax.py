@@ -6,11 +6,12 @@ The language is that of Younes and Littman, PPDDL1.0 (2004), over PDDL2.1 withou
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from cleancli.conversion.pddl.words import Group
+from cleancli.conversion.pddl.words import Group, Word
 from cleancli.language.diagnostics.diagnostic import Span
 
 
@@ -38,6 +39,14 @@ class Typed(Node):
     """A name with its type: several are `either` of them, none is any object."""
 
     name: Name
+    types: tuple[Name, ...]
+
+
+class ObjectsNode(NamedTuple):
+    """Objects that are declared together, with their type as in `Typed`. Problems have thousands of them, and
+    hardly one has a mistake: the place of one is made of its word where it is told."""
+
+    words: tuple[Word, ...]
     types: tuple[Name, ...]
 
 
@@ -179,18 +188,23 @@ class DomainNode(Node):
 
     name: Name
     types: tuple[Typed, ...] = ()
-    constants: tuple[Typed, ...] = ()
+    constants: tuple[ObjectsNode, ...] = ()
     predicates: tuple[Signature, ...] = ()
     functions: tuple[Signature, ...] = ()
     actions: tuple[ActionNode, ...] = ()
 
 
-class FactNode(NamedTuple):
-    """A fact of a predicate and objects by their names. Problems have thousands of them, and hardly one has a
-    mistake: what has places is made of `group` where one is to be told."""
+class FactsNode(NamedTuple):
+    """Facts of predicates and objects by their names, and an `:init` with nothing else in it. Problems have
+    thousands of facts, and hardly one has a mistake: what has places is made of a group where one is told."""
 
-    names: tuple[str, ...]
-    group: Group
+    names: Sequence[tuple[str, ...]]
+    section: Group
+
+    @property
+    def groups(self) -> Iterator[Group]:
+        """The group of each."""
+        return (item for item in self.section.items if isinstance(item, Group))
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,8 +230,8 @@ class ProblemNode(Node):
 
     name: Name
     domain: Name | None
-    objects: tuple[Typed, ...] = ()
-    init: tuple[FactNode | SetNode | ChanceNode, ...] = ()
+    objects: tuple[ObjectsNode, ...] = ()
+    init: tuple[FactsNode | SetNode | ChanceNode, ...] = ()
     values: tuple[ValueNode, ...] = ()
     goal: ConditionNode | None = None
     metric: MetricNode | None = None

@@ -2,7 +2,7 @@
 many, are mended where it is plain what they were to enclose.
 
 A group that holds words alone, as most do, is read as one piece: its words get their places when they are
-asked for.
+asked for. So is an `:init` that holds facts alone, of which there may be thousands.
 """
 
 from __future__ import annotations
@@ -20,9 +20,12 @@ DEEPEST = 80
 """How deep groups may stand in one another. Chosen: far more than people write, and few enough to recurse."""
 
 _COMMENT = re.compile(r";[^\n]*")
-_PIECE = re.compile(r"\([^()]*\)|[()]|[^\s()]+")
+_NAME = "[a-z][a-z0-9_-]*+"
+_ATOM = rf"\(\s*+{_NAME}(?:\s++{_NAME})*+\s*+\)"
+_PIECE = re.compile(rf"\(\s*+:init\s(?:\s*+{_ATOM})*+\s*+\)|\([^()]*\)|[()]|[^\s()]+")
 _WORD = re.compile(r"\S+")
-_NAMES = re.compile(r"\(\s*[a-z][\w-]*(\s+[a-z][\w-]*)*\s*\)", re.ASCII)
+_NAMES = re.compile(_ATOM)
+_INNER = re.compile(r"\(([^()]*)\)")
 _SECTION_DEPTH = 2
 """How many groups are open where `define` and one section are."""
 
@@ -40,8 +43,8 @@ class Word(NamedTuple):
 
 
 class Group:
-    """What stands between two parentheses, and where these stand: several `items`, or a `text` of words
-    alone, with its parentheses."""
+    """What stands between two parentheses, and where these stand: several `items`, or a `text`, with its
+    parentheses, of words alone, or of one word and groups of words."""
 
     __slots__ = ("_items", "_text", "end", "start")
 
@@ -56,8 +59,11 @@ class Group:
         """The words and groups in it."""
         if self._items is None:
             first = self.start + 1
-            found = _WORD.finditer(self._text[1:-1])
-            self._items = tuple(Word(match[0], first + match.start()) for match in found)
+            words, _, _ = self._text[1:-1].partition("(")
+            found = [Word(match[0], first + match.start()) for match in _WORD.finditer(words)]
+            inner = _INNER.finditer(self._text, 1)
+            groups = [Group(self.start + m.start(), self.start + m.end(), text=m[0]) for m in inner]
+            self._items = (*found, *groups)
         return self._items
 
     @property
@@ -65,6 +71,11 @@ class Group:
         """Its words, where there is nothing else in it and each is a name that begins with a letter;
         otherwise none."""
         return tuple(self._text[1:-1].split()) if _NAMES.fullmatch(self._text) else ()
+
+    @property
+    def atoms(self) -> list[tuple[str, ...]]:
+        """The names in each group of it, where it was read as one piece with groups."""
+        return [tuple(words.split()) for words in _INNER.findall(self._text, 1)]
 
     @property
     def head(self) -> str:
