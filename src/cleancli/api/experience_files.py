@@ -68,7 +68,10 @@ def with_trajectories(made: ConversionResult, domain: Domain, paths: Sequence[st
     if not paths:
         return made
     naming = Naming([], folded=True)
-    every = [_Several(naming.fresh(Path(path).stem), _chains(path, domain)) for path in paths]
+    every = [
+        _Several(naming.fresh(Path(path).stem), tuple(chains_of(transitions_of([path], domain))))
+        for path in paths
+    ]
     if (count := sum(len(each.chains) for each in every)) > MOST:
         message = f"the experience comes to {count} trajectories, and {MOST} are written at most"
         place = Span(paths[0], 0, 0)
@@ -85,22 +88,21 @@ def with_trajectories(made: ConversionResult, domain: Domain, paths: Sequence[st
     return replace(made, texts=texts, notes=(*made.notes, _LOST), names=names)
 
 
-def _chains(path: str, domain: Domain) -> tuple[Chain, ...]:
-    return tuple(chains_of(read_experience(path, domain)))
+def transitions_of(paths: Sequence[str], domain: Domain) -> tuple[Transition, ...]:
+    """The transitions of files of experience, in order. Raises Refused."""
+    return tuple(each for path in paths for each in read_experience(path, domain))
 
 
-def objects_of(paths: Sequence[str], domain: Domain) -> list[Object]:
-    """The objects of files of experience. Raises Refused."""
-    return sorted(
-        {thing for path in paths for each in read_experience(path, domain) for thing in each.objects}
-    )
+def objects_of(transitions: Iterable[Transition]) -> list[Object]:
+    """All objects of transitions, in order."""
+    return sorted({thing for each in transitions for thing in each.objects})
 
 
 def with_data(
-    made: ConversionResult, domain: Domain, names: LibpradaNames, paths: Sequence[str]
+    made: ConversionResult, domain: Domain, names: LibpradaNames, transitions: Sequence[Transition]
 ) -> ConversionResult:
-    """What was written of a domain for libPRADA, with files of experience as one. Raises Refused."""
-    chains = tuple(chains_of(each for path in paths for each in read_experience(path, domain)))
+    """What was written of a domain for libPRADA, with experience beside it."""
+    chains = tuple(chains_of(transitions))
     shape = "states and actions in turn" if len(chains) == 1 else "each action between two states of its own"
     return replace(
         made,

@@ -7,7 +7,13 @@ from pathlib import Path
 
 from cleancli.api.checks import check_one_of
 from cleancli.api.conversion_result import ConversionResult
-from cleancli.api.experience_files import is_experience, objects_of, with_data, with_trajectories
+from cleancli.api.experience_files import (
+    is_experience,
+    objects_of,
+    transitions_of,
+    with_data,
+    with_trajectories,
+)
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, load_problem, opened_domain
 from cleancli.compiler.horizon import first_horizon
 from cleancli.conversion.export.libprada import libprada
@@ -55,12 +61,13 @@ def _of_libprada(
 ) -> ConversionResult:
     """The rules stand for the domain, and the state for the problem; experience goes beside them."""
     model = domain.model
-    names = LibpradaNames(model, problem, objects_of(experience, model) if experience else None)
+    transitions = transitions_of(experience, model)
+    names = LibpradaNames(model, problem, objects_of(transitions) if experience else None)
     made = libprada(model, problem, noise, unsaid, names)
     texts = {problem.name: made.texts["state.dat"]}
     rules = made.texts["rules.dat"]
     files = ConversionResult(domain.name, rules, texts, {}, made.notes, (), (), made.texts, made.names)
-    return with_data(files, model, names, experience) if experience else files
+    return with_data(files, model, names, transitions) if experience else files
 
 
 def _result(domain: LoadedDomain, problems: Sequence[LoadedProblem], made: Written) -> ConversionResult:
