@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from random import Random
 
 import pytest
 
@@ -17,6 +16,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.learning.experience import encode, read_experience
 from cleancli.planning.plan import BadOption
+from support.damaged import count_read
 from support.export_texts import LAMPS
 from support.random_transitions import drawn
 
@@ -192,23 +192,11 @@ def test_mistakes_are_located(old: str, new: str, message: str) -> None:
     assert [each.code for each in found] in (["E912"], ["E911"] * 2), str(refused.value)
 
 
-def test_spoilt_files_are_refused_or_read() -> None:
-    rng = Random(4)
-    read = 0
-    for _ in range(300):
-        text = DATA
-        for _ in range(rng.choice((1, 1, 2))):
-            place, length = rng.randrange(len(text)), rng.choice((0, 1, 3, 20))
-            put = rng.choice(("", "(", ")", "\n", "=", "-", "X", "é", "1e9", "# ", "press(10)\n", "9" * 30))
-            text = text[:place] + put + text[place + length :]
-        try:
-            experience(text)
-        except Refused as refused:
-            places = [each.span for each in refused.diagnostics]
-        else:
-            places, read = [], read + 1
-        assert None not in places
-    assert read > 5
+PIECES = ("", "(", ")", "\n", "=", "-", "X", "é", "1e9", "# ", "press(10)\n", "9" * 30)
+
+
+def test_damaged_files_are_refused_or_read() -> None:
+    assert count_read(experience, DATA, PIECES, times=300, seed=4) > 5
 
 
 def test_the_problem_names_the_objects() -> None:
