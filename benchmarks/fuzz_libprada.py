@@ -102,7 +102,7 @@ def used(texts: Texts) -> str:
     rules, state, symbols, reward, data = (Source(name, texts[name]) for name in FILES)
     try:
         made = convert(rules, state, symbols, Wishes(reward="cost"), ("domain.nid", "problem.nid"), reward)
-        recorded(data, made, set(made.words.names.symbols.values()))
+        recorded(data, made)
     except Refused as refused:
         _assert_placed(refused, texts)
         return "refused"

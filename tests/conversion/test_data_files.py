@@ -125,11 +125,11 @@ def test_what_was_written_comes_back_to_the_letter(seed: int) -> None:
 # ---- files of the library
 
 
-def kitchen(data: str) -> ConversionResult:
+def kitchen(data: str, *, predicates: bool = False) -> ConversionResult:
     for path in KITCHEN.glob("*.dat"):
         Path(path.name).write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
     Path("data.dat").write_text(data, encoding="utf-8")
-    return cleancli.convert(".", format="libprada")
+    return cleancli.convert(".", format="libprada", predicates=predicates)
 
 
 STATE = "on(8 7) dirt(8) lightSoil(8) water(7)=1 running()"
@@ -153,6 +153,14 @@ def test_actions_that_no_rule_is_for_are_told() -> None:
     made = kitchen(f"{STATE}\nrest()\n{STATE}\n")
     assert made.texts["experience.jsonl"] == ""
     assert "left out: what actions have done that the domain lacks: rest" in made.notes
+
+
+def test_experience_goes_with_rules_that_overlap() -> None:
+    """As they stand in the library's files, which `--predicates` keeps; the checker would refuse them."""
+    made = kitchen(f"{STATE}\nwash(8)\n{STATE.replace('dirt(8) ', '')} wet(8)\n", predicates=True)
+    (line,) = map(json.loads, made.texts["experience.jsonl"].splitlines())
+    assert (line["action"], line["arguments"]) == ("wash", ["o8"])
+    assert ["lightSoil", ["o8"], True] in line["before"]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from cleancli.conversion.export.names import Naming
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.load import load_domain, read_source
+from cleancli.language.load import read_source
 from cleancli.language.model import Domain, Object, Problem
 from cleancli.learning.experience import Transition, encode, read_experience
 from cleancli.planning.plan import BadOption
@@ -162,8 +162,7 @@ def with_experience(
 
 def with_recorded(made: ConversionResult, source: Source, converted: Converted) -> ConversionResult:
     """What libPRADA's files became, with its experience. Raises Refused."""
-    actions = {action.name for action in load_domain(converted.sources[0]).actions}
-    found = recorded(source, converted, actions)
+    found = recorded(source, converted)
     notes = [f"left out: what actions have done that the domain lacks: {', '.join(found.lacking)}"]
     return _with_lines(made, found.transitions, notes if found.lacking else [])
 

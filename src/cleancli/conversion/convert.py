@@ -57,7 +57,7 @@ class Converted:
     """The texts, what has to be told about them, and what the checker says of them (`sources` has the texts).
 
     `functions` has the predicates that each new function stands for; `library` is what the files say, and
-    `words` say it in the domain's.
+    `words` say it in the domain's, which has these `actions`.
     """
 
     domain: str
@@ -68,6 +68,7 @@ class Converted:
     sources: tuple[Source, ...]
     library: Library
     words: Vocabulary
+    actions: tuple[str, ...]
 
 
 def convert(
@@ -99,7 +100,8 @@ def convert(
     texts = domain_text(domain, remarks), problem_text(problem, domain, remarks)
     sources = (Source(paths[0], texts[0]), Source(paths[1], texts[1]))
     mistakes = _mistakes(*sources, wishes.predicates)
-    return Converted(*texts, members, notes, mistakes, sources, library, words)
+    actions = tuple(action.name for action in domain.actions)
+    return Converted(*texts, members, notes, mistakes, sources, library, words, actions)
 
 
 def _domain(library: Library, words: Vocabulary, translated: tuple[Translated, ...], name: str) -> Domain:

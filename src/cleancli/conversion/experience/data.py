@@ -234,9 +234,9 @@ class Recorded:
     lacking: tuple[str, ...]
 
 
-def recorded(source: Source, made: Converted, actions: Collection[str]) -> Recorded:
+def recorded(source: Source, made: Converted) -> Recorded:
     """The transitions of a file that goes with rules.dat and symbols.dat, in the words of the domain that
-    these were converted to, which has these `actions`. Raises Refused (E911 to E913)."""
+    these were converted to. Raises Refused (E911 to E913)."""
     library, words = made.library, made.words
     known = {symbol.name for symbol in library.symbols if symbol.kind.value == "action"}
     steps = steps_of(source, known.__contains__)
@@ -254,7 +254,7 @@ def recorded(source: Source, made: Converted, actions: Collection[str]) -> Recor
     lacking: set[str] = set()
     for step in steps:
         action = words.names.symbols[step.action.symbol]
-        if action not in actions:
+        if action not in made.actions:
             lacking.add(step.action.symbol)
             continue
         terms = {term for atom in (*step.before, step.action, *step.after) for term in atom.terms}
