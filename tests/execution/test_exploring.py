@@ -147,6 +147,34 @@ def test_a_run_with_a_teacher_goes_on_after_a_kill(tmp_path: Path) -> None:
     assert experience(resume_series(folder)) == undisturbed
 
 
+def toggled(runs: Path | None = None, **asked: Any) -> SeriesResult:
+    """A game in which each turn of a card wins by a small chance, and else turns the card."""
+    text = "domain card { predicates { up() won() } actions { turn() } %s reward { goal } }"
+    rules = "rule up: turn() { when not up() then 0.95: up() 0.05: won() }"
+    rules += " rule down: turn() { when up() then 0.95: not up() 0.05: won() }"
+    Path("bare.nid").write_text(text % "", encoding="utf-8")
+    Path("card.nid").write_text(text % rules, encoding="utf-8")
+    problem = "problem q { domain = card init { } goal { won() } horizon = 8 }"
+    Path("q.nid").write_text(problem, encoding="utf-8")
+    given = {**ASKED, "teacher": "card.nid", "episodes": 1, "max_actions": 60, **asked}
+    return execute_series("bare.nid", "q.nid", world="card.nid", runs=runs or "runs", **given)
+
+
+def test_what_a_teacher_has_shown_in_a_state_is_done_again_there_unasked(tmp_path: Path) -> None:
+    """There are two states to be shown what to do in, and many turns until one has won. It is remembered also
+    by a run that goes on."""
+    done = toggled()
+    assert demonstrated(done) == [2]
+    assert done.runs[0].actions > 5
+    assert done.runs[0].clean
+    with pytest.raises(Killed):
+        toggled(tmp_path / "cut", on_event=_killing(Acted, 1))
+    (folder,) = (tmp_path / "cut").iterdir()
+    resumed = resume_series(folder)
+    assert demonstrated(resumed) == [2]
+    assert [each.actions for each in resumed.runs] == [each.actions for each in done.runs]
+
+
 def test_a_person_is_asked_and_told_of_bad_input(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,7 +9,14 @@ from typing import Any
 import pytest
 
 from cleancli.compiler.task import GroundAction
-from cleancli.execution.episode_state import Account, EpisodeState, FailedAttempt, Move, Situation
+from cleancli.execution.episode_state import (
+    Account,
+    Demonstration,
+    EpisodeState,
+    FailedAttempt,
+    Move,
+    Situation,
+)
 from cleancli.execution.setup import MOST
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.model import Fact, Object
@@ -35,6 +42,7 @@ STATE = EpisodeState(
     rest=(GroundAction("join2", ("a1", "a2"), 7.5),),
     vain=(FailedAttempt(PUSH.key, (AREA,), FACTS, 2),),
     examples=((0, Fraction(5, 2)), (len(DOMAIN.rules) - 1, Fraction(1))),
+    shown=(Demonstration(FACTS, PUSH),),
     spent=Account(planning=0.5, transits=3.0),
 )
 
@@ -99,6 +107,7 @@ def test_an_episode_of_the_domain_fits(given: tuple[Object, ...] | None) -> None
         ({"vain": (replace(STATE.vain[0], chance=1.1),)}, "the chance of a failure is none"),
         ({"queue": (Move("sing", ()),)}, "the domain has no action 'sing' for 0 objects"),
         ({"queue": (Move("join2", ("a1",)),)}, "the domain has no action 'join2' for 1 object"),
+        ({"shown": (Demonstration(FACTS, Move("sing", ())),)}, "the domain has no action 'sing' for 0"),
         ({"rest": (GroundAction("join2", ("a1",), 7.5),)}, "the domain has no action 'join2' for 1 object"),
         ({"rest": (GroundAction("join2", ("a1", "a2"), -1.0),)}, "would take -1 seconds"),
         ({"queue": (Move("wipe", (), ToolPath((), PATH.interpolation)),)}, "nowhere near a table"),

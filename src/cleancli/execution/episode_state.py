@@ -108,6 +108,14 @@ class FailedAttempt:
 
 
 @dataclass(frozen=True, slots=True)
+class Demonstration:
+    """A move that a teacher has shown in a state, and that has changed it."""
+
+    facts: State
+    move: Move
+
+
+@dataclass(frozen=True, slots=True)
 class Account:
     """Seconds that whoever waits for the robot has waited, by what they were spent on (Fig. 8b, Fig. 10b).
 
@@ -140,8 +148,9 @@ class EpisodeState:
     `situation` is None before the first look. `looks` taken and areas `named` so far; `actions` begun.
     `clear_looks`: looks in a row since the last move for which the tool was out of view. `queue`: moves
     decided upon and not yet begun; `rest`: what is left of the plan beyond them. `examples`: pairs (rule's
-    index, times it was carried out and seen, with those that the domain's text counts), sorted. `loading`:
-    seconds that numba took to load, once. `reason`: why the episode is over, empty while it is not.
+    index, times it was carried out and seen, with those that the domain's text counts), sorted. `shown`: what
+    a teacher has shown. `loading`: seconds that numba took to load, once. `reason`: why the episode is over,
+    empty while it is not.
     """
 
     situation: Situation | None = None
@@ -154,6 +163,7 @@ class EpisodeState:
     vain: tuple[FailedAttempt, ...] = ()
     examples: tuple[tuple[int, Fraction], ...] = ()
     evidence: Evidence = NO_EVIDENCE
+    shown: tuple[Demonstration, ...] = ()
     spent: Account = Account()
     loading: float = 0.0
     reason: str = ""
@@ -176,6 +186,20 @@ class EpisodeState:
 def last_failure(vain: Iterable[FailedAttempt], key: ActionKey, situation: Situation) -> FailedAttempt | None:
     """How a move was tried in vain, if its objects look in this situation as they did then."""
     return next((each for each in vain if each.key == key and unchanged(each, situation)), None)
+
+
+def shown_before(shown: Iterable[Demonstration], situation: Situation) -> tuple[Move, ...]:
+    """The move that a teacher has shown in just this state, if any."""
+    return next(((each.move,) for each in shown if each.facts == situation.state), ())
+
+
+def without_vain(
+    shown: tuple[Demonstration, ...], move: Move, before: Situation, after: Situation
+) -> tuple[Demonstration, ...]:
+    """What was shown, less a move that has just changed nothing: the teacher may know a better one."""
+    if before.state != after.state:
+        return shown
+    return tuple(each for each in shown if each != Demonstration(before.state, move))
 
 
 def unchanged(vain: FailedAttempt, situation: Situation) -> bool:

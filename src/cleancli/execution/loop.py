@@ -26,13 +26,16 @@ from cleancli.execution.believed import (
 from cleancli.execution.episode_state import (
     PATIENCE,
     Account,
+    Demonstration,
     EpisodeState,
     FailedAttempt,
     Move,
     Situation,
     about,
     last_failure,
+    shown_before,
     unchanged,
+    without_vain,
 )
 from cleancli.execution.events import (
     Acted,
@@ -178,13 +181,15 @@ def _decide(
     spent = replace(state.spent, planning=state.spent.planning + seconds)
     state = replace(state, queue=decision.moves, rest=decision.rest, spent=spent)
     state = replace(state, loading=state.loading + decision.loading)
-    shown = None if decision.moves or teacher is None else _shown(teacher, believed, now)
+    moves = decision.moves or shown_before(state.shown, situation)
+    shown = None if moves or teacher is None else _shown(teacher, believed, now)
     if shown is not None:
         yield Decided(situation, (shown,), None, seconds, is_taught=True)
-        return replace(state, queue=(shown,))
-    yield Decided(situation, decision.moves, decision.plan, seconds)
-    if decision.moves:
-        return state
+        told = Demonstration(situation.state, shown)
+        return replace(state, queue=(shown,), shown=(*state.shown, told))
+    yield Decided(situation, moves, decision.plan if decision.moves else None, seconds)
+    if moves:
+        return replace(state, queue=moves)
     if state.clear_looks:
         return replace(state, reason=_idle(state))
     return (yield from _clear_look(cell, state, Purpose.EXTRA))
@@ -323,7 +328,11 @@ def _concluded(
     seen = not motions.failure and after.is_full and before.unseen.isdisjoint(move.objects)
     knows_rules = STRATEGIES[setup.options.strategy].planner is not None
     chance = told.nothing if knows_rules else 0.0
-    state = replace(state, vain=_tried(state.vain, move, before, after, chance, motions.failure))
+    state = replace(
+        state,
+        vain=_tried(state.vain, move, before, after, chance, motions.failure),
+        shown=without_vain(state.shown, move, before, after),
+    )
     # Rules that are learned whole come and go: there are none to count by.
     if seen and told.rule is not None and not setup.options.structure:
         counts = dict(state.examples)

@@ -42,7 +42,7 @@ def check_fits(episode: EpisodeState, domain: Domain, given: Collection[Object] 
     if situation is not None:
         _check_situation(situation, domain, given)
     known = {thing.name for thing in (*domain.constants, *(given or ()))} if given is not None else None
-    for move in episode.queue:
+    for move in (*episode.queue, *(each.move for each in episode.shown)):
         _check_move(move, domain, known)
     for action in episode.rest:
         _check_move(Move(action.name, action.objects), domain, known)
