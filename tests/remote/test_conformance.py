@@ -12,7 +12,9 @@ from cleancli.remote import conformance as steps
 from cleancli.remote.conformance import HELLO, MOVING_STEPS, STILL_STEPS, conformance
 from cleancli.world.robot import Status
 from support.broken_drivers import BROKEN, FAULTS, broken
-from support.toy_driver import TOY, Toy, served
+from support.toy_driver import TOY, Toy, path, served
+
+LEASE = "stops when nobody polls"
 
 
 @pytest.fixture(autouse=True)
@@ -27,6 +29,23 @@ def test_a_driver_that_keeps_to_the_protocol_has_no_fault() -> None:
         assert [each.step for each in found] == [HELLO, *STILL_STEPS, *MOVING_STEPS]
         assert [each.fault for each in found] == [""] * len(found)
         assert server.guard.state.trip == "", "it is left as it was found"
+
+
+def test_a_motion_that_is_over_before_its_lease_is_no_reason_to_trip(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The motion that nobody polls must outlast the lease, also from the middle, where ways are short."""
+    monkeypatch.setattr(steps, "MOVING_STEPS", {LEASE: MOVING_STEPS[LEASE]})
+    toy = Toy()
+    toy.start(path((0.0, 0.0, 0.1), speed=100.0))
+    with served(toy, lease=1.0) as server:
+        trip = server.guard.trip
+
+        def trips_in_motion(reason: str) -> None:
+            if toy.clock < toy.ends:
+                trip(reason)
+            server.guard._due = None
+
+        monkeypatch.setattr(server.guard, "trip", trips_in_motion)
+        assert [each.fault for each in conformance(server.address) if each.step == LEASE] == [""]
 
 
 @pytest.mark.parametrize("fault", ["", "never-ends"])

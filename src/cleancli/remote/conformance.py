@@ -9,7 +9,7 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import dist
+from math import ceil, dist
 
 import numpy as np
 
@@ -33,6 +33,8 @@ SLOW = 0.5
 """Real seconds by which a poll may be answered later than the driver says."""
 STOPPING = 0.1
 """Real seconds that a robot has to stop in."""
+LASTING = 1.5
+"""Times the lease and `STOPPING` that a motion lasts which nobody polls."""
 STRAY = 2e-3
 """Metres by which a tool that stands still may be measured elsewhere."""
 BEYOND, FASTER = 1e-3, 1.01
@@ -208,9 +210,11 @@ def _one_at_a_time(client: Client) -> None:
 
 
 def _lease(client: Client) -> None:
-    _, motion = _begun(client)
+    """The motion outlasts the lease: one that has ended by itself trips nothing."""
+    lease = client.description.lease
+    _, motion = _begun(client, lasting=LASTING * (lease + STOPPING))
     client.poll(motion)
-    time.sleep(client.description.lease + STOPPING)
+    time.sleep(lease + STOPPING)
     _has_tripped(client, "forgets-lease", "it has not tripped after its lease without a poll")
     client.rearm()
     if client.state.trip:
@@ -256,15 +260,18 @@ def _moving(client: Client, motion: int) -> None:
             return
 
 
-def _begun(client: Client) -> tuple[ToolPath, int]:
-    """A motion of some seconds to the middle of the workspace, from wherever the tool is."""
+def _begun(client: Client, lasting: float = 0.0) -> tuple[ToolPath, int]:
+    """A motion to the middle of the workspace, from wherever the tool is, and so often to and fro there that
+    it takes `lasting` seconds at least."""
     limits = client.description.limits
     x, y, z = _middle(limits)
     side = x + min(0.05, (limits.high[0] - limits.low[0]) / 4)
     ends = (
         ((side, y, z), (x, y, z)) if dist(client.state.tool, (x, y, z)) < ENDED else ((x, y, z), (side, y, z))
     )
-    path = _path(*ends, speed=limits.speed / 2)
+    speed = limits.speed / 2
+    times = ceil(lasting * speed / (2 * (side - x))) + 1
+    path = _path(*(times * ends), speed=speed)
     begun = client.start(path)
     if isinstance(begun, Refusal):
         raise Fault("refuses", f"it refuses a path within its limits: {begun.reason}")
