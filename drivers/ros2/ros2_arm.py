@@ -86,7 +86,8 @@ class Arm:
             self._ended.set()
             return
         with self._sending:
-            if stops != self._stops:  # stopped while it was planned
+            was_stopped = stops != self._stops  # while it was planned
+            if was_stopped or not trajectory.points:
                 self._ended.set()
                 return
             self._send(trajectory)
@@ -114,9 +115,13 @@ class Arm:
                 self.failure = ""
                 self._ended.clear()
                 try:
-                    self._send(self._planned([Waypoint(x, y, LIFT, yaw, RAISING_SPEED)]))
+                    raising = self._planned([Waypoint(x, y, LIFT, yaw, RAISING_SPEED)])
                 except NoWay as error:
                     raise RuntimeError(f"the tool cannot be raised: {error}") from error
+                if not raising.points:  # less is missing than an arm can go
+                    self._ended.set()
+                    return
+                self._send(raising)
                 if not self._ended.wait(LIFTING):
                     raise TimeoutError("the tool was not raised in time")
 
@@ -131,7 +136,8 @@ class Arm:
         return place, float(np.arctan2(north, east))
 
     def _planned(self, waypoints: Sequence[Waypoint]) -> JointTrajectory:
-        """Joints along all waypoints from where the arm is, and when. Raises NoWay, TimeoutError."""
+        """Joints along all waypoints from where the arm is, and when; no points where that is no way at all.
+        Raises NoWay, TimeoutError."""
         (x, y, z), yaw = self._pose()
         found = JointTrajectory()
         began = 0.0
@@ -147,8 +153,6 @@ class Arm:
             found.joint_names = piece.joint_names
             found.points.extend(_points(began + times, joints, moving, is_first=not found.points))
             began += float(times[-1])
-        if not found.points:
-            raise NoWay("the tool is there already, and the path goes nowhere")
         return found
 
     def _piece(self, to: Waypoint, before: JointTrajectory) -> JointTrajectory:

@@ -171,6 +171,18 @@ def test_withdrawing_goes_up_and_then_to_rest(guard: Guard, cell: Cell) -> None:
     assert np.ptp(places[low][:, :2], axis=0).max() < 1e-6, "not sideways before it is up"
 
 
+def test_an_arm_that_is_there_already_has_ended_at_once(guard: Guard, driver: Any, cell: Cell) -> None:
+    """As docs/protocol.md says of withdrawing; a path that leads nowhere is no failure either."""
+    ended(guard, guard.start(STROKE))
+    assert ended(guard, guard.withdraw()) == (Status.DONE, "")
+    sent = len(cell.trajectories)
+    assert ended(guard, guard.withdraw()) == (Status.DONE, "")
+    here = replace(STROKE, waypoints=(Waypoint(-0.1, 0.05, 0.1, 0.0, 0.3),))
+    assert driver.can_follow(here)
+    assert ended(guard, guard.start(here)) == (Status.DONE, "")
+    assert len(cell.trajectories) == sent
+
+
 def test_a_path_that_no_joints_follow_fails_and_nothing_moves(guard: Guard, driver: Any, cell: Cell) -> None:
     cell.reach = 0.55
     before = cell.joints
