@@ -78,9 +78,11 @@ def _goal(
     never: list[str] = []
     for part in problem.goal:
         formula = conditions.formula((part,), {})
-        if formula is None:
+        if formula is not None and restricted(formula, known) is not None:
+            continue
+        if formula is None or (isinstance(part, Literal) and part.symbol not in conditions.universe.derived):
             never.append(print_condition((part,), symbols))
-        elif restricted(formula, known) is None:
+        else:
             never += _missing(formula, known, conditions)
     yield Unreached(None, tuple(dict.fromkeys(never)))
 

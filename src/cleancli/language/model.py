@@ -71,12 +71,23 @@ class Symbol(Record):
 class Literal:
     """Holds where the symbol's value for these terms is one of `values` (never all, never none).
 
-    The symbol may be a derived predicate.
+    The symbol may be a derived predicate. `relation` is the sign by which a comparison was written (`>=`), and
+    empty where nobody wrote one: it matters to who prints the literal, and to nothing else.
     """
 
     symbol: str
     terms: tuple[Term, ...]
     values: frozenset[Value]
+    relation: str = field(default="", compare=False)
+
+    def opposite(self, symbol: Symbol) -> Literal:
+        """What holds where this does not, for the literal's symbol."""
+        return Literal(
+            self.symbol, self.terms, frozenset(symbol.values) - self.values, _OPPOSITE[self.relation]
+        )
+
+
+_OPPOSITE = {"": "", "=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +104,13 @@ class Quantified(Record):
 
     `forall ?x - t: guard => literal` is read as: no binding satisfies the guard and the literal's opposite.
     Without variables there is one binding: `(p or q)` is read as: none satisfies the opposites of both.
+    `forall` says that it was written so, and its literal's opposite stands last: for who prints it.
     """
 
     exists: bool
     variables: tuple[Variable, ...]
     condition: tuple[Literal | Equality, ...]
+    forall: bool = field(default=False, compare=False)
 
 
 Condition = tuple[Literal | Equality | Quantified, ...]

@@ -230,7 +230,7 @@ def _comparison(node: syntax.Comparison, scope: Scope) -> Literal | None:
         help = f"the values of `{symbol.name}` are {shown_values(symbol)}"
         scope.findings.error("E306", f"this {truth} holds", node.span, help=help)
         return None
-    return Literal(symbol.name, terms, values)
+    return Literal(symbol.name, terms, values, node.relation)
 
 
 def _truth(node: syntax.Truth, scope: Scope) -> Literal | None:
@@ -320,7 +320,7 @@ def _every(node: syntax.EveryNode, scope: Scope) -> Quantified | None:
         return None
     parts = (*guard, negated(literals[0], scope.declared))
     warn_unused_variables(node.groups, parts, scope)
-    return Quantified(False, variables, parts)
+    return Quantified(False, variables, parts, forall=True)
 
 
 def bind_variables(

@@ -12,7 +12,7 @@ that cannot hold together decide alone, and where they can, `satisfiable` decide
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cleancli.language.checking.declarations import Declarations
 from cleancli.language.model import (
@@ -113,7 +113,7 @@ def renamed(rule: Rule, variables: tuple[Variable, ...]) -> Condition:
 def with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
     """The literal with other terms in place of some."""
     if isinstance(part, Literal):
-        return Literal(part.symbol, tuple(names.get(t, t) for t in part.terms), part.values)
+        return replace(part, terms=tuple(names.get(t, t) for t in part.terms))
     return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
 
 
@@ -132,5 +132,4 @@ def negated(part: Literal | Equality, declared: Declarations) -> Literal | Equal
     """The opposite of a literal."""
     if isinstance(part, Equality):
         return Equality(part.left, part.right, not part.equal)
-    values = frozenset(declared.symbols[part.symbol].values)
-    return Literal(part.symbol, part.terms, values - part.values)
+    return part.opposite(declared.symbols[part.symbol])

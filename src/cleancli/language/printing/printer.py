@@ -167,14 +167,33 @@ def print_signature(name: str, parameters: Iterable[Variable]) -> str:
 
 
 def print_literal(part: Literal | Equality, symbols: Symbols) -> str:
-    """A literal; a set of values that no relation describes becomes several, joined by commas."""
+    """A literal as it was written; a set of values that no relation describes becomes several, joined by
+    commas."""
     if isinstance(part, Equality):
         return f"{print_term(part.left)} {'=' if part.equal else '!='} {print_term(part.right)}"
     applied = _applied(part.symbol, part.terms)
     symbol = symbols[part.symbol]
     if symbol.is_predicate:
         return applied if True in part.values else f"not {applied}"
+    if part.relation:
+        return f"{applied} {part.relation} {_compared_with(part, symbol)}"
     return _comparison(applied, symbol, part.values)
+
+
+def _compared_with(part: Literal, symbol: Symbol) -> Value:
+    """The value that a comparison is written with, by the values for which it holds."""
+    places = [place for place, value in enumerate(symbol.values) if value in part.values]
+    match part.relation:
+        case "!=":
+            return next(value for value in symbol.values if value not in part.values)
+        case "<":
+            return symbol.values[places[-1] + 1]
+        case "<=":
+            return symbol.values[places[-1]]
+        case ">":
+            return symbol.values[places[0] - 1]
+        case _:
+            return symbol.values[places[0]]
 
 
 def _comparison(applied: str, symbol: Symbol, values: frozenset[Value]) -> str:
@@ -191,7 +210,7 @@ def _comparison(applied: str, symbol: Symbol, values: frozenset[Value]) -> str:
 
 
 def print_condition(condition: Condition, symbols: Symbols) -> str:
-    """Literals and quantified parts joined by commas; `forall` is written as `not exists` of the opposite."""
+    """Literals and quantified parts joined by commas."""
     return ", ".join(
         _quantified(part, symbols) if isinstance(part, Quantified) else print_literal(part, symbols)
         for part in condition
@@ -201,15 +220,25 @@ def print_condition(condition: Condition, symbols: Symbols) -> str:
 def _quantified(part: Quantified, symbols: Symbols) -> str:
     if not part.variables:
         return f"({' or '.join(print_literal(_opposite(each, symbols), symbols) for each in part.condition)})"
-    body = print_condition(part.condition, symbols)
-    body = f"({body})" if len(part.condition) > 1 else body
+    if part.forall:
+        *guard, denied = part.condition
+        asked = f"{_body(guard, symbols)} => " if guard else ""
+        required = print_literal(_opposite(denied, symbols), symbols)
+        return f"forall {_variables(part.variables)}: {asked}{required}"
+    body = _body(part.condition, symbols)
     return f"{'' if part.exists else 'not '}exists {_variables(part.variables)}: {body}"
+
+
+def _body(literals: Sequence[Literal | Equality], symbols: Symbols) -> str:
+    """Literals behind the colon of a quantifier, in parentheses if there are several."""
+    body = print_condition(tuple(literals), symbols)
+    return f"({body})" if len(literals) > 1 else body
 
 
 def _opposite(part: Literal | Equality, symbols: Symbols) -> Literal | Equality:
     if isinstance(part, Equality):
         return Equality(part.left, part.right, not part.equal)
-    return Literal(part.symbol, part.terms, frozenset(symbols[part.symbol].values) - part.values)
+    return part.opposite(symbols[part.symbol])
 
 
 def print_outcome(outcome: Outcome, symbols: Symbols, say_fixed: bool = True) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from cleancli.language.model import (
     DerivedPredicate,
@@ -76,8 +75,7 @@ def value_sets(symbol: Symbol) -> Iterator[frozenset[Value]]:
 def negated(domain: Domain, literal: Literal) -> Literal:
     """The literal that holds where this one does not."""
     symbol = next((each for each in domain.symbols if each.name == literal.symbol), None)
-    values = (False, True) if symbol is None else symbol.values
-    return replace(literal, values=frozenset(values) - literal.values)
+    return literal.opposite(Symbol(literal.symbol, ()) if symbol is None else symbol)
 
 
 def is_provable(domain: Domain, literal: Literal, inside: bool) -> bool:

@@ -227,7 +227,8 @@ def _merged(parts: Sequence[_Part]) -> tuple[_Part, ...]:
             key = part.symbol, part.terms
             before = found.get(key)
             values = part.values & before.values if isinstance(before, Literal) else part.values
-            found[key] = replace(part, values=values)
+            relation = part.relation if values == part.values else ""
+            found[key] = replace(part, values=values, relation=relation)
         else:
             found[part] = part
     return tuple(found.values())
