@@ -287,15 +287,42 @@ def test_actions_may_be_named_as_the_files_name_them(capsys: pytest.CaptureFixtu
     """docs/from-pddl.md: a hyphen is an underscore in what the files become."""
     print_room()
     told = []
-    for action in ("print-job(j-2, p-1)", "print_job(j_2, p_1)"):
+    for action in (
+        "print-job(j-2, p-1)",
+        "print_job(j_2, p_1)",
+        "(print-job j-2 p-1)",
+        "( print_job j_2 p_1 )",
+    ):
         assert run(["explain", "room.pddl", "jobs.pddl", action]) == 0
         told.append(capsys.readouterr().out)
-    assert told[0] == told[1]
+    assert set(told) == {told[0]}
     assert told[0].startswith("print_job(j_2, p_1): covered by rule print_job")
     steps = cleancli.explain("room.pddl", "jobs.pddl", "print-job(j1 p-1)")
     assert str(steps).startswith("print_job(j1, p_1): ")
     assert run(["explain", "room.pddl", "jobs.pddl", "print-jop(j1, p-1)"]) == 1
     assert "did you mean `print_job`?" in capsys.readouterr().err
+
+
+def test_actions_may_be_written_as_in_pddl(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/from-pddl.md: `(print-job j1 p-1)`; mistakes stand at their place."""
+    print_room()
+    files = ("room.pddl", "jobs.pddl")
+    one, other = "(print-job j1 p-1)", "(print-job j-2 p-1)"
+    after = cleancli.explain(*files, one, after=f"{other} {other}")
+    assert [done.action for done in after.after] == ["print_job(j_2, p_1)"] * 2
+    for text, code, marked in (
+        ("(print-job j1 p-9)", "E205", "p-9"),
+        ("(print-job j1)", "E208", "(print-job j1)"),
+        ("(print-jop j1 p-1)", "E206", "print-jop"),
+    ):
+        assert run(["explain", *files, text]) == 1
+        told = capsys.readouterr().err
+        assert f"error[{code}]" in told
+        line, marks = (each.partition("| ")[2] for each in told.splitlines()[2:4])
+        assert line == text
+        assert line[marks.index("^") : marks.rindex("^") + 1] == marked
+    assert run(["explain", *files, "(print-job j1 p-1"]) == 1
+    assert "error[E104]" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -17,14 +17,20 @@ Call = tuple[str, tuple[str, ...]]
 """An action's name and the names of its objects."""
 
 _BETWEEN = " \t\r\n,;"
-_CALL = re.compile(r"(?P<action>[\w-]+)\s*(?:\((?P<arguments>[^()]*)\))?")
-"""Names may have the hyphens of PDDL's files, which are underscores in what these become."""
+_CALL = re.compile(
+    r"(?P<action>[\w-]+)\s*(?:\((?P<arguments>[^()]*)\))?"
+    r"|\(\s*(?P<pddl_action>[\w-]+)(?P<pddl_arguments>(?:\s[^()]*)?)\)"
+)
+"""As in .nid files or, for who has PDDL's, `(walk-to kitchen)`. Names may have PDDL's hyphens, which are
+underscores in what these files become."""
+_ABSENT = (-1, -1)
+"""Where a part of an expression stands that matched nothing (`re`)."""
 _ARGUMENT = re.compile(r"[^\s,]+")
 _Place = tuple[str, int, int]
 
 
 def read_action(text: str, domain: Domain, problem: Problem) -> Call:
-    """An action like `join2(a1, a3)`; raises Refused (E104, E205, E206, E208, E209)."""
+    """An action like `join2(a1, a3)` or `(join2 a1 a3)`; raises Refused (E104, E205, E206, E208, E209)."""
     source, written = Source("ACTION", text), text.rstrip()
     match = _CALL.fullmatch(written, len(written) - len(written.lstrip()))
     if match is None:
@@ -51,19 +57,20 @@ def read_actions(text: str, domain: Domain, problem: Problem) -> tuple[Call, ...
 
 def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem) -> Call:
     declared = {action.name: action for action in domain.actions}
-    name = _as_declared(match["action"], declared)
+    pddl = "" if match["action"] else "pddl_"
+    action, arguments = match.span(f"{pddl}action"), match.span(f"{pddl}arguments")
+    name = _as_declared(source.text[slice(*action)], declared)
     if name not in declared:
         help = meant(name, declared, "action")
-        _refuse(source, "E206", f"unknown action `{name}`", match.start("action"), match.end("action"), help)
-    start = max(match.start("arguments"), 0)
-    places = [
-        (m.group(), start + m.start(), start + m.end()) for m in _ARGUMENT.finditer(match["arguments"] or "")
-    ]
+        _refuse(source, "E206", f"unknown action `{name}`", *action, help)
+    places: list[_Place] = []
+    if arguments != _ABSENT:
+        places = [(m.group(), *m.span()) for m in _ARGUMENT.finditer(source.text, *arguments)]
     wanted = declared[name].parameters
     if len(places) != len(wanted):
         message = f"`{name}` takes {plural(len(wanted), 'object')}, not {len(places)}"
         help = f"it is declared as `{print_signature(name, wanted)}`"
-        _refuse(source, "E208", message, match.start("action"), match.end(), help)
+        _refuse(source, "E208", message, *match.span(), help)
     return name, tuple(_objects(source, places, declared[name], domain, problem))
 
 

@@ -71,8 +71,8 @@ class Symbol(Record):
 class Literal:
     """Holds where the symbol's value for these terms is one of `values` (never all, never none).
 
-    The symbol may be a derived predicate. `relation` is the sign by which a comparison was written (`>=`), and
-    empty where nobody wrote one: it matters to who prints the literal, and to nothing else.
+    The symbol may be a derived predicate. `relation` is the sign by which a comparison was written (`>=`),
+    and empty where nobody wrote one: it matters to who prints the literal, and to nothing else.
     """
 
     symbol: str
