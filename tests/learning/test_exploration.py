@@ -88,6 +88,18 @@ def test_nothing_is_sought_where_all_is_known() -> None:
     assert asked(found, 0, known=400) is not None
 
 
+@pytest.mark.parametrize("known", [1, 2, 4])
+def test_a_plan_is_as_likely_to_come_to_something_as_it_has_to_be(known: int) -> None:
+    """Digging is not known beyond the first room; but of forty times, going has led there once. Tens of steps
+    in vain would be a poor way to an example that is worth little."""
+    stays = [step("go", 0, int(number == 0)) for number in range(40)]
+    dug = [step("dig", 0, 0) for _ in range(40)]
+    found = explored(corridor(), [*stays, *dug, step("back", 0, 0), step("light", 0, 0, ("l1",))] * 2)
+    for seed in range(5):
+        chosen = asked(found, 0, known, seed)
+        assert chosen is None or chosen.worth >= least_worth(known)
+
+
 def test_what_is_excluded_is_not_tried() -> None:
     found = explored(corridor(), walked()[:80])
     options = Options(200, 1, threads=1)

@@ -84,7 +84,9 @@ def next_try(
     hopes = [each for each in hopes_of(found) if each.worth >= least and each.worth * DISCOUNT > worth]
     hopes.sort(key=lambda each: -each.worth)
     on_the_way = _planned(found.domain, problem, hopes[:MOST_HOPES], planner, asked, excluded)
-    return on_the_way or (best if worth else None)
+    if on_the_way is not None and on_the_way.worth >= max(worth, least):
+        return on_the_way
+    return best if worth else None
 
 
 def hopes_of(found: Explored) -> Iterator[Hope]:
