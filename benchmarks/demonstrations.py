@@ -12,8 +12,7 @@ in the last five episodes, with an interval of 95 % (bootstrap over the seeds).
 
 benchmarks/domains/glasses.nid needs no file. FOLDER holds tireworld and responders, as for exploration.py.
 
-With ten seeds about two minutes of CPU time for glasses or tireworld, and ten for responders. `--quick` takes
-ten seconds.
+With ten seeds half a minute of CPU time for each domain. `--quick` takes ten seconds.
 """
 
 from __future__ import annotations

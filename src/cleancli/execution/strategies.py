@@ -13,7 +13,9 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.task import Objective, lasting, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
-from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions
+from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions, within
+from cleancli.language.model import Domain
+from cleancli.learning.exploration.narrowed import narrowed
 from cleancli.learning.exploration.seeking import next_try
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.objective import aimed
@@ -58,9 +60,15 @@ def _explore(now: DecisionContext, options: EpisodeOptions) -> Decision:
     Where a teacher can be asked it is the other way round: towards the goal, or else try where that is likely
     to show more than it costs to ask."""
     if options.is_taught:
-        planned = _plan(now, options, DEFAULT, 1)
+        planned = _plan(replace(now, domain=_surely(now)), options, DEFAULT, 1)
         return planned if planned.moves else _try(now, options, min(options.known, UNASKED)) or planned
     return _try(now, options, options.known) or _plan(now, options, DEFAULT, 1)
+
+
+def _surely(now: DecisionContext) -> Domain:
+    """What the robot can do, by rules as narrow as experience asks for."""
+    assert now.explored is not None, "a teacher is asked where whole rules are learned"
+    return within(now.domain, narrowed(now.explored))
 
 
 def _try(now: DecisionContext, options: EpisodeOptions, known: int) -> Decision | None:
