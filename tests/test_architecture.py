@@ -215,6 +215,7 @@ def test_only_reports_ask_where_the_lentils_truly_are() -> None:
         if isinstance(node, ast.Attribute) and node.attr == "truth"
     }
     assert askers == {
+        "api/run_result.py",
         "api/runs.py",
         "cli/commands/scene.py",
         "environment/clean_table.py",

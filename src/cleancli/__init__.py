@@ -7,12 +7,13 @@ loaded before it is asked for.
 TYPE_CHECKING = False  # mypy takes it for true by its name; `typing` takes longer to load than all of this
 if TYPE_CHECKING:
     from cleancli.api.conversions import convert
+    from cleancli.api.evaluations import evaluate
     from cleancli.api.executions import execute, execute_series, resume, resume_series
     from cleancli.api.explanations import explain
     from cleancli.api.inputs import load_domain, load_problem
     from cleancli.api.lessons import learn
     from cleancli.api.observations import perceive
-    from cleancli.api.plans import evaluate, plan
+    from cleancli.api.plans import plan
     from cleancli.api.rule_comparisons import compare_rules
     from cleancli.api.simulations import simulate
     from cleancli.api.structures import learn_structure
@@ -46,7 +47,7 @@ _PLACES = {
     "Refused": "language.diagnostics.refused",
     "compare_rules": "api.rule_comparisons",
     "convert": "api.conversions",
-    "evaluate": "api.plans",
+    "evaluate": "api.evaluations",
     "execute": "api.executions",
     "execute_series": "api.executions",
     "explain": "api.explanations",

@@ -16,7 +16,8 @@ from xml.etree import ElementTree
 import pytest
 
 import cleancli
-from cleancli.api.runs import carry_out, inputs_of, new_run
+from cleancli.api.run_inputs import inputs_of
+from cleancli.api.runs import carry_out, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.setup import EpisodeOptions
 from cleancli.planning.evaluation.value import Sampled

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cleancli.api.runs import RunResult
+from cleancli.api.run_result import RunResult
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.events import Ended

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.api.runs import RunResult
+from cleancli.api.run_result import RunResult
 from cleancli.compiler.task import GroundAction
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Situation

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cleancli.api.simulations import SimulationResult, simulate
+from cleancli.api.simulation_result import SimulationResult
+from cleancli.api.simulations import simulate
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem

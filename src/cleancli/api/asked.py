@@ -7,11 +7,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from cleancli.api.checks import check_least, check_one_of, check_seconds
+from cleancli.api.inputs import LoadedProblem
+from cleancli.api.seen import seen
+from cleancli.api.timing import timed
+from cleancli.language.calls import Call, read_actions
+from cleancli.language.load import located_in
 from cleancli.language.model import Problem
-from cleancli.planning.choice import planner_options, with_named
+from cleancli.planning.choice import planner_named, planner_options, with_named
 from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner
+from cleancli.planning.refusal import planning_refused
+from cleancli.planning.request import PlanningRequest, requested
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,3 +56,29 @@ class Asked:
 def named(options: Mapping[str, object] | None) -> tuple[str, ...]:
     """Options by name, as commands write them."""
     return tuple(f"{name}={value}" for name, value in (options or {}).items())
+
+
+def planning_request(
+    given: LoadedProblem,
+    asked: Asked,
+    seconds: dict[str, float],
+    *,
+    planner: str | None = None,
+    actions: str | None = None,
+) -> tuple[PlanningRequest, Sequence[Call]]:
+    """The problem, ready for its planner, or for a sequence of actions to be valued, which is read too."""
+    looked, seed = seen(given, asked.seed, seconds)
+    names = [planner_named(planner, looked.problem)] if actions is None else []
+    planners, options = asked.of(looked.problem, seed, names)
+    calls = None if actions is None else read_actions(actions, looked.domain, looked.problem)
+    with located_in(*given.sources), planning_refused(given.sources), timed(seconds, "ground"):
+        job = requested(
+            looked.domain,
+            looked.problem,
+            planners,
+            options,
+            objective=asked.objective,
+            calls=calls,
+            left_out=looked.left_out,
+        )
+    return job, calls or ()

@@ -10,7 +10,9 @@ from cleancli.api.checks import DISCOUNTING, check_between, check_one_of, check_
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_domain, load_problem
 from cleancli.api.learned import check_writable
 from cleancli.api.lessons import Counting, is_own_file
-from cleancli.api.runs import OpenedRun, RunResult, carry_out, inputs_of
+from cleancli.api.run_inputs import inputs_of
+from cleancli.api.run_result import RunResult
+from cleancli.api.runs import OpenedRun, carry_out
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event

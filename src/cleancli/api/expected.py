@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cleancli.api.tables import TextTable
+from cleancli.api.timing import timed
 from cleancli.compiler.task import literal_text
 from cleancli.language.model import OutcomeKind
-from cleancli.planning.evaluation.forecast import Forecast, ForecastStep, Result
+from cleancli.planning.evaluation.forecast import Forecast, ForecastStep, Result, forecast
 from cleancli.planning.request import PlanningRequest
 
 SHOWN = 3
@@ -127,3 +129,13 @@ def _text(outcome: ExpectedOutcome) -> str:
 
 def _chance(probability: float) -> str:
     return f"{probability:.3f}"
+
+
+def timed_forecast(
+    job: PlanningRequest, actions: Sequence[int], wanted: bool, seconds: dict[str, float]
+) -> Forecast | None:
+    """What is expected of these actions, where that is wanted."""
+    if not wanted:
+        return None
+    with timed(seconds, "explain"):
+        return forecast(job.prepared, actions, job.options.seed)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from cleancli.api.inputs import LoadedProblem
+from cleancli.api.timing import timed
 from cleancli.execution.observed import ObservedProblem, look
 from cleancli.language.load import located_in
 from cleancli.language.model import Problem
@@ -22,11 +19,3 @@ def seen(
     seed = given.model.seed if seed is None else seed
     with timed(seconds, "look"), located_in(*given.sources):
         return look(model, given.model, seed), seed
-
-
-@contextmanager
-def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    """Note how long a phase takes."""
-    started = time.perf_counter()
-    yield
-    seconds[phase] = time.perf_counter() - started

@@ -9,8 +9,10 @@ from pathlib import Path
 from cleancli.api.inputs import LoadedProblem
 from cleancli.api.learned import LearningResult
 from cleancli.api.lessons import knowledge, rule_changes, taught
-from cleancli.api.run_session import Inputs, alone_in
-from cleancli.api.runs import OpenedRun, RunResult, new_run
+from cleancli.api.run_inputs import Inputs
+from cleancli.api.run_result import RunResult
+from cleancli.api.run_session import alone_in
+from cleancli.api.runs import OpenedRun, new_run
 from cleancli.api.tables import TextTable
 from cleancli.execution.believed import lesson_of
 from cleancli.language.diagnostics.refused import Refused

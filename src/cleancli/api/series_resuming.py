@@ -8,9 +8,12 @@ from pathlib import Path
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem
 from cleancli.api.learned import LearningResult
-from cleancli.api.resuming import Note, inputs_of_run
-from cleancli.api.run_session import Inputs, alone_in
-from cleancli.api.runs import ended_result, resumed_run
+from cleancli.api.provenance import inputs_of_run
+from cleancli.api.resuming import Note
+from cleancli.api.run_inputs import Inputs
+from cleancli.api.run_result import ended_result
+from cleancli.api.run_session import alone_in
+from cleancli.api.runs import resumed_run
 from cleancli.api.series import (
     CarryOut,
     Series,

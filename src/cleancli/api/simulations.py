@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cleancli.api.asked import Asked, named
 from cleancli.api.checks import check_least, check_one_of
-from cleancli.api.horizons import first_and_longer, is_hopeless
+from cleancli.api.goals import first_and_longer, is_hopeless
 from cleancli.api.inputs import (
     GivenDomain,
     GivenProblem,
@@ -18,20 +18,16 @@ from cleancli.api.inputs import (
     load_domain,
     load_problem,
 )
-from cleancli.api.plain import fields_of, plain
-from cleancli.api.plans import HOPELESS, too_few
+from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen
-from cleancli.api.tables import TextTable, shown
-from cleancli.compiler.fluents import values_of
+from cleancli.api.simulated_experience import write_experience
+from cleancli.api.simulation_result import SimulationResult
 from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
-from cleancli.compiler.task import Objective
-from cleancli.files.plain import naming
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Horizon, Problem, Unlimited
-from cleancli.learning.experience import Transition, encode
-from cleancli.learning.exploration.simulated import EXPLORE, PAIRS, RANDOM, Judged, explorations, wanderings
+from cleancli.learning.exploration.simulated import EXPLORE, RANDOM, Judged, explorations, wanderings
 from cleancli.learning.method import KNOWN
 from cleancli.planning.choice import planner_named
 from cleancli.planning.plan import BadOption
@@ -39,9 +35,8 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
 from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, replayed
-from cleancli.simulation.summary import Estimate, Summary, summarized
-from cleancli.simulation.symbolic_world import world_of
+from cleancli.simulation.episode import Episode, EpisodeLimits, Reason
+from cleancli.simulation.summary import summarized
 
 PLAN = "plan"
 STRATEGIES = PLAN, EXPLORE, RANDOM
@@ -61,94 +56,6 @@ _SHORTER = (
     " a greater number leaves more time"
 )
 """How far plans look ahead, beside how long episodes are."""
-
-
-@dataclass(frozen=True, slots=True)
-class SimulationResult:
-    """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
-    those of all planners, and those of their own that these have. `short_horizon`: that of the first plan
-    and a longer one to try, where the problem states none and episodes were given up. `lengths`: how far
-    plans look ahead beside how long episodes were, in words, where what episodes come to differs by it.
-    `hopeless`: no action of the world can lead to the goal. `variations`: where rules were explored, how far
-    what they foretell after each episode is from what the world does (total variation, in the mean), for each
-    planner."""
-
-    problem: str
-    domain: str
-    world: str
-    strategy: str
-    objective: str
-    options: Mapping[str, object]
-    max_actions: int
-    commit: int
-    think: bool
-    planners: tuple[Summary, ...]
-    episodes: tuple[tuple[Episode, ...], ...]
-    short_horizon: tuple[int, int] | None
-    lengths: str | None
-    hopeless: bool
-    variations: tuple[tuple[float, ...], ...] = ()
-
-    def to_dict(self) -> dict[str, object]:
-        """The same as `cleancli simulate --json` prints."""
-        return {
-            "problem": self.problem,
-            "domain": self.domain,
-            "world": self.world,
-            "strategy": self.strategy,
-            "objective": self.objective,
-            "options": plain(self.options),
-            "limits": {"max_actions": self.max_actions, "commit": self.commit, "think": self.think},
-            "planners": [
-                {**fields_of(summary), **self._explored(number), "rows": plain(self.episodes[number])}
-                for number, summary in enumerate(self.planners)
-            ],
-        }
-
-    def _explored(self, planner: int) -> dict[str, object]:
-        return {"variations": plain(self.variations[planner])} if self.variations else {}
-
-    def __str__(self) -> str:
-        return "\n".join((str(self.table()), *self.ending()))
-
-    def _repr_html_(self) -> str:
-        told = "".join(f"<p>{shown(line)}</p>" for line in self.ending())
-        return f"<div>{self.table().html()}{told}</div>"
-
-    def table(self) -> TextTable:
-        """A row for each planner."""
-        compared = len(self.planners) > 1
-        columns = ["planner", "return", "plain", "actions", "robot s", "success %", "ms/plan", "95 %"]
-        if self.objective == Objective.PROBABILITY.value:
-            del columns[1:3]
-            return TextTable(tuple(columns), tuple((one.planner, *_done(one)) for one in self.planners))
-        if self.objective == Objective.COST.value:
-            columns[1:3] = ["cost"]
-            rows = ((one.planner, _mean(one.cost, 3), *_done(one)) for one in self.planners)
-            return TextTable(tuple(columns), tuple(rows))
-        if compared:
-            columns.insert(2, "over first")
-        return TextTable(tuple(columns), tuple(_row(each, compared) for each in self.planners))
-
-    def ending(self) -> Iterator[str]:
-        """What the numbers are, and why episodes ended."""
-        episodes = plural(self.planners[0].episodes, "episode")
-        yield f"means of {episodes}; ± and to: 95 % intervals (Student's t, Wilson's)"
-        if self.think:
-            yield "robot time goes on while planners think"
-        for summary in self.planners:
-            reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
-            yield f"{summary.planner} ended: {reasons}"
-        for summary, off in zip(self.planners, self.variations, strict=False):
-            yield f"{summary.planner} explored, and what it foretells is off by {_falling(off)}"
-        if self.variations:
-            yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
-        if self.short_horizon is not None and not self.hopeless:
-            yield too_few(*self.short_horizon)
-        if self.hopeless:
-            yield HOPELESS
-        elif self.lengths is not None:
-            yield self.lengths
 
 
 def simulate(
@@ -338,61 +245,3 @@ def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:
         )
         return _SHORTER.format(looked=looked, limit=limit, early=plural(early, "episode"))
     return None
-
-
-def experience_of(setup: Batch, planner: str, played: Iterable[Episode]) -> Iterator[str]:
-    """The lines of an experience file that tells what a planner did in some episodes, without line ends."""
-    world, seed = world_of(setup.world, setup.problem, setup.timed), setup.options.seed
-    for episode in played:
-        origin = {"seed": seed, "planner": planner, "episode": episode.number}
-        for number, (before, step, after) in enumerate(replayed(world, episode, seed), start=1):
-            action = step.action
-            states = [values_of(world.facts(state)) for state in (before, after)]
-            transition = Transition(action.name, action.objects, setup.problem.objects, states[0], states[1])
-            lasted = {} if step.seconds is None else {"transit": 0.0, "seconds": round(step.seconds, 3)}
-            yield encode(transition, {**origin, "number": number, **lasted})
-
-
-def write_experience(setup: Batch, result: SimulationResult, path: Path) -> None:
-    """Write what was done in all episodes into a new experience file, for `learn`. Raises OSError, where the
-    file exists too."""
-    with path.open("x", encoding="utf-8") as file, naming(path):
-        for summary, played in zip(result.planners, result.episodes, strict=True):
-            for line in experience_of(setup, summary.planner, played):
-                file.write(line + "\n")
-
-
-def _falling(off: Sequence[float]) -> str:
-    """How far off it was after which episodes: the first, twice as many, and so on, and all."""
-    numbers = sorted({*(2**power for power in range(len(off).bit_length())), len(off)})
-    (first, *others) = (f"{off[number - 1]:.3f} after {number}" for number in numbers)
-    return ", ".join((f"{first} episode", *others))
-
-
-def _row(summary: Summary, compared: bool) -> tuple[str, ...]:
-    gain = [_mean(summary.gain, 3)] if compared else []
-    returned = [_mean(summary.discounted, 3), *gain, _mean(summary.plain, 3)]
-    return (summary.planner, *returned, *_done(summary))
-
-
-def _done(summary: Summary) -> tuple[str, ...]:
-    planning = [_milliseconds(spent) for spent in (summary.planning_median, summary.planning_95)]
-    return (_mean(summary.actions, 2), _mean(summary.seconds, 1), _share(summary.success), *planning)
-
-
-def _mean(estimate: Estimate | None, digits: int) -> str:
-    if estimate is None:
-        return "-"
-    half = "" if estimate.high is None else f" ± {estimate.high - estimate.mean:.{digits}f}"
-    return f"{estimate.mean:.{digits}f}{half}"
-
-
-def _share(estimate: Estimate | None) -> str:
-    """Not symmetric, so with both ends."""
-    if estimate is None or estimate.low is None or estimate.high is None:
-        return "-"
-    return f"{100 * estimate.mean:.1f} ({100 * estimate.low:.1f} to {100 * estimate.high:.1f})"
-
-
-def _milliseconds(seconds: float | None) -> str:
-    return "-" if seconds is None else f"{1000 * seconds:.1f}"

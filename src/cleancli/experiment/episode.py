@@ -14,8 +14,9 @@ from typing import Any
 
 from cleancli.api.inputs import LoadedDomain, LoadedProblem
 from cleancli.api.lessons import Counting
-from cleancli.api.run_session import Inputs, open_session, versions
-from cleancli.api.runs import inputs_of
+from cleancli.api.provenance import versions
+from cleancli.api.run_inputs import Inputs, inputs_of
+from cleancli.api.run_session import open_session
 from cleancli.execution.episode_state import EpisodeState
 from cleancli.execution.events import Checkpoint, Ended, Looked, Purpose
 from cleancli.execution.loop import clean, saving

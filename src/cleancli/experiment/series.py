@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cleancli.api.inputs import opened_domain
-from cleancli.api.run_session import refuse_impossible
+from cleancli.api.run_inputs import refuse_impossible
 from cleancli.execution.setup import usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.experiment.episode import Axes, Episode, Texts, inputs_for, versions_here

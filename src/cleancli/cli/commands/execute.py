@@ -15,14 +15,10 @@ from click.core import ParameterSource
 from cleancli.api.checks import DISCOUNTING
 from cleancli.api.inputs import LoadedDomain
 from cleancli.api.lessons import Counting, is_own_file
-from cleancli.api.run_session import Inputs, open_session
-from cleancli.api.runs import (
-    OpenedRun,
-    RunResult,
-    RunStopped,
-    carry_out,
-    inputs_of,
-)
+from cleancli.api.run_inputs import Inputs, inputs_of
+from cleancli.api.run_result import RunResult
+from cleancli.api.run_session import open_session
+from cleancli.api.runs import OpenedRun, RunStopped, carry_out
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
 from cleancli.api.symbolic import told_of

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import click
 
-from cleancli.api.plans import evaluation_result, plan_result
-from cleancli.api.seen import seen, timed
+from cleancli.api.evaluations import evaluation_result
+from cleancli.api.plans import plan_result
+from cleancli.api.seen import seen
+from cleancli.api.timing import timed
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.inputs import open_given

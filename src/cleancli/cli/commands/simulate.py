@@ -7,14 +7,8 @@ from pathlib import Path
 import click
 
 from cleancli.api.asked import Asked
-from cleancli.api.simulations import (
-    PLAN,
-    STRATEGIES,
-    Acts,
-    batch,
-    simulation_result,
-    write_experience,
-)
+from cleancli.api.simulated_experience import write_experience
+from cleancli.api.simulations import PLAN, STRATEGIES, Acts, batch, simulation_result
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import click
 
+from cleancli.api.evaluations import EvaluationResult
 from cleancli.api.expected import Expected
 from cleancli.api.plain import plain
-from cleancli.api.plans import EvaluationResult, PlanResult, not_planned_for
+from cleancli.api.plan_result import PlanResult, not_planned_for
 from cleancli.api.tables import TextTable
 from cleancli.cli.kernels import has_compiled
 from cleancli.compiler.task import horizon_text

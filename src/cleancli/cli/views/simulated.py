@@ -6,7 +6,7 @@ import json
 
 import click
 
-from cleancli.api.simulations import SimulationResult
+from cleancli.api.simulation_result import SimulationResult
 from cleancli.cli.views.tables import print_table, table_of
 
 

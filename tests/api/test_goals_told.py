@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.api.horizons import first_and_longer, is_hopeless
+from cleancli.api.goals import first_and_longer, is_hopeless
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
