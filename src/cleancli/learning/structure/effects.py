@@ -7,6 +7,7 @@ up to two parts, or a third with which it names more than with these two.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -129,7 +130,7 @@ def _reference(
         return satisfied > least if best is None else satisfied >= best[0][0]
 
     sought = _Open(rows, places, lambda satisfied: satisfied, enough, lambda: best and best[1:])
-    for parts, fits in _conditions(arrays, known, variable, sought):
+    for parts, fits in _conditions(arrays, known, _said_of(arrays, known, variable), sought):
         count = fits.sum(axis=1)
         covered = int((fits[rows, places] & (count[rows] == 1)).sum())
         rank = covered, -len(parts), int((count == 1).sum())
@@ -191,18 +192,32 @@ class _Candidates:
                 yield (*parts, part), fits & more
 
 
-def _candidates(arrays: Arrays, known: Named, variable: Variable, sought: _Open) -> _Candidates:
-    """The parts that hold of most of the objects that are sought, and the opposites of such."""
-    terms = tuple(known.columns)
-    rows, places = sought.rows, sought.places
+@dataclass(frozen=True, slots=True, eq=False)
+class _Said:
+    """What may be said of a variable that ranges over all places: where these are of its type, (n, N), and
+    all literals about it with the places that satisfy them."""
+
+    variable: Variable
+    typed: Bools
+    literals: Sequence[_Told]
+
+
+def _said_of(arrays: Arrays, known: Named, variable: Variable) -> _Said:
+    """What may be said of a variable where all that a literal names is defined."""
     index, typed = ranging(arrays, index_of_terms(known), (variable,))
-    counted = []
-    for literal in literals(arrays.domain, (*terms, variable), variable):
-        if not _isdefined(literal, known):
-            continue
-        fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
-        fits = fits & defined(literal, known)[:, None]
-        counted.append((int(fits[rows, places].sum()), literal, fits))
+    told: list[_Told] = []
+    for literal in literals(arrays.domain, (*known.columns, variable), variable):
+        is_defined = defined(literal, known)
+        if is_defined.any():
+            fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
+            told.append((literal, fits & is_defined[:, None]))
+    return _Said(variable, typed, told)
+
+
+def _candidates(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> _Candidates:
+    """The parts that hold of most of the objects that are sought, and the opposites of such."""
+    rows, places, typed = sought.rows, sought.places, said.typed
+    counted = [(int(fits[rows, places].sum()), literal, fits) for literal, fits in said.literals]
     counted.sort(key=lambda each: -each[0])
     listed = counted[:MOST_PARTS]
     denied: list[_Told] = []
@@ -210,19 +225,18 @@ def _candidates(arrays: Arrays, known: Named, variable: Variable, sought: _Open)
         if (typed & ~fits)[rows, places].any():
             without = typed & ~fits & defined(literal, known)[:, None]
             denied.append((negated(arrays.domain, literal), without))
-    for equality in equalities(arrays.domain, (*terms, variable), variable):
+    index, _ = ranging(arrays, index_of_terms(known), (said.variable,))
+    for equality in equalities(arrays.domain, (*known.columns, said.variable), said.variable):
         same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
         denied.append((replace(equality, equal=False), typed & ~same))
     return _Candidates([(literal, fits) for count, literal, fits in listed if count > 0], denied)
 
 
-def _conditions(
-    arrays: Arrays, known: Named, variable: Variable, sought: _Open
-) -> Iterator[tuple[Parts, Bools]]:
+def _conditions(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> Iterator[tuple[Parts, Bools]]:
     """Conditions of one or two parts on an object, one of two being positive, and which places satisfy them
     in each transition, (n, N); only those that hold for some of the objects that are sought, and of two parts
     those that may be the best. Then the best of them with one part more."""
-    among = _candidates(arrays, known, variable, sought)
+    among = _candidates(arrays, known, said, sought)
     positive, denied = among.positive, among.denied
     for part, fits in positive:
         yield (part,), fits
@@ -261,18 +275,19 @@ def _whole(sought: _Open, one: Sequence[_Told], other: Sequence[_Told]) -> list[
     return found
 
 
-def _isdefined(literal: Literal, known: Named) -> bool:
-    return bool(defined(literal, known).any())
-
-
 # ---- changes of all that satisfy a guard
 
 
 def with_foralls(action: ActionArrays, known: Named, changes: Sequence[Change]) -> Named:
     """The same with effects on all objects that satisfy a guard, for changes of objects that nothing
     names."""
+
+    @functools.cache
+    def said_of(type_name: str) -> _Said:
+        return _said_of(action.arrays, known, fresh(replace(known, foralls=()), type_name))
+
     for _ in range(2 * MOST_REFERENCES):
-        best = _forall(action.arrays, known, changes)
+        best = _forall(action.arrays, known, changes, said_of)
         if best is None:
             break
         known = replace(known, foralls=(*known.foralls, best))
@@ -297,7 +312,9 @@ def _alike(arrays: Arrays, known: Named, forall: ForAll) -> ForAll:
     return forall
 
 
-def _forall(arrays: Arrays, known: Named, changes: Sequence[Change]) -> ForAll | None:
+def _forall(
+    arrays: Arrays, known: Named, changes: Sequence[Change], said_of: Callable[[str], _Said]
+) -> ForAll | None:
     """The `forall` that tells wholly of the changes of its kind in most transitions."""
     patterns = _open_patterns(arrays, known, changes)
     found: tuple[tuple[int, int], ForAll] | None = None
@@ -305,7 +322,7 @@ def _forall(arrays: Arrays, known: Named, changes: Sequence[Change]) -> ForAll |
     for (symbol, terms, type_name), found_changes in patterns:
         for value in sorted({new for _, _, new in found_changes}):
             holes = [(row, place) for row, place, new in found_changes if new == value]
-            best = _guard(arrays, known, symbol, terms, type_name, value, holes, guards)
+            best = _guard(arrays, known, symbol, terms, said_of(type_name), value, holes, guards)
             if best is not None and (found is None or best[0] > found[0]):
                 found = best
     return None if found is None else found[1]
@@ -353,14 +370,14 @@ def _guard(
     known: Named,
     symbol: Symbol,
     terms: tuple[Term | None, ...],
-    type_name: str,
+    said: _Said,
     value: int,
     holes: Sequence[tuple[int, int]],
     guards: set[Parts],
 ) -> tuple[tuple[int, int], ForAll] | None:
     """The best guard of `forall` for a kind of change, with how many transitions it tells of. None asks that
     the change is still to be made, which says nothing."""
-    variable = fresh(replace(known, foralls=()), type_name)
+    variable = said.variable
     effect = Assign(symbol.name, tuple(variable if t is None else t for t in terms), symbol.values[value])
     every = sets(arrays, known, ForAll((variable,), (), (effect,)))
     open_places = np.zeros(every.applies.shape, dtype=bool)
@@ -381,7 +398,7 @@ def _guard(
 
     sought = _Open(rows, places, whole, enough, lambda: best and best[1:])
     all_of_them: tuple[Parts, Bools] = (), np.ones(would.shape, dtype=bool)
-    conditions = _conditions(arrays, known, variable, sought)
+    conditions = _conditions(arrays, known, said, sought)
     still_open = negated(arrays.domain, Literal(symbol.name, effect.terms, frozenset({effect.value})))
     for parts, fits in itertools.chain([all_of_them], conditions):
         if still_open in parts:

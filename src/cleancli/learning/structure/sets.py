@@ -32,9 +32,9 @@ class Change(NamedTuple):
 class Sets(NamedTuple):
     """What an effect sets in each transition: (n, 1), or (n, N) of a `forall`, for each object.
 
-    `applies`: whether it does so there; `fluents`: of what, by number; `right`: whether that is what it was
-    after; `moves`: whether that is another value than before; `changed`: whether it changed at all. `amount`
-    is that of a shift.
+    `applies`: whether it does so there; `fluents`: of what, by a number among those of its symbol; `right`:
+    whether that is what it was after; `moves`: whether that is another value than before; `changed`: whether
+    it changed at all. `amount` is that of a shift.
     """
 
     applies: Bools
@@ -109,22 +109,18 @@ def _shifted(before: Codes, symbol: Symbol, amount: int | Longs) -> Longs:
 
 
 def _numbers(arrays: Arrays, symbol: Symbol, columns: Sequence[Longs]) -> Longs:
-    """A number for each fluent of a transition."""
+    """A number for each fluent of a symbol in a transition."""
     if symbol.symmetric:
         columns = np.minimum(*columns), np.maximum(*columns)
     number: Longs = np.zeros((1, 1), dtype=np.int64)
     for column in columns:
         number = number * arrays.places + column
-    offsets, start = {}, 0
-    for each in arrays.domain.symbols:
-        offsets[each.name] = start
-        start += arrays.places ** len(each.parameters)
-    return number + offsets[symbol.name]
+    return number
 
 
 def _right_with(told: Sets, chosen: Sequence[Sets]) -> Bools:
     """Whether what an effect sets is what it was after, where all shifts of one number add up."""
-    shifts = [each for each in chosen if each.amount is not None]
+    shifts = [each for each in chosen if each.amount is not None and each.symbol is told.symbol]
     if told.amount is None or (shifts == [told] and told.applies.shape[1] == 1):
         return told.right
     total = np.zeros(told.fluents.shape, dtype=np.int64)
@@ -145,16 +141,33 @@ def mismatches(arrays: Arrays, known: Named, outcomes: Sequence[Outcome]) -> Lon
         chosen = sorted((effects[effect] for effect in outcome), key=lambda each: each.applies.shape[1])
         unfit: Bools = np.zeros(arrays.size, dtype=bool)
         wrong = arrays.changed.copy()
-        for place, told in enumerate(chosen):
+        for told, first in zip(chosen, _first_told(chosen), strict=True):
             if told.applies.shape[1] == 1:
                 unfit = unfit | ~told.applies[:, 0]
-            applies = told.applies
-            is_wrong = applies & ~_right_with(told, chosen)
-            for other in chosen[:place]:
-                same = (told.fluents[:, :, None] == other.fluents[:, None, :]) & other.applies[:, None, :]
-                applies = applies & ~same.any(axis=2)
-            wrong = wrong + is_wrong.sum(axis=1) - (applies & told.changed).sum(axis=1)
+            is_wrong = told.applies & ~_right_with(told, chosen)
+            wrong = wrong + is_wrong.sum(axis=1) - (first & told.changed).sum(axis=1)
         found[:, number] = np.where(unfit, UNFIT, wrong)
+    return found
+
+
+def _first_told(chosen: Sequence[Sets]) -> list[Bools]:
+    """Where each of the effects sets a fluent that none before it sets."""
+    found = [told.applies for told in chosen]
+    by_symbol: dict[str, list[int]] = {}
+    for number, told in enumerate(chosen):
+        by_symbol.setdefault(told.symbol.name, []).append(number)
+    for numbers in by_symbol.values():
+        if len(numbers) > 1:
+            applies = np.concatenate([chosen[each].applies for each in numbers], axis=1)
+            fluents = np.concatenate([chosen[each].fluents for each in numbers], axis=1)
+            apart = np.where(applies, fluents, -1 - np.arange(fluents.shape[1]))
+            order = np.argsort(apart, axis=1, kind="stable")
+            is_new = np.diff(np.take_along_axis(apart, order, axis=1), axis=1, prepend=np.nan) != 0
+            first = np.zeros_like(applies)
+            np.put_along_axis(first, order, is_new, axis=1)
+            ends = np.cumsum([chosen[each].applies.shape[1] for each in numbers])[:-1]
+            for each, part in zip(numbers, np.split(first & applies, ends, axis=1), strict=True):
+                found[each] = part
     return found
 
 
