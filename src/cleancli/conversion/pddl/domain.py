@@ -75,14 +75,15 @@ def domain_of(
     counting = [each for each in functions if each.name in {part.symbol for part in parts}]
     named = _objects_in(conditions[: len(conditions) - len(starts)], effects)
     named |= {term for part in parts for term in part.terms if isinstance(term, Object)}
-    constants = tuple(thing for thing in words.everything if thing in named)
+    everything = words.everything
+    constants = tuple(thing for thing in everything if thing in named) if named else ()
     heads = (
         *(s.parameters for s in (*symbols, *counting)),
         *(a.parameters for a in actions),
         *(d.parameters for d in derived),
     )
     bound = [*(v for head in heads for v in head), *_bound(conditions), *_bound_by_effects(rules)]
-    things = words.everything if starts else constants
+    things = everything if starts else constants
     types = _types({v.type for v in bound} | {thing.type for thing in things}, words)
     costs = any(action.has_cost for action in actions) or any(
         outcome.cost for rule in rules for outcome in rule.outcomes
@@ -112,8 +113,8 @@ def problem_of(
     return Problem(
         name,
         domain.name,
-        tuple(thing for thing in things if thing not in constants),
-        frozenset(fact for fact in start.facts if fact.symbol in known),
+        tuple(thing for thing in things if thing not in constants) if constants else things,
+        start.facts - {fact for fact in start.facts if fact.symbol not in known},
         Horizon(horizon) if earned else Unlimited(),
         1.0,
         start.goal,
@@ -142,7 +143,8 @@ def _rules(schema: Schema, declared: Declarations, naming: Naming) -> Iterator[R
     """The rules that can change something; one that is alone is called as its action is."""
     kept = [tidy for rule in schema.rules if (tidy := _tidied(rule, declared)) is not None]
     for rule in kept:
-        yield replace(rule, name=naming.fresh(rule.name if len(kept) > 1 else rule.action))
+        name = naming.fresh(rule.name if len(kept) > 1 else rule.action)
+        yield rule if name == rule.name else replace(rule, name=name)
 
 
 def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
@@ -154,13 +156,16 @@ def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
     found: dict[object, Outcome] = {}
     for outcome in rule.outcomes:
         idle = idle_because(outcome, asked, declared)
-        effects = tuple(e for e, why in zip(outcome.effects, idle, strict=True) if why is None)
-        does = effects or outcome.reward or outcome.cost
-        tidy = replace(outcome, effects=effects, kind=OutcomeKind.CHANGE if does else OutcomeKind.NOTHING)
+        tidy = outcome
+        if any(why is not None for why in idle):
+            effects = tuple(e for e, why in zip(outcome.effects, idle, strict=True) if why is None)
+            does = effects or outcome.reward or outcome.cost
+            tidy = replace(outcome, effects=effects, kind=OutcomeKind.CHANGE if does else OutcomeKind.NOTHING)
         done = doing(tidy, asked, declared), outcome.reward, outcome.cost
         before = found.get(done)
-        likely = tidy.probability + (0 if before is None else before.probability)
-        found[done] = replace(before or tidy, probability=likely)
+        if before is not None:
+            tidy = replace(before, probability=before.probability + tidy.probability)
+        found[done] = tidy
     outcomes = list(found.values())
     if all(outcome.kind is OutcomeKind.NOTHING for outcome in outcomes):
         return None

@@ -235,6 +235,8 @@ def decided(tree: Tree, known: Sequence[Formula]) -> Tree:
     match tree:
         case Change():
             guard = assuming(tree.guard, known)
+            if guard == tree.guard:
+                return tree
             return NOTHING if guard == NEVER else replace(tree, guard=guard)
         case All(parts):
             return All(tuple(found for part in parts if (found := decided(part, known)) != NOTHING))

@@ -5,7 +5,7 @@ Every function that makes a formula leaves out what says nothing: parts that alw
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from cleancli.language.model import Equality, Literal, Object, Term, Variable
@@ -77,17 +77,28 @@ def negated(formula: Formula) -> Formula:
 def both(parts: Iterable[Formula]) -> Formula:
     """The conjunction."""
     found = dict.fromkeys(_flat(parts, Both))
-    if NEVER in found or any(is_basic(part) and negated(part) in found for part in found):
-        return NEVER
-    return next(iter(found)) if len(found) == 1 else Both(tuple(found))
+    if len(found) == 1:
+        return next(iter(found))
+    return NEVER if NEVER in found or _has_opposites(found) else Both(tuple(found))
 
 
 def either(parts: Iterable[Formula]) -> Formula:
     """The disjunction."""
     found = dict.fromkeys(_flat(parts, Either))
-    if ALWAYS in found or any(is_basic(part) and negated(part) in found for part in found):
-        return ALWAYS
-    return next(iter(found)) if len(found) == 1 else Either(tuple(found))
+    if len(found) == 1:
+        return next(iter(found))
+    return ALWAYS if ALWAYS in found or _has_opposites(found) else Either(tuple(found))
+
+
+def _has_opposites(parts: Collection[Formula]) -> bool:
+    """Whether a literal or an equality is among some parts, and its opposite too."""
+    negative = (
+        part
+        for part in parts
+        if (isinstance(part, Literal) and False in part.values)
+        or (isinstance(part, Equality) and not part.equal)
+    )
+    return any(negated(part) in parts for part in negative)
 
 
 def quantified(exists: bool, variables: Iterable[Variable], part: Formula) -> Formula:
@@ -110,7 +121,7 @@ def quantified(exists: bool, variables: Iterable[Variable], part: Formula) -> Fo
 
 def _flat(parts: Iterable[Formula], kind: type[Both] | type[Either]) -> Iterator[Formula]:
     for part in parts:
-        if isinstance(part, Both | Either) and isinstance(part, kind):
+        if isinstance(part, kind):
             yield from part.parts
         else:
             yield part
@@ -166,11 +177,13 @@ def apart(variable: Variable, met: Iterable[Term]) -> Variable:
     name, number = variable.name, 2
     while name in names:
         name, number = f"{variable.name}_{number}", number + 1
-    return replace(variable, name=name)
+    return variable if name == variable.name else replace(variable, name=name)
 
 
 def assuming(formula: Formula, known: Iterable[Formula]) -> Formula:
     """What is left of a formula where others hold."""
+    if formula in (ALWAYS, NEVER):
+        return formula
     holds = set(_flat(known, Both))
     return _assuming(formula, holds | {ALWAYS}, {negated(each) for each in holds} | {NEVER})
 

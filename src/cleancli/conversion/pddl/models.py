@@ -15,7 +15,7 @@ from cleancli.language.checking.problem import check_aims
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Action, Domain, Problem, Rule
+from cleancli.language.model import Domain, Problem, Rule
 
 
 def defines_domain(source: Source) -> bool:
@@ -88,15 +88,11 @@ def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Find
 
 
 def _placed(domain: Domain) -> Domain:
-    """The domain without the places of numbers that a learner would write to."""
-    rules = tuple(map(_rule, domain.rules))
-    return replace(domain, rules=rules, actions=tuple(map(_action, domain.actions)), end=None)
+    """The domain without the places of numbers that a learner would write to: of probabilities, since no
+    action of PPDDL has a duration."""
+    return replace(domain, rules=tuple(map(_rule, domain.rules)), end=None)
 
 
 def _rule(rule: Rule) -> Rule:
     outcomes = tuple(replace(each, probability_span=None, weight_span=None) for each in rule.outcomes)
     return replace(rule, outcomes=outcomes)
-
-
-def _action(action: Action) -> Action:
-    return replace(action, duration_span=None, noted_span=None)

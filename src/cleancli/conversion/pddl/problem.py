@@ -156,16 +156,17 @@ class _Fitting:
         does not fit."""
         grouped: dict[str, list[tuple[str, ...]]] = {}
         for row in rows:
-            grouped.setdefault(row[0], []).append(row[1:])
+            grouped.setdefault(row[0], []).append(row)
         return {fact for symbol, each in grouped.items() for fact in self._of(symbol, each)}
 
     def _of(self, symbol: str, rows: Sequence[tuple[str, ...]]) -> Iterator[Fact]:
         predicate = self._words.predicates.get(symbol)
-        if predicate is None or set(map(len, rows)) != {len(predicate.types)}:
+        if predicate is None or set(map(len, rows)) != {1 + len(predicate.types)}:
             return iter(())
         if not predicate.types:
             return iter((Fact(predicate.name, ()),))
-        columns = zip(map(self._fitting, predicate.types), zip(*rows, strict=True), strict=True)
+        _, *terms = zip(*rows, strict=True)
+        columns = zip(map(self._fitting, predicate.types), terms, strict=True)
         try:
             named = [[titles[name] for name in names] for titles, names in columns]
         except KeyError:

@@ -97,12 +97,8 @@ class Reader:
 
     def typed(self, items: Sequence[Node], *, variables: bool = False) -> tuple[Typed, ...]:
         """As `objects`, each name for itself; perhaps of variables."""
-        names = [
-            (name_of(word, self.path), types)
-            for words, types in self._listed(items, variables=variables)
-            for word in words
-        ]
-        return tuple(Typed(name, types, span=name.span) for name, types in names)
+        listed = self._listed(items, variables=variables)
+        return tuple([Typed(name_of(word, self.path), types) for words, types in listed for word in words])
 
     def objects(self, items: Sequence[Node]) -> tuple[ObjectsNode, ...]:
         """`a b - type c`: a type is for all names before it that have none; `(either ...)` is several."""
@@ -130,7 +126,7 @@ class Reader:
                 waiting = []
                 continue
             word = self.word(item, "a variable" if variables else "a name")
-            if word.text.startswith("?") != variables:
+            if (word.text[0] == "?") != variables:
                 what = "is no variable: write `?` before it" if variables else "is a variable"
                 raise Unreadable(f"`{word.text}` {what}", self.span(word))
             waiting.append(word)
@@ -209,7 +205,7 @@ class Reader:
 
 def name_of(word: Word, path: str) -> Name:
     """A word as a name that stands in the file at `path`."""
-    return Name(word.text, span=Span(path, word.start, word.end))
+    return Name(word.text, path, word.start)
 
 
 def number_in(node: Node) -> Fraction | None:

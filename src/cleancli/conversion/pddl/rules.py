@@ -176,7 +176,7 @@ def _open(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types)
     """A condition on which it depends whether something is deleted, as it is not where it is added; None
     where there is none, but those on bindings of a `forall`."""
     for change in changes:
-        for other in changes if not (change.value or change.variables) else ():
+        for other in _adding(change, changes) if not change.variables else ():
             meets = _meeting(change, other, known, types)
             if meets not in (ALWAYS, NEVER):
                 return meets
@@ -190,20 +190,24 @@ def _all_settled(results: Iterable[Result], known: tuple[Formula, ...], types: T
 def _settled(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Iterator[Change]:
     """The changes, each deletion only where nothing adds what it deletes, and none that another makes too."""
     for change in changes:
-        plain = replace(change, guard=ALWAYS)
-        if not change.variables and change != plain and plain in changes:
+        is_plain = change.variables or change.guard == ALWAYS
+        if not is_plain and replace(change, guard=ALWAYS) in changes:
             continue
         kept = change.guard
-        for other in changes if not change.value else ():
+        for other in _adding(change, changes):
             kept = both([kept, negated(_meeting(change, other, known, types))])
         if kept != NEVER:
-            yield replace(change, guard=kept)
+            yield change if kept == change.guard else replace(change, guard=kept)
+
+
+def _adding(change: Change, changes: tuple[Change, ...]) -> Iterator[Change]:
+    """Those changes that may add what one deletes."""
+    if not change.value:
+        yield from (each for each in changes if each.value and each.symbol == change.symbol)
 
 
 def _meeting(change: Change, other: Change, known: tuple[Formula, ...], types: Types) -> Formula:
     """Under what the other change adds what this one deletes, where this one is made."""
-    if not other.value or other.symbol != change.symbol:
-        return NEVER
     met: list[Term] = [*change.variables, *change.terms, *free_variables(change.guard)]
     names: dict[Term, Term] = {}
     for variable in other.variables:
@@ -222,7 +226,7 @@ def _meeting(change: Change, other: Change, known: tuple[Formula, ...], types: T
     inner = both(substituted(part, stands, types.may_be_one) for part in asked)
     here = (*known, *_parts(change.guard))
     meets = assuming(quantified(True, sorted(left), inner), here)
-    return NEVER if _excluded(meets, here, types) else meets
+    return NEVER if meets != NEVER and _excluded(meets, here, types) else meets
 
 
 # ---- rules
@@ -232,13 +236,14 @@ def conditions_of(
     precondition: Formula, cases: Sequence[Case], definitions: Definitions
 ) -> Iterator[Condition]:
     """The condition of each case's rule."""
-    shared = definitions.condition(precondition)
+    base = definitions.condition(precondition)
     asked = [formula for case in cases for formula, _ in case.decisions]
     # Beside derived predicates the checker could not tell for sure that quantifiers exclude each other.
-    plainly = any(map(definitions.is_made, shared)) or any(isinstance(f, Both | Either) for f in asked)
+    plainly = any(map(definitions.is_made, base)) or any(isinstance(f, Both | Either) for f in asked)
     for case in cases:
         decided = [formula if holds else negated(formula) for formula, holds in case.decisions]
-        shared = definitions.condition(both(assuming(part, decided) for part in _parts(precondition)))
+        left = both(assuming(part, decided) for part in _parts(precondition)) if decided else precondition
+        shared = base if left == precondition else definitions.condition(left)
         own = [definitions.decision(*each, plainly=plainly) for each in case.decisions]
         yield tuple(dict.fromkeys([*shared, *(part for parts in own for part in parts)]))
 

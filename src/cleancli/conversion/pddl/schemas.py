@@ -154,6 +154,8 @@ def _several(action: str, cases: Sequence[Case], priced: Sequence[tuple[CostPart
 
 def _titles(action: str, cases: Sequence[Case]) -> list[str]:
     """What cases are called: by their conditions, or by numbers where that is long or says not which."""
+    if len(cases) == 1:
+        return [action]
     titles = [title_of(action, case) for case in cases]
     if max(map(len, titles), default=0) > _LONGEST_TITLE or len(set(titles)) < len(titles):
         return [f"{action}_{number}" for number in range(1, len(cases) + 1)]

@@ -23,10 +23,17 @@ class Node:
 
 
 @dataclass(frozen=True, slots=True)
-class Name(Node):
-    """A name; that of a variable begins with `?`."""
+class Name:
+    """A name; that of a variable begins with `?`. Its span is made when it is asked for, as it seldom is."""
 
     text: str
+    path: str = field(compare=False, repr=False)
+    start: int = field(compare=False, repr=False)
+
+    @property
+    def span(self) -> Span:
+        """Where it stands."""
+        return Span(self.path, self.start, self.start + len(self.text))
 
     @property
     def is_variable(self) -> bool:
@@ -35,7 +42,7 @@ class Name(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Typed(Node):
+class Typed:
     """A name with its type: several are `either` of them, none is any object."""
 
     name: Name

@@ -76,13 +76,17 @@ def problem_tree(draft: DraftProblem) -> syntax.ProblemNode:
 
 
 class _Tree:
-    """Makes nodes that all stand at one place."""
+    """Makes nodes that all stand at one place, so that equal names and terms are one node."""
 
     def __init__(self, place: Span) -> None:
         self._place = place
+        self._names: dict[str, syntax.Name] = {}
+        self._terms: dict[Term, syntax.TermNode] = {}
 
     def name(self, text: str) -> syntax.Name:
-        return syntax.Name(text, span=self._place)
+        if text not in self._names:
+            self._names[text] = syntax.Name(text, span=self._place)
+        return self._names[text]
 
     def number(self, value: Fraction) -> syntax.Number:
         return syntax.Number(value, value.denominator == 1, span=self._place)
@@ -214,4 +218,6 @@ class _Tree:
         return syntax.Application(self.name(symbol), tuple(map(self._term, terms)), span=self._place)
 
     def _term(self, term: Term) -> syntax.TermNode:
-        return syntax.TermNode(term.name, isinstance(term, Variable), span=self._place)
+        if term not in self._terms:
+            self._terms[term] = syntax.TermNode(term.name, isinstance(term, Variable), span=self._place)
+        return self._terms[term]

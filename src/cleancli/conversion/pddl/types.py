@@ -28,6 +28,7 @@ class Types:
         self._naming = naming
         self._parents: dict[str, str] = {}
         self.mentioned: set[str] = set()
+        self._found: dict[tuple[str, ...], tuple[str, tuple[str, ...]]] = {}
         declared: dict[str, Typed] = {}
         for each in domain.types:
             name = self._name(each.name)
@@ -112,8 +113,11 @@ class Types:
 
     def of(self, types: Sequence[Name]) -> tuple[str, tuple[str, ...]]:
         """The one type of what is `either` of these, and which of the types below that it is (none: any)."""
-        members = tuple(dict.fromkeys(self._known(name) for name in types)) or (OBJECT,)
-        highest = tuple(m for m in members if not any(m != o and self.is_a(m, o) for o in members))
-        one = self.above(highest)
-        self.mentioned.update((one, *highest))
-        return one, (highest if len(highest) > 1 else ())
+        said = tuple([name.text for name in types])
+        if said not in self._found:
+            members = tuple(dict.fromkeys(self._known(name) for name in types)) or (OBJECT,)
+            highest = tuple(m for m in members if not any(m != o and self.is_a(m, o) for o in members))
+            one = self.above(highest)
+            self.mentioned.update((one, *highest))
+            self._found[said] = one, (highest if len(highest) > 1 else ())
+        return self._found[said]

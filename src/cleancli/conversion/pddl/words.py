@@ -58,12 +58,13 @@ class Group:
     def items(self) -> tuple[Node, ...]:
         """The words and groups in it."""
         if self._items is None:
-            first = self.start + 1
-            words, _, _ = self._text[1:-1].partition("(")
-            found = [Word(match[0], first + match.start()) for match in _WORD.finditer(words)]
-            inner = _INNER.finditer(self._text, 1)
-            groups = [Group(self.start + m.start(), self.start + m.end(), text=m[0]) for m in inner]
-            self._items = (*found, *groups)
+            start, text = self.start, self._text
+            inner = text.find("(", 1)
+            words = _WORD.finditer(text, 1, len(text) - 1 if inner < 0 else inner)
+            self._items = tuple([Word(match[0], start + match.start()) for match in words])
+            if inner > 0:
+                groups = _INNER.finditer(text, inner)
+                self._items += tuple([Group(start + m.start(), start + m.end(), text=m[0]) for m in groups])
         return self._items
 
     @property

@@ -266,9 +266,9 @@ def _named(terms: tuple[Term, ...], numbers: Mapping[Term, int], same: Mapping[T
 
 
 def _name(term: Term, numbers: Mapping[Term, int], same: Mapping[Term, Term]) -> tuple[str, str]:
-    if term in numbers:
+    if numbers and term in numbers:
         return "bound", f"{numbers[term]:03}"
-    stands = same.get(term, term)
+    stands = same.get(term, term) if same else term  # mostly there are none, and a term takes long to hash
     return "variable" if isinstance(stands, Variable) else "object", stands.name
 
 

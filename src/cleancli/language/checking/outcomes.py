@@ -209,6 +209,8 @@ def _refuse_same(
             continue
         if not scope.compat:
             _warn_idle(node, outcome, asked, scope)
+        if len(nodes) == 1:
+            break
         shown = print_result(outcome, scope.declared.symbols)
         real = doing(outcome, asked, scope.declared), outcome.reward, outcome.cost
         if shown in written:
