@@ -157,6 +157,25 @@ def test_a_rule_may_know_that_a_member_does_not_hold() -> None:
     assert functions(third, more, "hugePot(1)") == {"pot": ("bigPot", "smallPot", "hugePot")}
 
 
+def test_a_member_that_no_rule_asks_for_comes_where_another_goes() -> None:
+    third = SIZES + "\nhugePot 1 primitive binary"
+    more = CHOICE + rule("smallPot(X)", "1 -smallPot(X) hugePot(X)")
+    assert functions(third, more, "bigPot(1)") == {"pot": ("bigPot", "smallPot", "hugePot")}
+
+
+def test_predicates_without_arguments_become_a_function_too() -> None:
+    symbols = "low 0 primitive binary\nhigh 0 primitive binary\np 1 primitive binary"
+    rules = rule("low()", "1 -low() high() p(X)") + rule("high()", "0.5 -high() low()", "0.5 <no-change>")
+    made = converted(small(symbols, rules, "low()"), Wishes(reward="cost"))
+    assert made.functions == {"low_or_high": ("low", "high")}
+    assert "low_or_high(): low < high" in made.domain
+    assert "low_or_high() = low" in made.problem
+    assert not made.diagnostics
+    partly = converted(small(symbols, rules, "p(1)"), Wishes(reward="cost"))
+    assert "low_or_high(): none < low < high" in partly.domain
+    assert not converted(small(symbols, rules, "low() high()"), Wishes(reward="cost")).functions
+
+
 def test_a_group_is_called_by_what_its_members_share() -> None:
     def named(first: str, second: str) -> str:
         files = small(SIZES, CHOICE, "bigPot(1)")

@@ -1,4 +1,4 @@
-"""Groups of unary predicates of which at most one holds for each object, whatever the actions do.
+"""Groups of predicates, of one argument or none, of which at most one holds at a time, whatever actions do.
 
 Guaranteed by `check`: names are declared and fit. Such a group becomes a function, so that rules which ask
 for different members exclude each other. Two arguments of an action are taken as different objects here; if
@@ -24,42 +24,67 @@ class Group:
 
 def groups_of(library: Library, constants: Sequence[str]) -> tuple[Group, ...]:
     """The groups that rules of one action choose by, none with a member of another."""
-    rivals = _rivals(library)
-    unary = _unary(library)
+    rivals, replaced = _rivals(library), _replaced(library)
+    possible = _possible(library)
     groups: list[Group] = []
     taken: set[str] = set()
-    for name in unary:
-        candidates = [each for each in unary if each == name or (name, each) in rivals]
-        members = _largest([each for each in candidates if each not in taken], library)
-        if name in members:
-            taken |= set(members)
-            groups.append(Group(members, _is_partial(members, library, constants)))
+    for name in possible:
+        for near in ({other for one, other in rivals if one == name}, _reached(name, replaced)):
+            candidates = [each for each in possible if each == name or each in near]
+            members = _largest([each for each in candidates if each not in taken], library)
+            if name in members and not rivals.isdisjoint(permutations(members, 2)):
+                taken |= set(members)
+                groups.append(Group(members, _is_partial(members, library, constants)))
+                break
     return tuple(groups)
 
 
-def _unary(library: Library) -> list[str]:
-    """The unary predicates that may hold of an object at some time."""
+def _possible(library: Library) -> list[str]:
+    """The predicates of one argument or none that may hold at some time."""
     effects = [effect for rule in library.rules for result in rule.results for effect in result.effects]
     possible = {atom.symbol for atom in (*library.facts, *effects) if atom.value is True}
     primitive = [symbol for symbol in library.symbols if symbol.kind is Kind.PRIMITIVE]
-    return [symbol.name for symbol in primitive if symbol.arity == 1 and symbol.name in possible]
+    return [symbol.name for symbol in primitive if symbol.arity <= 1 and symbol.name in possible]
 
 
 def _is_partial(members: Collection[str], library: Library, constants: Iterable[str]) -> bool:
     """Whether none of the members holds for some constant at first."""
-    held = {fact.terms[0] for fact in library.facts if fact.symbol in members and fact.value is True}
-    return not held.issuperset(constants)
+    held = {fact.terms for fact in library.facts if fact.symbol in members and fact.value is True}
+    alone = any(symbol.name in members and not symbol.arity for symbol in library.symbols)
+    return not held.issuperset([()] if alone else [(constant,) for constant in constants])
 
 
 def _rivals(library: Library) -> set[tuple[str, str]]:
-    """Pairs of predicates that two rules of an action ask for of the same argument, both ways round."""
-    asked: dict[tuple[str, int], set[str]] = {}
+    """Pairs of predicates that two rules of an action ask for of the same argument, or of none, both ways
+    round."""
+    asked: dict[tuple[str, int | None], set[str]] = {}
     for rule in library.rules:
         for atom in rule.context:
-            if atom.value is True and len(atom.terms) == 1 and atom.terms[0] in rule.action.terms:
-                place = rule.action.terms.index(atom.terms[0])
+            if atom.value is True and len(atom.terms) <= 1 and set(atom.terms) <= set(rule.action.terms):
+                place = rule.action.terms.index(atom.terms[0]) if atom.terms else None
                 asked.setdefault((rule.action.symbol, place), set()).add(atom.symbol)
     return {pair for names in asked.values() for pair in permutations(names, 2)}
+
+
+def _replaced(library: Library) -> set[tuple[str, str]]:
+    """Pairs of predicates of which one comes where the other goes, both ways round."""
+    found: set[tuple[str, str]] = set()
+    for rule in library.rules:
+        for result in rule.results:
+            for one, other in permutations(result.effects, 2):
+                if one.terms == other.terms and one.value is True and other.value is False:
+                    found |= {(one.symbol, other.symbol), (other.symbol, one.symbol)}
+    return found
+
+
+def _reached(name: str, pairs: Collection[tuple[str, str]]) -> set[str]:
+    """What pairs lead to, one after the other."""
+    found, waiting = set[str](), [name]
+    while waiting:
+        here = waiting.pop()
+        waiting += [other for one, other in pairs if one == here and other not in found]
+        found.update(other for one, other in pairs if one == here)
+    return found
 
 
 def _largest(candidates: Sequence[str], library: Library) -> tuple[str, ...]:
@@ -76,10 +101,10 @@ def _largest(candidates: Sequence[str], library: Library) -> tuple[str, ...]:
 def _broken(members: Sequence[str], library: Library) -> list[str]:
     """Members that may hold beside another, or go without another coming, once for each time."""
     broken: list[str] = []
-    held: dict[str, str] = {}
+    held: dict[tuple[str, ...], str] = {}
     for fact in library.facts:
         if fact.symbol in members and fact.value is True:
-            other = held.setdefault(fact.terms[0], fact.symbol)
+            other = held.setdefault(fact.terms, fact.symbol)
             broken += [fact.symbol, other] if other != fact.symbol else []
     for rule in library.rules:
         for result in rule.results:

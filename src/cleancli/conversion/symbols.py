@@ -8,6 +8,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 from cleancli.conversion.check import rule_atoms
 from cleancli.conversion.names import OBJECT, Names
@@ -86,7 +87,7 @@ def _symbol(declared: Declaration, library: Library, names: Names) -> Symbol:
     """A predicate or function, or the function that a group becomes of which a predicate is a member."""
     function = names.functions.get(declared.name)
     if function is not None:
-        return Symbol(function.name, parameters(1), function.values)
+        return Symbol(function.name, parameters(declared.arity), function.values)
     values = (False, True) if declared.is_binary else _range(library, declared.name)
     return Symbol(names.symbols[declared.name], parameters(declared.arity), values)
 
@@ -98,10 +99,12 @@ def parameters(number: int) -> tuple[Variable, ...]:
 
 
 def facts(library: Library, words: Vocabulary, objects: Collection[str]) -> frozenset[Fact]:
-    """The state; an object that no member of a group holds for has the group's first value."""
+    """The state; where no member of a group holds, its function has the first value."""
     chosen = [symbol for symbol in words.symbols.values() if isinstance(symbol.values[0], str)]
     found: dict[tuple[str, tuple[str, ...]], Value] = {
-        (symbol.name, (name,)): symbol.values[0] for symbol in chosen for name in objects
+        (symbol.name, terms): symbol.values[0]
+        for symbol in chosen
+        for terms in product(objects, repeat=len(symbol.parameters))
     }
     stated = (_fact(atom, words) for atom in library.facts)
     found |= {(fact.symbol, fact.objects): fact.value for fact in stated if fact is not None}

@@ -31,7 +31,7 @@ def domain_text(domain: Domain, remarks: Remarks) -> str:
     rules, symbols = Path(remarks.rules.path).name, Path(remarks.symbols.path).name
     head = [f"Converted from libPRADA's {rules} and {symbols} by `cleancli convert`.", *remarks.notes]
     above: dict[str, tuple[str, ...]] = {
-        f"    {name}(": (f"at most one held for each object: {', '.join(members)}",)
+        f"    {name}(": (f"at most one held at a time: {', '.join(members)}",)
         for name, members in remarks.functions.items()
     }
     for each in remarks.translated:

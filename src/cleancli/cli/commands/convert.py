@@ -136,7 +136,7 @@ def _report(targets: Sequence[Path], made: ConversionResult, as_data: bool) -> N
         return
     echo(f"wrote {' and '.join([*written, *_few(experience)])}")
     for name, members in made.functions.items():
-        echo(f"  {', '.join(members)} are the function `{name}` now: at most one held for each object")
+        echo(f"  {', '.join(members)} are the function `{name}` now: at most one held at a time")
     for old, new in made.names.items():
         echo(f"  `{old}` is called `{new}` there")
     for note in made.notes:
