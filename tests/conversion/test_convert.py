@@ -202,6 +202,15 @@ def test_names_that_mean_something_in_the_language_get_an_underscore() -> None:
     assert "objects {\n    o1 rule noise_ - object\n  }" in made.problem
 
 
+def test_what_a_rule_refers_to_is_not_found_by_its_kind_alone() -> None:
+    """It would have to be the only place there is."""
+    symbols = "place 1 primitive binary\nnear 2 primitive binary\nwet 1 primitive binary"
+    rules = rule("place(Y) near(X Y)", "1 -near(X Y)") + rule("place(Y) -near(X Y)", "1 wet(Y)")
+    made = converted(small(symbols, rules, "place(1) place(2) near(1 2)"), Wishes(reward="cost"))
+    assert "with ?y - object: place(?y), near(?x, ?y)" in made.domain
+    assert "with ?y - object: place(?y), not near(?x, ?y)" in made.domain
+
+
 def test_rules_that_stay_overlapping_are_written_and_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -73,13 +73,23 @@ def _question(atom: Atom, rule: LibraryRule, words: Vocabulary) -> _Question:
 
 
 def _contested(library: Library, words: Vocabulary) -> set[_Question]:
-    """The questions about what rules of an action refer to that these want answered in different ways."""
+    """The questions about what rules of an action refer to that these want answered in different ways; none
+    where something would be found by what ties it to nothing else, and so had to be the only one of all."""
     asked: dict[_Question, set[frozenset[Value]]] = {}
     for rule in library.rules:
         for atom in _about_references(rule):
             values = words.literal(atom, _variables(rule)).values
             asked.setdefault(_question(atom, rule, words), set()).add(values)
-    return {question for question, values in asked.items() if len(values) > 1}
+    found = {question for question, values in asked.items() if len(values) > 1}
+    loose = {rule.action.symbol for rule in library.rules if _is_loose(rule, words, found)}
+    return {question for question in found if question[0] not in loose}
+
+
+def _is_loose(rule: LibraryRule, words: Vocabulary, contested: set[_Question]) -> bool:
+    """Whether a reference would be found by literals that have no other term than it."""
+    naming, _ = _naming_and_asking(rule, words, contested)
+    referred = [name for name in variables_of(*naming) if name not in rule.action.terms]
+    return any(all({*atom.terms} == {name} for atom in naming if name in atom.terms) for name in referred)
 
 
 def _naming_and_asking(
