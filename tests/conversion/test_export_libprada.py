@@ -146,6 +146,34 @@ def test_the_librarys_own_rules_come_back_as_they_were(tmp_path: Path) -> None:
     assert start == {fact for fact in again_start if fact.symbol != "size_none"}
 
 
+def test_an_object_of_which_nothing_holds_is_there_all_the_same() -> None:
+    text = """
+    domain d {
+      types { box }
+      predicates { wet(?x - box) }
+      derived { wets := count ?x - box: wet(?x) }
+      actions { dry(?x - box) }
+      rule dry_it: dry(?x) { when wet(?x)  then 1: not wet(?x) }
+      reward { decrease(wets) }
+    }
+    """
+    problem = "problem p { domain = d objects { a b - box } init { wet(a) } horizon = 2 }"
+    made = cleancli.convert(text, problem, to="libprada")
+    assert made.texts["state.dat"] == "box(10) box(11)\nwet(10)\n"
+    assert "box(X) wet(X)" in made.texts["rules.dat"]
+    without = cleancli.convert(text, problem.replace("wet(a)", "wet(a), wet(b)"), to="libprada")
+    assert without.texts["state.dat"] == "wet(10) wet(11)\n"
+
+
+def test_rules_for_each_case_of_what_is_referred_to_are_told() -> None:
+    """In each the one object must fit, and not the one object of all: near(b1, b2) and near(b1, low) here."""
+    made = cleancli.convert(CASES, SOME, to="libprada")
+    (told,) = [note for note in made.notes if "refer to" in note]
+    assert told.endswith(": lift_it")
+    plain = CASES.replace("if wet(?o) => wet(?b)", "wet(?b)")
+    assert not any("refer to" in note for note in cleancli.convert(plain, SOME, to="libprada").notes)
+
+
 LAMPS_RULES = """\
 #rules = 4
 ACTION:

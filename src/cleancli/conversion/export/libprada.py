@@ -93,6 +93,7 @@ class _Writer:
         self._uses_same = False
         self._written_out = self._has_reward = False
         self._counts_left_out: list[str] = []
+        self._divided: list[str] = []
 
     # ---- rules.dat
 
@@ -121,12 +122,10 @@ class _Writer:
         self._written_out = self._written_out or instances.were_needed
         names = Naming((), folded=False)
         variables = {each: names.fresh(each.name.upper()) for each in plain.variables}
-        found = []
-        for case in self._split(
-            known, [change.guard for _, changes in done for change in changes], instances
-        ):
-            found.append(self._case(rule, case, done, variables))
-        return found
+        cases = self._split(known, [change.guard for _, changes in done for change in changes], instances)
+        if _differ_in(referred, cases):
+            self._divided.append(rule.name)
+        return [self._case(rule, case, done, variables) for case in cases]
 
     def _split(self, known: Formula, guards: Sequence[Formula], instances: Instances) -> list[Known]:
         """The cases in which a condition holds and each guard is decided; of what is written out for the
@@ -307,6 +306,11 @@ class _Writer:
             found.append("types are predicates")
         if self._written_out:
             found.append("what is said of all objects is written out for those of the problem")
+        if self._divided:
+            found.append(
+                "rules for each case of what these refer to, which has to be the only one in its case and not"
+                f" of all: {', '.join(self._divided)}"
+            )
         if self._uses_same:
             found.append(f"`{SAME}` holds of each object and itself: libPRADA has no equality")
         return tuple(found)
@@ -339,6 +343,16 @@ def _referred(rule: Rule) -> tuple[tuple[Variable, ...], Mapping[Term, Term]]:
         if not set(reference.variables) <= again.keys():
             raise NotSaid("a rule has several references, each of which has to be the only one")
     return first.variables, again
+
+
+def _differ_in(referred: Sequence[Variable], cases: Sequence[Known]) -> bool:
+    """Whether cases ask different things of what is referred to."""
+    asked = {part for case in cases for part in case if not {*_terms(part)}.isdisjoint(referred)}
+    return any(negated(part) in asked for part in asked)
+
+
+def _terms(part: Literal | Equality) -> tuple[Term, ...]:
+    return (part.left, part.right) if isinstance(part, Equality) else part.terms
 
 
 def _question(

@@ -16,7 +16,8 @@ class LibpradaNames:
     with them, if any does.
 
     `numbers` has those of objects, `given` the other names by kinds. `typed`: whether types are predicates.
-    Experience has no other way to tell which objects there are, so that there a single type is one too.
+    Facts alone tell which objects there are, so that a single type is one too where an object has no others,
+    and with experience.
     """
 
     def __init__(self, domain: Domain, problem: Problem, experienced: Sequence[Object] | None = None) -> None:
@@ -27,7 +28,8 @@ class LibpradaNames:
         things = dict.fromkeys(each.name for each in (*domain.constants, *problem.objects))
         others = dict.fromkeys(each.name for each in experienced or ())
         self.numbers = _numbers([*(things | others)])
-        self.typed = len(domain.types) > 1 or experienced is not None
+        told = {name for fact in problem.state for name in fact.objects}
+        self.typed = len(domain.types) > 1 or experienced is not None or not things.keys() <= told
         self._claim(domain)
 
     def _claim(self, domain: Domain) -> None:
