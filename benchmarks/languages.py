@@ -1,11 +1,11 @@
 """Domains as files of other languages, and back: `python benchmarks/languages.py [domains] [--seed N]`.
 
 The shipped domains, those of benchmarks/domains and so many drawn ones, of which every second is drawn by
-tests/support/differential, are written as PPDDL. In random states what the files mean (by a direct
-interpreter) is compared with what the domain means: what follows an action, to the last digit, and what is
-paid for it. Then the files are converted back, and what follows must be as likely to 1e-9. What was lost, and
-what was refused, is counted by its reason. Exit code 1, with the domain, where something differs. 500 domains
-and 200 states of each take about twelve minutes of CPU time.
+tests/support/differential, are written as PPDDL and for libPRADA. In random states what the files mean (by a
+direct interpreter) is compared with what the domain means: what follows an action, to the last digit, and as
+PPDDL what is paid for it. Then the files are converted back, and what follows must be as likely to 1e-9. What
+was lost, and what was refused, is counted by its reason. Exit code 1, with the domain, where something
+differs. 500 domains and 200 states of each take about ten minutes of CPU time.
 
 With `--rddl N` three domains are written as RDDL instead, pyRDDLGym draws so many transitions of each, and
 their frequencies are compared with the rules (chi-squared); then it cleans for 200 steps. 10,000 take about
@@ -26,14 +26,14 @@ from random import Random
 
 import numpy as np
 
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.diagnostic import Level, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Domain, Problem
 from cleancli.resources import shipped
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from support import exported_ppddl, exported_rddl, round_trips
+from support import exported_libprada, exported_ppddl, exported_rddl, libprada_round_trips, round_trips
 from support.differential.drawing import draw
 from support.differential.writing import Writer
 from support.random_domains import Generator
@@ -77,8 +77,8 @@ def _of_differential(seed: int, folder: Path) -> Given | None:
         return None
 
 
-def compared(given: Given, states: int, rng: np.random.Generator, counts: Counter[str]) -> str:
-    """What differs, if anything does; what was compared and what was lost is counted."""
+def in_ppddl(given: Given, states: int, rng: np.random.Generator, counts: Counter[str]) -> str:
+    """What differs as PPDDL, if anything does; what was compared and what was lost is counted."""
     name, domain, problem = given
     try:
         found = next(exported_ppddl.disagreements(domain, problem, states, rng), "")
@@ -88,11 +88,34 @@ def compared(given: Given, states: int, rng: np.random.Generator, counts: Counte
         back = round_trips.through_ppddl(domain, problem)
         found = next(round_trips.disagreements(domain, problem, back, states, rng), "")
     except Refused as refused:
-        counts[f"refused: {', '.join(sorted({_reason(each.message) for each in refused.diagnostics}))}"] += 1
+        counts[_refusal("PPDDL", refused)] += 1
         return ""
-    counts["came back, the same in all states"] += not found
-    counts.update(f"lost on the way back: {each}" for each in back.lost)
-    return f"{name}, back: {found}" if found else ""
+    counts["came back from PPDDL, the same in all states"] += not found
+    counts.update(f"lost on the way back from PPDDL: {each}" for each in back.lost)
+    return f"{name}, back from PPDDL: {found}" if found else ""
+
+
+def in_libprada(given: Given, states: int, rng: np.random.Generator, counts: Counter[str]) -> str:
+    """What differs in libPRADA's files, if anything does; what was compared and what was lost is counted."""
+    name, domain, problem = given
+    try:
+        found = next(exported_libprada.disagreements(domain, problem, states, rng), "")
+        if found:
+            return f"{name}, libPRADA: {found}"
+        counts["written for libPRADA, the same in all states"] += 1
+        back = libprada_round_trips.through_libprada(domain, problem)
+        found = next(libprada_round_trips.disagreements(domain, problem, back, states, rng), "")
+    except Refused as refused:
+        counts[_refusal("libPRADA", refused)] += 1
+        return ""
+    counts["came back from libPRADA, the same in all states"] += not found
+    return f"{name}, back from libPRADA: {found}" if found else ""
+
+
+def _refusal(language: str, refused: Refused) -> str:
+    """The reasons for which something was refused, each once: warnings are none."""
+    mistakes = [each for each in refused.diagnostics if each.level is Level.ERROR]
+    return f"{language} refused: {', '.join(sorted({_reason(each.message) for each in mistakes}))}"
 
 
 def _reason(message: str) -> str:
@@ -159,9 +182,10 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for given in chain(files(rng), drawn(options.domains, options.seed, Path(folder))):
             counts["domains"] += 1
-            if wrong := compared(given, options.states, rng, counts):
-                print(wrong)
-                return 1
+            for compared in (in_ppddl, in_libprada):
+                if wrong := compared(given, options.states, rng, counts):
+                    print(wrong)
+                    return 1
     for what, count in counts.most_common():
         print(f"{count:5} {what}")
     return 0

@@ -371,6 +371,7 @@ def test_domains_in_other_languages_do_what_they_do_here(tmp_path: Path) -> None
     files = [*(ROOT / "domains").glob("*.nid"), *(ROOT / "benchmarks" / "domains").glob("*.nid")]
     assert f"{len(files) + 4} domains" in result.stdout
     assert "written as PPDDL, the same in all states" in result.stdout
+    assert "came back from libPRADA, the same in all states" in result.stdout
 
 
 def test_domains_in_rddl_draw_what_the_rules_say(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Domains that were written as PPDDL and converted back do what they did.
+"""Domains that were written as PPDDL, or for libPRADA, and converted back do what they did.
 
 `python benchmarks/languages.py` tries all that are shipped and hundreds that are drawn.
 """
@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from support import libprada_round_trips
 from support.export_texts import DRIVEN, TOLL, TOUR
 from support.random_domains import Generator
 from support.round_trips import disagreements, drawn_problem, through_ppddl
@@ -61,3 +63,28 @@ def test_what_outcomes_and_objects_cost_comes_back(text: str, goal: str) -> None
     assert list(disagreements(domain, problem, back, 40, np.random.default_rng(1))) == []
     dearer = replace(domain, actions=tuple(replace(each, cost=each.cost + 1) for each in domain.actions))
     assert "pays" in next(disagreements(dearer, problem, back, 40, np.random.default_rng(1)))
+
+
+# ---- for libPRADA
+
+
+@pytest.mark.parametrize("name", ["cleaning", "machines", "river", "tireworld"])
+def test_domains_come_back_from_libprada(name: str) -> None:
+    """Functions of numbers, also without arguments; objects of which nothing holds at first."""
+    rng = np.random.default_rng(5)
+    path = find(name, "domains") if name == "cleaning" else str(BENCHMARKS / f"{name}.nid")
+    domain = load_domain(read_source(path))
+    problem = drawn_problem(domain, rng)
+    back = libprada_round_trips.through_libprada(domain, problem)
+    assert list(libprada_round_trips.disagreements(domain, problem, back, 100, rng)) == []
+
+
+def test_what_comes_back_from_libprada_otherwise_is_noticed() -> None:
+    domain = load_domain(read_source(str(BENCHMARKS / "machines.nid")))
+    rng = np.random.default_rng(6)
+    problem = drawn_problem(domain, rng)
+    back = libprada_round_trips.through_libprada(domain, problem)
+    rules = [replace(rule, outcomes=rule.outcomes[::-1][:1]) for rule in domain.rules]
+    ends = [replace(rule, outcomes=(replace(rule.outcomes[0], probability=Fraction(1)),)) for rule in rules]
+    other = replace(domain, rules=tuple(ends))
+    assert next(libprada_round_trips.disagreements(other, problem, back, 100, rng), "")

@@ -1,22 +1,28 @@
 """A .nid domain and what is written of it for libPRADA, compared state by state.
 
 The library's side is its records executed as they stand: a rule covers a state where exactly one binding of
-what it refers to fits. Names are taken to have stayed.
+what it refers to fits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Values
+from cleancli.compiler.lifted import LiftedState
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.conversion.check import check
+from cleancli.conversion.experience.data import vocabulary_of
+from cleancli.conversion.experience.vocabulary import Vocabulary
 from cleancli.conversion.export.libprada import libprada
+from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.export.written import Written
 from cleancli.conversion.read import read
@@ -24,7 +30,7 @@ from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable,
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
-from support.exported_ppddl import calls, drawn_values
+from support.exported_ppddl import at_most_one_covers, calls, drawn_values
 
 World = frozenset[tuple[str, ...]]
 """The atoms that hold, a symbol and its objects."""
@@ -47,47 +53,113 @@ def library_of(made: Written) -> Library:
     return library
 
 
-def world_of(domain: Domain, values: Values, made: Written, fixed: World) -> World:
-    """A state as atoms of the files; `fixed` are those of symbols that the domain does not have."""
-    symbols = {symbol.name: symbol for symbol in domain.symbols}
-    found = set(fixed)
-    for (name, objects), value in values.items():
-        symbol = symbols[name]
-        shown = name if symbol.is_predicate else f"{name}_{value}"
-        ways = {objects, objects[::-1]} if symbol.symmetric else {objects}
-        if value is not False:
-            found |= {(shown, *(made.names[each] for each in way)) for way in ways}
-    return frozenset(found)
+@dataclass(frozen=True)
+class Called:
+    """What the files of a domain and a problem call its things; `fixed` are the atoms of symbols that the
+    domain does not have, `divided` the actions that have more rules than in the domain."""
+
+    vocabulary: Vocabulary
+    numbers: Mapping[str, str]
+    actions: Mapping[str, str]
+    fixed: World
+    divided: frozenset[str]
+
+    def world(self, domain: Domain, values: Values) -> World:
+        """A state as atoms of the files."""
+        symbols = {symbol.name: symbol for symbol in domain.symbols}
+        atoms = self.vocabulary.atoms(values, symbols)
+        return self.fixed | {(name, *(self.numbers[each] for each in objects)) for name, objects in atoms}
+
+    def terms(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Objects as the files call them."""
+        return tuple(self.numbers[name] for name in names)
 
 
-def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.Generator) -> Iterator[str]:
-    """Where the files do something else, in so many random states, by an action each. Raises Refused for what
-    libPRADA can't say."""
-    made = written(domain, problem)
-    library, rules = library_of(made), LiftedRules(domain)
-    own = {f"{s.name}_{v}" for s in domain.symbols for v in s.values} | {s.name for s in domain.symbols}
-    fixed = frozenset((fact.symbol, *fact.terms) for fact in library.facts if fact.symbol not in own)
-    every = list(calls(domain, problem))
-    objects = [made.names[each.name] for each in (*domain.constants, *problem.objects)]
-    for _ in range(states):
+def called(domain: Domain, problem: Problem, library: Library) -> Called:
+    """The names of a domain and a problem in their files."""
+    names = LibpradaNames(domain, problem)
+    vocabulary = vocabulary_of(domain, names)
+    others = (fact for fact in library.facts if fact.symbol not in vocabulary.meanings)
+    fixed = frozenset((fact.symbol, *fact.terms) for fact in others)
+    actions = {action.name: names.of(action.name, "action") for action in domain.actions}
+    count = Counter(rule.action.symbol for rule in library.rules)
+    own = Counter(rule.action for rule in domain.rules)
+    divided = frozenset(name for name, there in actions.items() if count[there] > own[name])
+    return Called(vocabulary, names.numbers, actions, fixed, divided)
+
+
+@dataclass(frozen=True)
+class Step:
+    """An action in a state, and what the domain says of it; nothing where no rule covers the state."""
+
+    action: str
+    names: tuple[str, ...]
+    before: World
+    wanted: Sequence[Distribution]
+
+
+def steps(
+    domain: Domain, problem: Problem, files: Called, states: int, rng: np.random.Generator
+) -> Iterator[Step]:
+    """An action in each of so many random states, but for those in which an outcome gives something two
+    values (E602), or several rules apply, or a rule is one for each case of what it refers to and several
+    objects fit."""
+    rules, every = LiftedRules(domain), list(calls(domain, problem))
+    for _ in range(states if every else 0):
         values = drawn_values(domain, problem, rng)
         state = rules.state(problem.objects, values)
         covered = [each for each in every if rules.covering(state, *each)]
         among = covered if covered and rng.random() < 0.8 else every
         action, names = among[int(rng.integers(len(among)))]
-        try:
-            wanted = _expected(rules, problem, values, action, names, made, fixed)
-        except Refused:  # an outcome gives something two values (E602)
+        if not at_most_one_covers(rules, state, action, names):
             continue
-        world = world_of(domain, values, made, fixed)
-        arguments = tuple(made.names[name] for name in names)
-        acting = [rule for rule in library.rules if rule.action.symbol == action]
-        found = [_done(rule, arguments, world, objects) for rule in acting]
+        if action in files.divided and _several_fit(rules, state, action, names):
+            continue
+        try:
+            wanted = _expected(rules, problem, values, action, names, files)
+        except Refused:
+            continue
+        yield Step(action, names, files.world(domain, values), wanted)
+
+
+def _several_fit(rules: LiftedRules, state: LiftedState, action: str, names: tuple[str, ...]) -> bool:
+    """Whether several objects fit the first reference of a rule of an action."""
+    numbers = [number for number, rule in enumerate(rules.domain.rules) if rule.action == action]
+    found = [rules[number] for number in numbers if rules.domain.rules[number].references]
+    return any(
+        len(list(islice(rule.references[0](state, names), 2))) > 1
+        for rule in found
+        if rule.condition(state, names)
+    )
+
+
+def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.Generator) -> Iterator[str]:
+    """Where the files do something else, in so many random states, by an action each. Raises Refused for what
+    libPRADA can't say."""
+    library = library_of(written(domain, problem))
+    files = called(domain, problem, library)
+    objects = list(files.numbers.values())
+    for step in steps(domain, problem, files, states, rng):
+        acting = [rule for rule in library.rules if rule.action.symbol == files.actions[step.action]]
+        found = [_done(rule, files.terms(step.names), step.before, objects) for rule in acting]
         actual = [each for each in found if each is not None]
         if len(actual) > 1:  # where more than one rule covers, the default rule counts (Pasula et al. 2007)
             actual = []
-        if actual != wanted:
-            yield f"{action}{names} in {sorted(world)}: {actual} and not {wanted}"
+        if not _same(actual, step.wanted):
+            yield f"{step.action}{step.names} in {sorted(step.before)}: {actual} and not {step.wanted}"
+
+
+def _same(actual: Sequence[Distribution], wanted: Sequence[Distribution]) -> bool:
+    """Whether they are as likely to the last digit; to the fifteenth where that is no decimal."""
+    return len(actual) == len(wanted) and all(
+        one.keys() == other.keys()
+        and all(one[world] == chance or _is_near(one[world], chance) for world, chance in other.items())
+        for one, other in zip(actual, wanted, strict=True)
+    )
+
+
+def _is_near(written: Fraction, chance: Fraction) -> bool:
+    return 10**15 % chance.denominator != 0 and abs(written - chance) < Fraction(1, 10**14)
 
 
 def _expected(
@@ -96,8 +168,7 @@ def _expected(
     values: Values,
     action: str,
     names: tuple[str, ...],
-    made: Written,
-    fixed: World,
+    files: Called,
 ) -> list[Distribution]:
     """What the domain says of an action; nothing where no rule covers the state."""
     state = rules.state(problem.objects, values)
@@ -109,7 +180,7 @@ def _expected(
     outcomes = rules.domain.rules[number].outcomes
     for outcome, changed in zip(outcomes, results(rules, state, number, bound), strict=True):
         if outcome.probability:
-            after = world_of(rules.domain, {**values, **changed}, made, fixed)
+            after = files.world(rules.domain, {**values, **changed})
             likely[after] = likely.get(after, Fraction(0)) + outcome.probability
     return [likely]
 
