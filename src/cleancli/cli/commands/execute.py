@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from contextlib import closing, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan
 from pathlib import Path
 
@@ -15,45 +14,29 @@ from click.core import ParameterSource
 from cleancli.api.checks import DISCOUNTING
 from cleancli.api.inputs import LoadedDomain
 from cleancli.api.lessons import Counting, is_own_file
-from cleancli.api.run_inputs import Inputs, inputs_of
-from cleancli.api.run_result import RunResult
-from cleancli.api.run_session import open_session
-from cleancli.api.runs import OpenedRun, RunStopped, carry_out
+from cleancli.api.run_inputs import inputs_of
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
-from cleancli.api.symbolic import told_of
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
 from cleancli.cli.echo import echo
-from cleancli.cli.exit_codes import ExitCode, Stopped
+from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
-from cleancli.cli.progress import working
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
-from cleancli.cli.views.live import show
-from cleancli.cli.views.motions import ask_before, way_of
-from cleancli.cli.views.teacher import ask
-from cleancli.execution.events import Event, Leaving, Looked, Started
-from cleancli.execution.loop import rehearsed, seconds_reached
+from cleancli.cli.views.rehearsal import rehearse
+from cleancli.cli.views.run import Telling, echo_note, followed
 from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.teaching import ASK
-from cleancli.language.diagnostics.plural import plural
-from cleancli.language.load import located_in
 from cleancli.language.model import Problem
 from cleancli.learning.estimate import examples_needed
 from cleancli.learning.method import DELTA, KNOWN
 from cleancli.learning.optimism import OPTIMISM
-from cleancli.perception.frame_source import BadRecording
-from cleancli.perception.recorded import free_look, save_frames
-from cleancli.perception.surface import NoSurface
 from cleancli.planning.registry import PLANNERS
-from cleancli.recording.folder import PAGE, RUN
-from cleancli.recording.pictures import step_picture, write_png
-from cleancli.recording.rerun_run import RunStream
+from cleancli.recording.folder import RUN
 from cleancli.recording.series import MOST_EPISODES
-from cleancli.report.page import write_page
 
 
 def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:
@@ -234,11 +217,11 @@ def command(
     Exit code 3 if something is left at the end; the summary says where every lentil truly is and how much
     ink is left, apart from what perception believed.
     """
-    said = _Said(as_data, quiet, rrd, saved, confirm)
+    telling = Telling(as_data, quiet, rrd, saved, confirm)
     if resume is not None:
         _refuse_beside_resume()
-        results = resumed(resume, _note, lambda opened: _carry_out(opened, said))
-        return _tell(_shown(results, said), said)
+        results = resumed(resume, echo_note, lambda opened: followed(opened, telling))
+        return _tell(_shown(results, telling), telling)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     _check_together(rrd, episodes, write, learn)
@@ -249,16 +232,16 @@ def command(
     known, chosen = _known(known, epsilon, delta), strategy or usual_strategy(given.is_scene)
     asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure, is_taught=teacher is not None)
-    acting, shown_by = None if world is None else open_loaded(world), _shown_by(teacher, said)
+    acting, shown_by = None if world is None else open_loaded(world), _shown_by(teacher, telling)
     inputs = inputs_of(
         given, asked, seed=seed, objective=objective, job=job, known=known, world=acting, teacher=shown_by
     )
     if rehearsal is not None:
-        return _rehearse(inputs, rehearsal)
+        return rehearse(inputs, rehearsal)
     if isinstance(inputs.given, Problem) and not inputs.options.structure:
         tell_unreached(inputs.sources, inputs.domain, inputs.given)
     series = Series(given, inputs, episodes, runs, video, is_own_file(domain), write, may_include_outside())
-    return _tell(_shown(carried_out(series, lambda opened: _carry_out(opened, said)), said), said)
+    return _tell(_shown(carried_out(series, lambda opened: followed(opened, telling)), telling), telling)
 
 
 def _check_together(rrd: Path | None, episodes: int, write: bool, learn: bool) -> None:
@@ -275,17 +258,17 @@ def _check_together(rrd: Path | None, episodes: int, write: bool, learn: bool) -
         raise click.UsageError("--rrd writes one run, and --episodes carries out several: ask for one")
 
 
-def _shown_by(teacher: str | None, said: _Said) -> LoadedDomain | None:
+def _shown_by(teacher: str | None, telling: Telling) -> LoadedDomain | None:
     """The rules of a teacher that is a file. Raises UsageError where a person would be asked unseen."""
-    if teacher == ASK and said.silently:
+    if teacher == ASK and telling.silently:
         raise click.UsageError(f"--teacher {ASK} asks a person, and --quiet and --json show nothing")
     return None if teacher in (None, ASK) else open_loaded(teacher)
 
 
-def _shown(results: Iterable[SeriesResult], said: _Said) -> SeriesResult:
+def _shown(results: Iterable[SeriesResult], telling: Telling) -> SeriesResult:
     """The last of what a series has come to after each episode, which is told."""
     for result in results:
-        if not said.silently:
+        if not telling.silently:
             echo(str(result.runs[-1]))
     return result
 
@@ -305,24 +288,6 @@ def _known(known: int | None, epsilon: float | None, delta: float | None) -> int
     return needed
 
 
-@dataclass(frozen=True, slots=True)
-class _Said:
-    """How the run is told: as data, or not at all; in which file for the Rerun viewer, if in any; into which
-    folder frames are `saved`, if they are; and whether a person is asked before each motion, who then needs
-    the terminal."""
-
-    as_data: bool
-    quiet: bool
-    rrd: Path | None
-    saved: Path | None
-    asks: bool
-
-    @property
-    def silently(self) -> bool:
-        """Whether nothing is shown while it lasts."""
-        return self.as_data or self.quiet
-
-
 def _refuse_beside_resume() -> None:
     """Raises UsageError for what a resumed run has from its beginning."""
     context = click.get_current_context()
@@ -340,95 +305,14 @@ def _refuse_beside_resume() -> None:
             raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
 
 
-def _note(text: str) -> None:
-    echo(f"note: {text}", err=True)
-
-
-def _carry_out(opened: OpenedRun, said: _Said) -> RunResult:
-    """The run to its end, shown while it lasts."""
-    if opened.resumed is not None and not said.silently:
-        echo(f"going on after {plural(opened.resumed.after, 'action')}", err=True)
-    setup, cell, given = opened.session.setup, opened.session.cell, opened.inputs.given
-    told = told_of(opened.inputs.domain, given) if isinstance(given, Problem) else None
-    limit = setup.options.max_actions
-    asks = setup.options.is_taught and opened.inputs.teacher is None
-    try:
-        with (
-            show(
-                said.silently or said.asks, setup.scene, lambda: cell.tool, limit, told=told, plain=asks
-            ) as view,
-            nullcontext() if said.rrd is None else _streamed(said.rrd, opened) as stream,
-        ):
-
-            def follow(event: Event) -> None:
-                view.write(event)
-                if said.asks:
-                    _ask(event)
-                if stream is not None:
-                    stream.write(event)
-                if said.saved is not None and isinstance(event, Looked) and event.frame is not None:
-                    save_frames((event.frame,), free_look(said.saved))
-
-            result = carry_out(opened, follow, None if said.silently else ask)
-    except RunStopped as stopped:
-        raise Stopped(str(stopped)) from None
-    except OSError as error:
-        for note in getattr(error, "__notes__", ()):
-            echo(note, err=True)
-        raise
-    if result.reason == seconds_reached(setup.options.max_seconds) and not said.silently:
-        _note("--max-seconds raises the limit of seconds, which are of the account and no real time")
-    with working(f"writing {PAGE}", said.silently):
-        write_page(opened.folder)
-    return result
-
-
-def _ask(event: Event) -> None:
-    """Before a motion whether it may begin."""
-    match event:
-        case Leaving():
-            ask_before("the arm leaves the camera's view", None)
-        case Started(number, move, path) if path is not None:
-            ask_before(f"{number}. {move}", path)
-
-
-def _rehearse(inputs: Inputs, file: Path) -> int:
-    """The first stroke over the camera's picture, and nothing moves. Raises UsageError where there is no
-    table, BadRecording where none is seen, and what opening a session does."""
-    if isinstance(inputs.given, Problem):
-        raise click.UsageError("--dry-run is for scenes: a list of facts has no table to look at")
-    if not file.resolve().parent.is_dir():
-        raise click.BadParameter(f"there is no folder `{file.parent}`", param_hint="--dry-run")
-    with closing(open_session(inputs)) as session, located_in(*inputs.sources):
-        try:
-            sight, begun = rehearsed(session.setup, session.cell)
-        except NoSurface as error:
-            raise BadRecording(f"the camera: {error}") from error
-    assert sight.frame is not None, "a table has a camera"
-    write_png(file, step_picture(sight.frame, sight.situation, begun, None))
-    if begun is None or begun.path is None:
-        echo(f"nothing seems worth doing; {file} shows what is seen")
-    else:
-        echo(
-            f"it would begin with {begun.move}: {way_of(begun.path)}; {file} shows it, and nothing has moved"
-        )
-    return ExitCode.DONE
-
-
-def _streamed(path: Path, opened: OpenedRun) -> RunStream:
-    cell = opened.session.cell
-    scene = opened.session.setup.scene
-    return RunStream(path, opened.folder.name, scene, lambda: cell.clock, lambda: cell.tool)
-
-
-def _tell(result: SeriesResult, said: _Said) -> int:
+def _tell(result: SeriesResult, telling: Telling) -> int:
     """What all episodes came to; each was told already where that is wanted. One episode in which nothing
     was learned is told as its run.json."""
     alone = len(result.runs) == 1 and result.learned is None
-    if said.as_data and alone:
+    if telling.as_data and alone:
         echo((result.runs[0].folder / RUN).read_text(encoding="utf-8"), nl=False)
-    elif said.as_data:
+    elif telling.as_data:
         click.echo(json.dumps(result.to_dict(), indent=2))
-    elif not said.quiet and not alone:
+    elif not telling.quiet and not alone:
         echo(str(result))
     return ExitCode.DONE if result.is_clean else ExitCode.NOT_CLEAN
