@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from cleancli.api.checks import check_least, check_one_of, check_seconds
-from cleancli.api.inputs import LoadedProblem
-from cleancli.api.seen import seen
 from cleancli.api.timing import timed
+from cleancli.execution.observed import ObservedProblem
 from cleancli.language.calls import Call, read_actions
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import located_in
 from cleancli.language.model import Problem
-from cleancli.planning.choice import planner_named, planner_options, with_named
+from cleancli.planning.choice import planner_options, with_named
 from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.plan import Options
 from cleancli.planning.planner import Planner
@@ -24,7 +24,8 @@ from cleancli.planning.request import PlanningRequest, requested
 @dataclass(frozen=True, slots=True)
 class Asked:
     """What planners are asked for; None stands for what the problem says, or else for the usual. `named` are
-    options by name, texts like `margin=0.1`. Raises BadOption for what makes no sense."""
+    options by name, texts like `margin=0.1`; `compat`: to plan as libPRADA does. Raises BadOption for what
+    makes no sense."""
 
     samples: int | None = None
     seed: int | None = None
@@ -32,6 +33,7 @@ class Asked:
     threads: int | None = None
     objective: str | None = None
     named: tuple[str, ...] = ()
+    compat: bool = False
 
     def __post_init__(self) -> None:
         check_least(1, samples=self.samples, threads=self.threads)
@@ -49,6 +51,7 @@ class Asked:
             seed=seed,
             time_limit=self.time_limit,
             threads=self.threads,
+            compat=self.compat,
         )
         return with_named(planners, options, self.named)
 
@@ -59,23 +62,24 @@ def named(options: Mapping[str, object] | None) -> tuple[str, ...]:
 
 
 def planning_request(
-    given: LoadedProblem,
+    looked: ObservedProblem,
+    seed: int | None,
     asked: Asked,
+    planners: Sequence[str],
+    sources: Sequence[Source],
     seconds: dict[str, float],
     *,
-    planner: str | None = None,
     actions: str | None = None,
 ) -> tuple[PlanningRequest, Sequence[Call]]:
-    """The problem, ready for its planner, or for a sequence of actions to be valued, which is read too."""
-    looked, seed = seen(given, asked.seed, seconds)
-    names = [planner_named(planner, looked.problem)] if actions is None else []
-    planners, options = asked.of(looked.problem, seed, names)
+    """The problem of these texts, ready for these planners, or for a sequence of actions to be valued, which
+    is read too. Raises Refused, BadOption."""
+    chosen, options = asked.of(looked.problem, seed, planners)
     calls = None if actions is None else read_actions(actions, looked.domain, looked.problem)
-    with located_in(*given.sources), planning_refused(given.sources), timed(seconds, "ground"):
+    with located_in(*sources), planning_refused(sources), timed(seconds, "ground"):
         job = requested(
             looked.domain,
             looked.problem,
-            planners,
+            chosen,
             options,
             objective=asked.objective,
             calls=calls,

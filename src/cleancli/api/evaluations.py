@@ -10,6 +10,7 @@ from cleancli.api.expected import Expected, expected_of, timed_forecast
 from cleancli.api.goals import chance_line, chance_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_problem
 from cleancli.api.plain import fields_of
+from cleancli.api.seen import seen
 from cleancli.api.tables import TextTable, shown
 from cleancli.api.timing import timed
 from cleancli.language.diagnostics.plural import plural
@@ -97,7 +98,8 @@ def evaluate(
     asked = Asked(samples, seed, None, threads, objective, named(options))
     given, seconds = load_problem(problem, domain), dict[str, float]()
     text = actions if isinstance(actions, str) else " ".join(actions)
-    job, calls = planning_request(given, asked, seconds, actions=text)
+    looked, seed = seen(given, seed, seconds)
+    job, calls = planning_request(looked, seed, asked, (), given.sources, seconds, actions=text)
     with located_in(*given.sources), planning_refused(given.sources):
         indices = numbered(job.task, calls)
         with timed(seconds, "evaluate"):

@@ -3,6 +3,8 @@ no action can lead to it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from cleancli.compiler.ground import ground
 from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.language.diagnostics.plural import plural
@@ -23,8 +25,10 @@ _TOO_FEW = (
 
 
 def is_hopeless(world: Domain, problem: Problem) -> bool:
-    """Whether it is certain that no actions by the rules of the world lead to the goal. Of a problem that is
-    too large to be grounded nothing is known, though a run of it needs no grounding."""
+    """Whether it is certain that no actions by the rules of the world lead to the goal, if there is one. Of a
+    problem that is too large to be grounded nothing is known, though a run of it needs no grounding."""
+    if not problem.goal:
+        return False
     try:
         return goal_distance(ground(world, problem)).least is None
     except Refused:
@@ -42,6 +46,15 @@ def too_few(steps: int, longer: int) -> str:
     """What helps where the usual horizon, of so many steps, may be too short for a problem's goal: a longer
     one."""
     return _TOO_FEW.format(within=plural(steps, "action"), longer=longer)
+
+
+def unreached_lines(hopeless: bool, first_and_longer: tuple[int, int] | None) -> Iterator[str]:
+    """What is told of a goal that was not reached: that it is out of reach, or else the horizon of the first
+    plan and a longer one."""
+    if hopeless:
+        yield HOPELESS
+    elif first_and_longer is not None:
+        yield too_few(*first_and_longer)
 
 
 def chance_line(chance: GoalChance, horizon: int | None) -> str:

@@ -10,10 +10,12 @@ from cleancli.api.expected import expected_of, timed_forecast
 from cleancli.api.goals import chance_of
 from cleancli.api.inputs import GivenDomain, GivenProblem, load_problem
 from cleancli.api.plan_result import PlanBranch, PlanResult
+from cleancli.api.seen import seen
 from cleancli.compiler.semantics import reaches_goal
 from cleancli.compiler.short_horizon import goal_distance, longer_horizon
 from cleancli.compiler.task import literal_text
 from cleancli.language.load import located_in
+from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast
 from cleancli.planning.evaluation.goal_chance import GoalChance
 from cleancli.planning.plan import Branch, Plan
@@ -50,7 +52,9 @@ def plan(
     check_one_of("planner", planner, tuple(PLANNERS))
     asked = Asked(samples, seed, time_limit, threads, objective, named(options))
     given, seconds = load_problem(problem, domain), dict[str, float]()
-    job, _ = planning_request(given, asked, seconds, planner=planner)
+    looked, seed = seen(given, seed, seconds)
+    planners = (planner_named(planner, looked.problem),)
+    job, _ = planning_request(looked, seed, asked, planners, given.sources, seconds)
     with located_in(*given.sources), planning_refused(given.sources):
         found = job.planners[0](job.prepared, job.options)
         seconds |= found.seconds

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cleancli.api.goals import HOPELESS, first_and_longer, is_hopeless, too_few
+from cleancli.api.goals import first_and_longer, is_hopeless, unreached_lines
 from cleancli.api.plain import plain
 from cleancli.api.resuming import last_checkpoint
 from cleancli.api.run_inputs import Inputs
@@ -65,10 +65,7 @@ class RunResult:
         yield (f"{'' if self.clean else 'not '}{done}: {self.reason}, after {plural(self.actions, 'action')}")
         if self.told:
             yield f"in the end: {self.told}"
-        if self.hopeless:
-            yield HOPELESS
-        elif self.short_horizon is not None:
-            yield too_few(*self.short_horizon)
+        yield from unreached_lines(self.hopeless, self.short_horizon)
         if kinds:
             spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
             yield f"seconds: {sum(self.seconds.values()):.1f} ({spent})"
@@ -131,7 +128,7 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
 def hopeless(inputs: Inputs, done: bool) -> bool:
     """Whether it is certain that no action of the symbolic world leads to the goal, which was not reached."""
     given = inputs.given
-    if done or not isinstance(given, Problem) or not given.goal:
+    if done or not isinstance(given, Problem):
         return False
     world = inputs.domain if inputs.world is None else inputs.world.domain
     return is_hopeless(world, given)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from cleancli.api.goals import HOPELESS, too_few
+from cleancli.api.goals import unreached_lines
 from cleancli.api.plain import fields_of, plain
 from cleancli.api.tables import TextTable, shown
 from cleancli.compiler.task import Objective
@@ -95,11 +95,8 @@ class SimulationResult:
             yield f"{summary.planner} explored, and what it foretells is off by {_falling(off)}"
         if self.variations:
             yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
-        if self.short_horizon is not None and not self.hopeless:
-            yield too_few(*self.short_horizon)
-        if self.hopeless:
-            yield HOPELESS
-        elif self.lengths is not None:
+        yield from unreached_lines(self.hopeless, self.short_horizon)
+        if self.lengths is not None and not self.hopeless:
             yield self.lengths
 
 

@@ -226,9 +226,7 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> tuple[int, int] |
 
 def _is_hopeless(setup: Batch, played: Iterable[Episode]) -> bool:
     """Whether it is known that no episode could reach the goal."""
-    if not setup.problem.goal or any(each.success for each in played):
-        return False
-    return is_hopeless(setup.world, setup.problem)
+    return not any(each.success for each in played) and is_hopeless(setup.world, setup.problem)
 
 
 def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:

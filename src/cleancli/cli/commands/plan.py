@@ -8,7 +8,9 @@ from pathlib import Path
 
 import click
 
+from cleancli.api.asked import Asked, planning_request
 from cleancli.api.evaluations import evaluation_result
+from cleancli.api.expected import timed_forecast
 from cleancli.api.plans import plan_result
 from cleancli.api.seen import seen
 from cleancli.api.timing import timed
@@ -20,16 +22,16 @@ from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import usage_errors
 from cleancli.cli.views.plan_answer import echo_comparison, echo_evaluation, echo_plan
 from cleancli.cli.views.plan_picture import check_picture, draw_picture
-from cleancli.language.calls import Call, read_actions
+from cleancli.language.calls import Call
 from cleancli.language.load import located_in
-from cleancli.planning.choice import planner_named, planner_options, planners_named, with_named
+from cleancli.planning.choice import planner_named, planners_named
 from cleancli.planning.compare import compared
-from cleancli.planning.evaluation.forecast import Forecast, forecast
+from cleancli.planning.evaluation.forecast import Forecast
 from cleancli.planning.evaluation.value import evaluate
 from cleancli.planning.objective import OBJECTIVES
 from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
-from cleancli.planning.request import PlanningRequest, numbered, requested
+from cleancli.planning.request import PlanningRequest, numbered
 
 _DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"
 _PLANNING = "planning (the planner is loaded first, or compiled, once after installation)"
@@ -106,36 +108,19 @@ def command(
     sources = loaded.sources
     with working("looking at the table", quiet=not loaded.is_scene):
         looked, seed = seen(loaded, seed, seconds)
-    model, given = looked.domain, looked.problem
-    tell_unreached(sources, model, given)
-    options = planner_options(
-        given,
-        samples=samples,
-        seed=seed,
-        time_limit=time_limit,
-        threads=threads,
-        compat=compat is not None,
-    )
-    names = names or (planner_named(planner, given, compat is not None),)
-    planners, options = with_named(() if evaluate is not None else names, options, named)
-    calls = None if evaluate is None else read_actions(evaluate, model, given)
+    given = looked.problem
+    tell_unreached(sources, looked.domain, given)
+    asked = Asked(samples, seed, time_limit, threads, objective, named, compat is not None)
+    if evaluate is None:
+        names = names or (planner_named(planner, given, asked.compat),)
+    job, calls = planning_request(looked, seed, asked, names, sources, seconds, actions=evaluate)
     wanted = _Wanted(explain, plot, as_data)
     with located_in(*sources), planning_refused(sources):
-        with timed(seconds, "ground"):
-            job = requested(
-                model,
-                given,
-                planners,
-                options,
-                objective=objective,
-                calls=calls,
-                left_out=looked.left_out,
-            )
-        if calls is not None:
+        if evaluate is not None:
             _evaluate(job, calls, wanted, seconds)
         elif compare is not None:
             with working(_PLANNING):
-                rows = list(compared(job.planners, job.prepared, options))
+                rows = list(compared(job.planners, job.prepared, job.options))
             echo_comparison(job, rows, as_data)
         else:
             _plan(job, wanted, seconds)
@@ -176,11 +161,8 @@ def _expected(
     job: PlanningRequest, actions: Sequence[int], wanted: _Wanted, seconds: dict[str, float]
 ) -> Forecast | None:
     """What the answer explains, if it is to; draws what the picture shows."""
-    if not wanted.explain and wanted.plot is None:
-        return None
-    with timed(seconds, "explain"):
-        expected = forecast(job.prepared, actions, job.options.seed)
-    if wanted.plot is not None:
+    expected = timed_forecast(job, actions, wanted.explain or wanted.plot is not None, seconds)
+    if expected is not None and wanted.plot is not None:
         with timed(seconds, "plot"):
             draw_picture(job, actions, expected, wanted.plot)
     return expected if wanted.explain else None
