@@ -118,8 +118,13 @@ def test_the_page_tells_of_each_measure_what_it_means_and_which_worlds_have_it()
     text = PAGE.read_text(encoding="utf-8")
     table = text[text.index("| measure | what it means | of |") :].partition("\n\n")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.+) \| (.+) \|$", table, re.M)
-    worlds = {True: "tables", False: "tables and problems"}
+    worlds = {
+        (True, False): "tables",
+        (False, True): "problems",
+        (False, False): "tables and problems",
+    }
     told = {"clean": f"{meaning_of('clean', CLEAN)} (of problems: that {FINISHED.ended})"}
     assert rows == [
-        (name, told.get(name, each.meaning), worlds[each.of_tables]) for name, each in MEASURES.items()
+        (name, told.get(name, each.meaning), worlds[each.of_tables, each.of_problems])
+        for name, each in MEASURES.items()
     ]

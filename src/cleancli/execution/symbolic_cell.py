@@ -16,18 +16,21 @@ from cleancli.execution.workcell import LookResult, Motion, Motions
 from cleancli.language.model import Problem
 from cleancli.motion.path import ToolPath
 from cleancli.perception.tracking import Stroke
-from cleancli.simulation.symbolic_world import World, do, succeeded
+from cleancli.simulation.episode import returns
+from cleancli.simulation.symbolic_world import DrawnStep, World, do, succeeded
 
 
 class SymbolicCell:
     """A `Workcell` with all facts in view. The n-th move meets the same luck whichever it is, so `assignment`
-    and `clock`, which may be set, are all that there is to remember."""
+    and `clock`, which may be set, are all that there is to remember. What was paid is told of the moves since
+    the cell was opened."""
 
     def __init__(self, world: World, problem: Problem, seed: int) -> None:
         self._world, self._problem = world, problem
         self._seed = derived(seed, Stream.WORLD)
         self.assignment: GroundState = world.task.initial
         self.clock = 0.0
+        self._drawn: list[DrawnStep] = []
 
     @property
     def tool(self) -> tuple[float, float] | None:
@@ -62,6 +65,7 @@ class SymbolicCell:
         step, self.assignment = do(
             self._world, self.assignment, action, np.random.default_rng((self._seed, number))
         )
+        self._drawn.append(step)
         seconds = step.seconds or 0.0
         self.clock += seconds
         yield StrokeEnded(number, self.clock)
@@ -71,3 +75,9 @@ class SymbolicCell:
         """Nothing is in the way here."""
         yield from ()
         return Motions(0.0, 0.0)
+
+    def discounted_return(self, length: int) -> float:
+        """What `length` steps pay if nothing more is done (`simulation.episode.returns`)."""
+        waits = (0.0,) * (len(self._drawn) + 1)
+        discounted, _ = returns(self._world, self._drawn, waits, self.assignment, length)
+        return discounted

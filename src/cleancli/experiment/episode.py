@@ -22,6 +22,7 @@ from cleancli.execution.events import Checkpoint, Ended, Looked, Purpose
 from cleancli.execution.loop import clean, saving
 from cleancli.execution.session import Session, stand_in_session
 from cleancli.execution.setup import EpisodeOptions
+from cleancli.execution.symbolic_cell import SymbolicCell
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain, kind_of, load_problem
@@ -123,10 +124,11 @@ def carried_out(episode: Episode, evidence: Evidence = NO_EVIDENCE) -> Finished:
         except Refused as refused:  # by a planner: it has not cleaned the table
             reason = f"{REFUSED}{refused.diagnostics[0].message}"
             ended = Ended(reason, False, state.actions, state.spent, session.cell.clock, 0.0)
-        truth = session.truth()
+        truth, cell = session.truth(), session.cell
+        paid = cell.discounted_return(episode.limits.max_actions) if isinstance(cell, SymbolicCell) else None
     assert ended is not None, "an episode's last event closes it"
     spent = time.process_time() - cpu, time.perf_counter() - real
-    return Finished(_row(episode, ended, unknown, truth, spent), state.evidence)
+    return Finished(_row(episode, ended, unknown, truth, paid, spent), state.evidence)
 
 
 def opened(inputs: Inputs, axes: Axes) -> Session:
@@ -231,7 +233,12 @@ def _refuse_other_versions(asked: Mapping[str, str]) -> None:
 
 
 def _row(
-    episode: Episode, ended: Ended, unknown: int, truth: Mapping[str, Any], spent: tuple[float, float]
+    episode: Episode,
+    ended: Ended,
+    unknown: int,
+    truth: Mapping[str, Any],
+    paid: float | None,
+    spent: tuple[float, float],
 ) -> Row:
     pieces = truth.get("particles", 0)
     zone = truth.get("in_zone")
@@ -260,4 +267,5 @@ def _row(
         versions=dict(versions_here()),
         files=episode.texts.hashes(),
         key=episode.key,
+        paid=paid,
     )

@@ -85,7 +85,7 @@ def open_studies(
 
 def _opened(study: Study, source: Source) -> OpenedStudy:
     cells = tuple(_cells(study, source))
-    _refuse_measures_of_tables(study, cells, source)
+    _refuse_measures(study, cells, source)
     return OpenedStudy(study, source, cells)
 
 
@@ -226,8 +226,9 @@ def _refuse_impossible(study: Study, cell: Cell, source: Source) -> None:
             raise Refused([Diagnostic("E523", message, None)]) from None
 
 
-def _refuse_measures_of_tables(study: Study, cells: Sequence[Cell], source: Source) -> None:
-    """E523 for a measure that would be 0 throughout, where it is asked for of problems that are no scenes."""
+def _refuse_measures(study: Study, cells: Sequence[Cell], source: Source) -> None:
+    """E523 for a measure that would be 0 throughout: of tables alone, and asked for of problems that are no
+    scenes, or the other way round."""
     written = study.written.get("measure", {}).get(study.measure)
     asked: list[tuple[str, SettingValue | None, list[tuple[Selection, ...]]]] = [
         (study.measure, written, [()])
@@ -235,14 +236,22 @@ def _refuse_measures_of_tables(study: Study, cells: Sequence[Cell], source: Sour
     for each in study.comparisons:
         sides = [each.first] if each.limit is not None else [each.first, each.second]
         asked.append((each.measure, each.node or written, [(each.where, side) for side in sides]))
-    symbolic = [cell for cell in cells if cell.axes["simulator"] == SYMBOLIC]
     for measure, node, meant in asked:
-        named = [cell.axes["scene"] for cell in symbolic if any(_is_of(cell, each) for each in meant)]
-        if named and MEASURES[measure].of_tables:
-            message = f"`{measure}` is told of tables alone, and `{named[0]}` is a problem without one"
-            others = ", ".join(f"`{name}`" for name, each in MEASURES.items() if not each.of_tables)
+        told = MEASURES[measure]
+        for cell in (cell for cell in cells if any(_is_of(cell, each) for each in meant)):
+            symbolic, name = cell.axes["simulator"] == SYMBOLIC, cell.axes["scene"]
+            if told.of_tables and symbolic:
+                message = f"`{measure}` is told of tables alone, and `{name}` is a problem without one"
+                told_here = [other for other, each in MEASURES.items() if not each.of_tables]
+            elif told.of_problems and not symbolic:
+                message = f"`{measure}` is told of problems alone, and `{name}` is a table"
+                told_here = [other for other, each in MEASURES.items() if not each.of_problems]
+            else:
+                continue
+            where, others = "problems" if symbolic else "tables", ", ".join(f"`{o}`" for o in told_here)
+            help = f"of {where} are told {others}"
             with _located(source, node):
-                raise Refused([Diagnostic("E523", message, None, help=f"of problems are told {others}")])
+                raise Refused([Diagnostic("E523", message, None, help=help)])
 
 
 def _is_of(cell: Cell, selections: Iterable[Selection]) -> bool:

@@ -13,7 +13,7 @@ from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
 from cleancli.study.model import Comparison, Value
-from cleancli.study.row import Row, axes_of, chosen
+from cleancli.study.row import MEASURES, Row, axes_of, chosen
 from cleancli.study.schema import SIDES
 
 
@@ -35,9 +35,10 @@ class Judged:
     """A comparison with its verdict.
 
     `estimate` is what is claimed to lie within `bounds`: the ratio of the first to the second; where all of
-    the second is 0, the mean of the first, which is claimed to be beside 0; or, where it is compared with a
-    limit, the mean of the first; there `sides` is None. `failed`: how many of the first's
-    episodes did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted`
+    the second is 0, the mean of the first, which is claimed to be beside 0; of a measure that may be
+    negative, how much the first is more than the second times the factor, beside 0; or, where it is compared
+    with a limit, the mean of the first; there `sides` is None. `failed`: how many of the first's episodes
+    did not end clean. `chance`: the p value of the signed-rank test against the bounds, `adjusted`
     that among all comparisons of the study (Holm). `more`: how many more runs would decide it; None where
     that can't be told, or nothing is left to decide. `idle` and `never`: the sides that carried out no action
     in any episode, and those of which none ended clean although the measure is of the way there.
@@ -76,12 +77,17 @@ def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
     factor, margin = comparison.factor, comparison.margin
     bounds = _bounds(comparison.expect, factor, margin)
     found = _matched(comparison, rows)
-    first, second, sides = _sides(found)
+    signed = MEASURES[comparison.measure].signed
+    first, second, sides = _sides(found, signed)
     chance = max(signed_rank(first - end * second) for end in bounds.ends)
     told = {
         side: (found.actions[of], found.clean[of])
         for side, of in zip(SIDES, (~found.is_second, found.is_second), strict=True)
     }
+    if signed:
+        share = margin * abs(float(second.mean())) if len(second) else margin
+        bounds = _bounds(comparison.expect, 0.0, share)
+        return _judged(comparison, bounds, mean_of(first - factor * second), chance, told, sides)
     ratio = sides.paired.ratio
     if len(second) and first.any() and not second.any():
         ratio, bounds = mean_of(first), _bounds(comparison.expect, 0.0, 0.0)
@@ -184,7 +190,7 @@ def _numbered(values: Iterable[Hashable]) -> Longs:
     return np.array([numbers.setdefault(value, len(numbers)) for value in values], dtype=np.int64)
 
 
-def _sides(found: _Matched) -> tuple[Floats, Floats, Sides]:
+def _sides(found: _Matched, signed: bool) -> tuple[Floats, Floats, Sides]:
     """The measure of both sides, run by run, and what they come to."""
 
     def runs(of: Bools) -> Floats:
@@ -194,7 +200,7 @@ def _sides(found: _Matched) -> tuple[Floats, Floats, Sides]:
     both_clean = ~np.isin(found.places, found.places[~clean])
     own, others = runs(first), runs(second)
     sides = Sides(
-        paired(own, others),
+        paired(own, others, signed=signed),
         mean_of(runs(first & clean)),
         mean_of(runs(second & clean)),
         mean_of(runs(first & both_clean) - runs(second & both_clean)),

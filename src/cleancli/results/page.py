@@ -270,7 +270,7 @@ def reason(each: Judged, words: Words = CLEAN) -> str:
 
 
 def _by_numbers(each: Judged, words: Words) -> str:
-    within, failed = _within(each.bounds), f"{_beside_nothing(each)}{_failures(each, words)}"
+    within, failed = _within(each.bounds), f"{_no_ratio(each)}{_failures(each, words)}"
     match each.verdict:
         case Verdict.WON:
             return f"all of the interval lies {within}{_by_failures(each, words)}{failed}"
@@ -316,10 +316,16 @@ def _within(bounds: Bounds) -> str:
     return f"between {_number(bounds.low)} and {_number(bounds.high)}"
 
 
-def _beside_nothing(each: Judged) -> str:
-    """That the mean of the first is judged, since nothing has a ratio to 0."""
-    beside = each.sides is not None and each.estimate.known and isnan(each.sides.paired.ratio.value)
-    return ", of the mean of the first: the second is 0 in every run" if beside else ""
+def _no_ratio(each: Judged) -> str:
+    """What is judged in place of the ratio: differences where measures may be negative, and the mean of the
+    first where the second is 0, since nothing has a ratio to 0."""
+    if each.sides is None or not each.estimate.known or not isnan(each.sides.paired.ratio.value):
+        return ""
+    said = each.comparison
+    if MEASURES[said.measure].signed:
+        times = "" if said.factor == 1 else f"{_number(said.factor)} times "
+        return f", of the first less {times}the second"
+    return ", of the mean of the first: the second is 0 in every run"
 
 
 def _beyond(bounds: Bounds, estimate: Estimate) -> str:

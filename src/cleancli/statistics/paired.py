@@ -46,13 +46,13 @@ def counted(values: Floats, clean: Bools) -> Floats:
     return np.where(clean, values, np.nextafter(PENALTY * values.max(initial=0.0), np.inf))
 
 
-def paired(first: Floats, second: Floats) -> Paired:
-    """The figures of pairs, (n,) each, of values that are not negative."""
+def paired(first: Floats, second: Floats, *, signed: bool = False) -> Paired:
+    """The figures of pairs, (n,) each; of values that may be negative, `signed`, there is no ratio."""
     more = first - second
     spread = more.std(ddof=1) if len(more) > 1 else 0.0
     return Paired(
         pairs=len(more),
-        ratio=ratio_of(first, second),
+        ratio=Estimate(nan, count=len(second)) if signed else ratio_of(first, second),
         effect=float(more.mean() / spread) if spread else nan,
         lesser=float(((more < 0) + (more == 0) / 2).mean()) if len(more) else nan,
     )

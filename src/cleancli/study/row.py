@@ -32,7 +32,8 @@ class Row:
     of the `actions` had rules that were not known yet, and were looked at with the arm out of view (§5.2).
     `seconds` by kind, as in `Account`, and their `total`. `left` and `on_floor`: pieces of dirt that truly
     lie there, of all `pieces`; `ink_left`: a share. `score`: the share of the pieces that are where they
-    belong; None where there are none. `cpu`: seconds of the process, and `real` ones, for all of the episode.
+    belong; None where there are none. `paid`: the return, discounted, of as many steps as the limit allows;
+    None on tables. `cpu`: seconds of the process, and `real` ones, for all of the episode.
     `versions` of what results depend on. `files`: the SHA-256 of each text that went in, in order. `key`: the
     SHA-256 of all that decides how it goes.
     """
@@ -59,19 +60,23 @@ class Row:
     files: tuple[str, ...]
     key: str
     unknown: int = 0
+    paid: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
     """A number that a row tells, and what it means; `{ended}` in that is as in `Words`. `is_real`: it holds
     real time. `always`: it says something also of an episode that did not end clean, and is not of the way
-    there. `of_tables`: it says nothing of problems that are no scenes."""
+    there. `of_tables`: it says nothing of problems that are no scenes, `of_problems`: nothing of tables.
+    `signed`: it may be negative, so that it is compared by differences and not by ratios."""
 
     of: Callable[[Row], float]
     meaning: str
     is_real: bool = False
     always: bool = False
     of_tables: bool = False
+    of_problems: bool = False
+    signed: bool = False
 
 
 def moving(row: Row) -> float:
@@ -114,6 +119,13 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             of_tables=True,
         ),
         "clean": Measure(lambda row: float(row.clean), "the share of episodes that {ended}", always=True),
+        "return": Measure(
+            lambda row: 0.0 if row.paid is None else row.paid,
+            "the return, discounted, of as many steps as `max_actions` says",
+            always=True,
+            of_problems=True,
+            signed=True,
+        ),
     }
 )
 """By name."""
