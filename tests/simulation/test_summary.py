@@ -8,7 +8,8 @@ from scipy import stats
 
 from cleancli.compiler.task import GroundAction
 from cleancli.simulation.episode import Episode, Reason
-from cleancli.simulation.summary import Estimate, mean_of, share_of, summarized, wilson
+from cleancli.simulation.summary import Estimate, mean_of, share_of, summarized
+from cleancli.statistics.shares import wilson
 
 
 def test_the_interval_of_a_mean_is_students() -> None:

@@ -11,10 +11,9 @@ import numpy as np
 from scipy.special import stdtrit
 
 from cleancli.simulation.episode import Episode, Reason
+from cleancli.statistics.shares import wilson
 
 LEVEL = 0.95
-NORMAL = 1.959963984540054
-"""The standard normal distribution's quantile for a two-sided interval of that level."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,14 +96,3 @@ def mean_of(values: Sequence[float]) -> Estimate:
 def share_of(successes: int, number: int) -> Estimate:
     """A share with its interval."""
     return Estimate(successes / number, *wilson(successes, number))
-
-
-def wilson(successes: int, number: int) -> tuple[float, float]:
-    """The score interval of a share, after so many tries of which some were successes (Wilson, JASA 1927);
-    anything is possible where nothing was tried."""
-    if not number:
-        return 0.0, 1.0
-    share, z = successes / number, NORMAL
-    centre = (share + z * z / (2 * number)) / (1 + z * z / number)
-    half = z / (1 + z * z / number) * sqrt(share * (1 - share) / number + z * z / (4 * number * number))
-    return max(centre - half, 0.0), min(centre + half, 1.0)

@@ -38,7 +38,7 @@ from cleancli.recording.pictures import write_png
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
 from cleancli.scene.robots import ARMS
-from cleancli.simulation.summary import wilson
+from cleancli.statistics.shares import wilson
 
 COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
 """The outcomes of which shares are given; in the other trials nothing was done."""
