@@ -265,6 +265,18 @@ def test_too_many_outcomes_are_refused() -> None:
     assert "divide the draws among several actions" in caught.value.diagnostics[0].help
 
 
+def test_a_function_without_values_for_too_many_objects_is_refused() -> None:
+    """A .nid problem would state them all, and 3 to the power of 40 fill any memory."""
+    parameters = " ".join(f"?x{n}" for n in range(40))
+    text = TEXT.replace("(total-cost))\n  (:action", f"(total-cost) (far {parameters}))\n  (:action")
+    text = text.replace("(increase (total-cost) 2)", f"(increase (total-cost) (far {'?a ' * 40}))")
+    with pytest.raises(Refused) as refused:
+        converted(text)
+    (wrong,) = refused.value.diagnostics
+    assert (wrong.code, place(wrong, text)) == ("E917", (9, 90))
+    assert "no value for more than 50000 combinations" in wrong.message
+
+
 def test_mistakes_are_told_at_once() -> None:
     text = TEXT.replace("(in ?a bin)", "(in ?a bim)").replace("(dirt a2))", "(dirt a9))")
     text = text.replace(":precondition (dirt ?a)", ":precondition (dirt ?z)")

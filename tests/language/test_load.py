@@ -143,6 +143,25 @@ def test_an_effect_that_a_condition_says_already_is_idle_but_for_libprada() -> N
         assert [diagnostic.code for diagnostic in found.diagnostics] == expected
 
 
+def test_values_that_are_missing_are_counted_and_not_listed() -> None:
+    """A function of 40 objects has more values than any memory holds."""
+    parameters = " ".join(f"?x{n}" for n in range(40))
+    domain = load_domain(
+        Source(
+            "d.nid",
+            f"domain d {{ types {{ t }} functions {{ f({parameters} - t): 0..3 }} reward {{ goal }} }}",
+        )
+    )
+    given = ", ".join(["a"] * 40)
+    stated = f"objects {{ a b - t }} init {{ f({given}) = 1 }} goal {{ f({given}) = 2 }}"
+    text = f"problem p {{ domain = d horizon = 3 {stated} }}"
+    with pytest.raises(Refused) as refused:
+        load_problem(Source("p.nid", text), domain)
+    (wrong,) = refused.value.diagnostics
+    assert wrong.code == "E404"
+    assert wrong.message.endswith(f" and {2**40 - 4} more have no value")
+
+
 def test_the_wrong_kind_is_marked_where_it_stands_and_not_in_a_comment_before() -> None:
     source = Source("p.nid", "# a problem of mine\nproblem p { domain = d }\n")
     with pytest.raises(Refused) as error:

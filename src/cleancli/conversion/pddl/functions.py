@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from math import lcm
+from math import lcm, prod
 
 from cleancli.conversion.pddl.formula import ALWAYS, Formula, literal
 from cleancli.conversion.pddl.resolve import Predicate, Scope, Words
@@ -19,6 +19,9 @@ from cleancli.conversion.pddl.syntax import AtomNode, DomainNode, ProblemNode, V
 from cleancli.language.checking.symbols import MOST_VALUES
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import CostPart, Fact, Object, Symbol, Term
+
+MOST_LEFT_OUT = 50_000
+"""Values of a function that PDDL may leave out, and the .nid problem states. Chosen: a file of megabytes."""
 
 _Values = Mapping[tuple[str, ...], Fraction]
 
@@ -106,9 +109,15 @@ class Functions:
             findings.error("E917", message, name.span)
             return None
         symbol = Symbol(declared.name, declared.parameters, tuple(range(max(top, 1) + 1)), static=True)
-        counts = [len(tuple(self._tuples(symbol, place))) for place in range(len(self._problems))]
+        counts = [prod(map(len, self._fitting(symbol, place))) for place in range(len(self._problems))]
+        left_out = max((count - len(each) for each, count in zip(values, counts, strict=True)), default=0)
+        if left_out > MOST_LEFT_OUT:
+            message = f"`{name.text}` has no value for more than {MOST_LEFT_OUT} combinations of objects"
+            help = "a .nid file states one for each: give its parameters types of which there are few objects"
+            findings.error("E917", message, name.span, help=help)
+            return None
         known = None
-        if any(len(each) < count for each, count in zip(values, counts, strict=True)):
+        if left_out:
             known = self._words.symbols.fresh(f"{symbol.name}_known")
             kinds = [parameter.type for parameter in symbol.parameters]
             names = tuple(parameter.name for parameter in symbol.parameters)
@@ -142,13 +151,16 @@ class Functions:
 
     def _tuples(self, symbol: Symbol, place: int) -> Iterator[tuple[str, ...]]:
         """All that a function is of in one of the problems."""
+        return product(*self._fitting(symbol, place))
+
+    def _fitting(self, symbol: Symbol, place: int) -> list[list[str]]:
+        """The objects that each parameter of a function may stand for in one of the problems."""
         things = {**self._words.constants, **self._words.objects[place]}.values()
         is_a = self._words.types.is_a
-        fitting = [
+        return [
             [thing.name for thing in things if is_a(thing.type, parameter.type)]
             for parameter in symbol.parameters
         ]
-        return product(*fitting)
 
     def facts(self, place: int) -> Iterator[Fact]:
         """What a problem, by its place, says of the functions that are used, and of what is known of them."""

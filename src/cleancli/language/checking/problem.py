@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import product
+from collections.abc import Collection, Mapping, Sequence
+from itertools import islice, product
+from math import prod
 
 from cleancli.language import syntax
 from cleancli.language.checking.conditions import (
@@ -237,28 +238,29 @@ def _refuse_missing(
 ) -> None:
     """E404 for each function without a value for some objects."""
     for function in (symbol for symbol in domain.symbols if not symbol.is_predicate):
-        wanted = _tuples_of(function, scope)
-        missing = [objects for objects in wanted if (function.name, objects) not in given]
-        if missing:
-            message = _without_value(function, missing)
+        fitting = _fitting(function, scope)
+        count = prod(map(len, fitting)) - sum(name == function.name for name, _ in given)
+        if count > 0:
+            # There may be too many to look at: what is given has been checked, so the rest is missing.
+            missing = (objects for objects in product(*fitting) if (function.name, objects) not in given)
+            message = _without_value(function, list(islice(missing, _MOST_NAMED)), count)
             scope.findings.error("E404", message, where, help=f"add a value: {shown_values(function)}")
 
 
-def _without_value(function: Symbol, missing: Sequence[tuple[str, ...]]) -> str:
-    shown = ", ".join(f"`{function.name}({', '.join(objects)})`" for objects in missing[:_MOST_NAMED])
-    more = f" and {len(missing) - _MOST_NAMED} more" if len(missing) > _MOST_NAMED else ""
-    return f"{shown}{more} {'has' if len(missing) == 1 else 'have'} no value"
+def _without_value(function: Symbol, first: Sequence[tuple[str, ...]], count: int) -> str:
+    """That so many have no value, of which the first are shown."""
+    shown = ", ".join(f"`{function.name}({', '.join(objects)})`" for objects in first)
+    more = f" and {count - len(first)} more" if count > len(first) else ""
+    return f"{shown}{more} {'has' if count == 1 else 'have'} no value"
 
 
-def _tuples_of(symbol: Symbol, scope: Scope) -> Iterable[tuple[str, ...]]:
-    """All tuples of objects that a symbol applies to."""
+def _fitting(symbol: Symbol, scope: Scope) -> list[list[str]]:
+    """The objects that each parameter of a symbol may stand for."""
     known = [o for o in scope.objects.values() if o.type in scope.declared.types]
-    return product(
-        *(
-            sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
-            for parameter in symbol.parameters
-        )
-    )
+    return [
+        sorted(o.name for o in known if scope.declared.is_a(o.type, parameter.type))
+        for parameter in symbol.parameters
+    ]
 
 
 def _horizon(node: syntax.ProblemNode, domain: Domain, scope: Scope) -> Horizon | Unlimited | None:
