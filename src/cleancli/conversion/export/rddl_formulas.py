@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming, Predicates
 from cleancli.conversion.export.written import counted
 from cleancli.conversion.pddl.formula import Both, Either, Formula, Quantified, apart, negated
 from cleancli.language.model import Domain, Equality, Literal, Object, Problem, Symbol, Term, Value, Variable
+from cleancli.language.printing.printer import print_fraction
 
 WORDS = frozenset(
     {
@@ -89,7 +91,7 @@ class FormulaWriter:
     """
 
     def __init__(self, domain: Domain, problem: Problem, noise: str | None) -> None:
-        self._domain, self._noise = domain, noise
+        self._domain, self.noise = domain, noise
         self._naming = Naming(WORDS, folded=False)
         self.given: dict[tuple[str, str], str] = {}
         self.singled: dict[str, str] = {}
@@ -177,7 +179,7 @@ class FormulaWriter:
     def _literal(self, predicate: str, terms: Sequence[Term], *, after: bool) -> str:
         name, value = self._said.get(predicate, (predicate, True))
         variables, constants = self.for_constants(terms)
-        prime = "'" if after and (name in self.formulas.changed or name == self._noise) else ""
+        prime = "'" if after and (name in self.formulas.changed or name == self.noise) else ""
         called = f"{self.fluent(name)}{prime}{self.arguments(variables)}"
         said = called if value is True else f"({called} == {self.value_of(self._symbols[name], value)})"
         if not constants:
@@ -186,7 +188,7 @@ class FormulaWriter:
 
     def fluent(self, name: str) -> str:
         """What a symbol is called, or noise."""
-        return self._noise if name == self._noise and self._noise is not None else self.name("symbol", name)
+        return self.noise if name == self.noise and self.noise is not None else self.name("symbol", name)
 
     def for_constants(
         self, terms: Sequence[Term], scope: Sequence[Variable] = ()
@@ -230,3 +232,20 @@ class FormulaWriter:
     def arguments(self, variables: Sequence[Variable]) -> str:
         """The variables that a fluent is of."""
         return f"({', '.join(map(self.variable, variables))})" if variables else ""
+
+    def some(self, variables: Sequence[Variable], texts: Sequence[str]) -> str:
+        """That all texts hold for some objects."""
+        said = " ^ ".join(text for text in texts if text != "true") or "true"
+        return f"(exists_{{{self.typed(variables)}}} [{said}])" if variables else f"({said})"
+
+
+def number(value: Fraction) -> str:
+    """A number as RDDL writes it."""
+    text = print_fraction(abs(value))
+    decimal = f"{value.numerator}.0 / {value.denominator}.0".lstrip("-") if "/" in text else text
+    return f"-{decimal}" if value < 0 else decimal
+
+
+def indented(lines: Sequence[str]) -> str:
+    """Lines of a block, each with its line end."""
+    return "".join(f"        {part}\n" for line in lines for part in line.split("\n"))
