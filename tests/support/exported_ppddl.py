@@ -73,7 +73,7 @@ def drawn_values(domain: Domain, problem: Problem, rng: np.random.Generator) -> 
     changed = set(_changed(likely))
     for symbol in (symbol for symbol in domain.symbols if symbol.name in changed):
         share = rng.random()
-        for names in product(*(by_type.names(each.type) for each in symbol.parameters)):
+        for names in product(*(by_type[each.type] for each in symbol.parameters)):
             key = symbol.name, names
             if names != symbol.canonical(names):
                 continue
@@ -119,7 +119,7 @@ def calls(domain: Domain, problem: Problem) -> Iterator[tuple[str, tuple[str, ..
     """All actions on objects."""
     by_type = ObjectsByType(domain, objects_of(domain, problem))
     for action in domain.actions:
-        for names in product(*(by_type.names(each.type) for each in action.parameters)):
+        for names in product(*(by_type[each.type] for each in action.parameters)):
             yield action.name, names
 
 

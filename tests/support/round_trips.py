@@ -195,7 +195,7 @@ def drawn_problem(domain: Domain, rng: np.random.Generator, each: int = 2) -> Pr
     by_type = ObjectsByType(domain, (*domain.constants, *objects))
     facts = set()
     for symbol in domain.symbols:
-        for names in product(*(by_type.names(v.type) for v in symbol.parameters)):
+        for names in product(*(by_type[v.type] for v in symbol.parameters)):
             if not symbol.is_predicate:
                 facts.add(Fact(symbol.name, names, symbol.values[int(rng.integers(len(symbol.values)))]))
             elif names == symbol.canonical(names) and rng.random() < 0.4:
