@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cleancli.remote.client import Broken, Client, Refusal
-from cleancli.remote.messages import FramePair
+from cleancli.remote.messages import FramePair, State, described, reply
 from cleancli.remote.server import MOST_CLIENTS, Server
 from cleancli.remote.wire import Message, encoded
 from cleancli.scene.address import Address, address_of
@@ -273,8 +273,32 @@ def test_a_driver_that_does_not_answer_is_given_up(toy: Toy, monkeypatch: pytest
         monkeypatch.setattr(toy, "can_follow", lambda path, errors: time.sleep(0.5))
         with pytest.raises(RobotError, match=r"does not answer within 0\.2 s"):
             client.can_follow(ACROSS, 0.0)
-        with pytest.raises(RobotError, match="can no longer be reached"):
+        with pytest.raises(RobotError, match=r"does not answer within 0\.2 s"):
             client.stop()
+
+
+def test_a_reply_that_does_not_end_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And so it is to whoever asks next: the connection has ended."""
+    monkeypatch.setattr("cleancli.remote.client.PATIENCE", 0.2)
+    hello = reply(State(0.0, (0.0, 0.0, 0.2), ""), **described(TOY))
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def answer() -> None:
+            connection, _ = listener.accept()
+            with connection:
+                for piece in encoded(hello):
+                    connection.sendall(piece)
+                connection.sendall(b"nidr\0\0\0\x09{")
+                while connection.recv(1 << 16):
+                    pass
+
+        thread = Thread(target=answer)
+        thread.start()
+        with Client(Address("127.0.0.1", listener.getsockname()[1])) as client:
+            for ask in (client.refresh, client.stop):
+                with pytest.raises(RobotError, match=r"has begun a message and not ended it within 0\.2 s"):
+                    ask()
+        thread.join()
 
 
 def test_a_clock_that_runs_back_is_no_clock(server: Server, client: Client, toy: Toy) -> None:

@@ -16,7 +16,7 @@ from cleancli.motion.path import ToolPath
 from cleancli.remote import messages
 from cleancli.remote.fields import BadArray, Fields, fields_of
 from cleancli.remote.messages import Description, FramePair, Poll, State
-from cleancli.remote.transport import Transport
+from cleancli.remote.transport import TooLate, Transport
 from cleancli.remote.wire import BadMessage, Message
 from cleancli.scene.address import Address
 from cleancli.world.errors import RobotError
@@ -53,14 +53,14 @@ class Refusal:
 
 class Client:
     """A connection to a driver. `state` is where the robot was in the last reply. Raises RobotError from all
-    methods, and from all that come after a Broken this again; `close` it, or use it in a `with` statement.
-    Without `control` it can only ask and re-arm."""
+    methods, and once the connection has ended, from all that come after it the reason again; `close` it, or
+    use it in a `with` statement. Without `control` it can only ask and re-arm."""
 
     state: State
 
     def __init__(self, address: Address, control: bool = True, answering: float = ANSWERING) -> None:
         self.address, self._answering, self._clock = address, answering, 0.0
-        self._broken: Broken | None = None  # why there is no connection any more
+        self._reason: RobotError | None = None  # why there is no connection any more
         try:
             connection = socket.create_connection((address.host, address.port), CONNECTING)
         except OSError as error:
@@ -133,35 +133,32 @@ class Client:
             fields.end()
         except BadMessage as error:
             fault = "wrong-sizes" if isinstance(error, BadArray) else "wrong-fields"
-            raise self._ended(fault, str(error)) from None
+            raise self._ended(Broken(self.address, fault, str(error))) from None
         if state.clock < self._clock:
             what = f"its clock runs back, from {self._clock:g} to {state.clock:g} s"
-            raise self._ended("clock-back", what)
+            raise self._ended(Broken(self.address, "clock-back", what))
         self.state, self._clock = state, state.clock
         return found
 
     def _exchanged(self, asked: Message) -> Message:
-        if self._broken is not None:
-            raise self._broken
+        if self._reason is not None:
+            raise self._reason
         try:
             self._transport.send(asked, PATIENCE)
             return self._transport.receive(self._answering, PATIENCE)
         except BadMessage as error:
-            raise self._ended("garbage", str(error)) from None
-        except TimeoutError:
-            what = f"does not answer within {self._answering:g} s"
-        except EOFError:
-            what = "has ended the connection"
+            raise self._ended(Broken(self.address, "garbage", str(error))) from None
+        except (TooLate, EOFError) as error:
+            what = str(error)
         except OSError as error:
             what = f"can no longer be reached: {error.strerror or error}"
-        self.close()
-        raise RobotError(f"the driver at {self.address} {what}")
+        raise self._ended(RobotError(f"the driver at {self.address} {what}"))
 
-    def _ended(self, fault: str, what: str) -> Broken:
+    def _ended(self, reason: RobotError) -> RobotError:
         """End the connection, and keep the reason for whoever asks next."""
-        self._broken = Broken(self.address, fault, what)
+        self._reason = reason
         self.close()
-        return self._broken
+        return reason
 
 
 def _begun(said: Fields) -> int | Refusal:
