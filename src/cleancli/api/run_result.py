@@ -14,6 +14,7 @@ from cleancli.api.resuming import last_checkpoint
 from cleancli.api.run_inputs import Inputs
 from cleancli.api.symbolic import told_of
 from cleancli.api.tables import TextTable, shown
+from cleancli.execution.episode_state import Situation
 from cleancli.execution.loop import IDLE
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Problem
@@ -98,17 +99,13 @@ def _left(truth: Mapping[str, object]) -> Iterator[str]:
 def ended_result(run: Run, inputs: Inputs) -> RunResult:
     """What a run that has ended came to, from its folder. Raises Refused, OSError, and BadOption for one that
     has not ended."""
-    folder, ended, given = run.folder, run.header.episode, inputs.given
+    folder, ended = run.folder, run.header.episode
     if ended is None:
         raise BadOption(f"{folder} has not ended")
     saved = last_checkpoint(folder, inputs)
     record: dict[str, Any] = json.loads(read_text(folder, RUN, LARGEST_HEADER).text)
-    told, situation = "", saved.situation
-    if isinstance(given, Problem) and situation is not None:
-        told = told_of(inputs.domain, given)(situation)
     seconds = {kind: spent for kind, spent in ended.seconds.items() if kind != "total"}
     truth = record.get("truth") or {}
-    filmed = bool(run.videos)
     return RunResult(
         folder,
         ended.clean,
@@ -116,13 +113,21 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
         ended.actions,
         seconds,
         truth,
-        told,
-        filmed,
+        told_in_the_end(inputs, saved.situation),
+        bool(run.videos),
         record,
         saved.evidence,
         short_horizon(inputs, ended.clean, ended.reason),
         hopeless(inputs, ended.clean),
     )
+
+
+def told_in_the_end(inputs: Inputs, situation: Situation | None) -> str:
+    """What holds in the symbolic world after the last look; nothing is told so of a table."""
+    given = inputs.given
+    if situation is None or not isinstance(given, Problem):
+        return ""
+    return told_of(inputs.domain, given)(situation)
 
 
 def hopeless(inputs: Inputs, done: bool) -> bool:

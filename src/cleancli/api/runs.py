@@ -12,10 +12,9 @@ from typing import Any
 from cleancli.api.provenance import copied_into, header_of
 from cleancli.api.resuming import Note, reopened, unfinished
 from cleancli.api.run_inputs import Inputs
-from cleancli.api.run_result import RunResult, hopeless, short_horizon
+from cleancli.api.run_result import RunResult, hopeless, short_horizon, told_in_the_end
 from cleancli.api.run_session import alone_in, interruptions, none_left_where_refused, open_session
-from cleancli.api.symbolic import told_of
-from cleancli.execution.episode_state import EpisodeState
+from cleancli.execution.episode_state import EpisodeState, Situation
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
 from cleancli.execution.loop import clean
 from cleancli.execution.session import Session
@@ -111,48 +110,54 @@ def carry_out(run: OpenedRun, follow: Callable[[Event], object], person: Teacher
     Raises RunStopped on Ctrl-C, TERM and HUP, Refused for what cannot be planned, and OSError with a note
     where the record cannot be written; in each case the run can go on from its folder.
     """
-    inputs, cell, folder, again = run.inputs, run.session.cell, run.folder, to_go_on_from(run.folder)
-    told = told_of(inputs.domain, inputs.given) if isinstance(inputs.given, Problem) else None
-    last, event, evidence = "", None, inputs.evidence
-    teacher = _teacher(inputs, person)
+    inputs, cell, event, situation = run.inputs, run.session.cell, None, None
+    teacher, evidence = _teacher(inputs, person), inputs.evidence
     entries = Entries(inputs.domain, lambda: cell.clock, None if run.saved is None else run.saved.spent)
     with (
         located_in(*inputs.sources),
         planning_refused(inputs.sources),
         Recorder(
-            folder, run.header, run.session.picture, run.video, entries, run.session.save, run.resumed
+            run.folder, run.header, run.session.picture, run.video, entries, run.session.save, run.resumed
         ) as recorder,
+        _stopping(run, recorder),
+        interruptions() as pressed,
     ):
-        try:
-            with interruptions() as pressed:
-                for event in clean(run.session.setup, cell, run.saved, teacher):
-                    recorder.write(event)
-                    follow(event)
-                    if told is not None and isinstance(event, Looked):
-                        last = told(event.situation)
-                    if isinstance(event, Checkpoint):
-                        evidence = event.state.evidence
-                    if pressed:
-                        raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            _stop(run.session)
-            recorder.note(Interrupted(cell.clock))
-            how = "stopped with the tool up" if told is None else "stopped"
-            on = f"go on with: cleancli execute --resume {again}"
-            if inputs.robot is not None:
-                on = "a run with a robot of your own is begun anew"
-            raise RunStopped(f"{how}; {on}", again) from None
-        except OSError as error:
-            _stop(run.session)
-            error.add_note(f"go on later with `cleancli execute --resume {again}`")
-            raise
-        except BaseException:  # a mistake of this program, or of a driver: the robot must not go on with it
-            _stop(run.session)
-            raise
+        for event in clean(run.session.setup, cell, run.saved, teacher):
+            recorder.write(event)
+            follow(event)
+            if isinstance(event, Looked):
+                situation = event.situation
+            elif isinstance(event, Checkpoint):
+                evidence = event.state.evidence
+            if pressed:
+                raise KeyboardInterrupt
     assert isinstance(event, Ended), "an episode's last event closes it"
     truth = run.session.truth()
     recorder.finish(truth)
-    return replace(_result(run, event, truth, last), evidence=evidence)
+    return _result(run, event, truth, situation, evidence)
+
+
+@contextmanager
+def _stopping(run: OpenedRun, recorder: Recorder) -> Iterator[None]:
+    """Stop the robot, whatever ends its run too soon, and say how to go on."""
+    again = to_go_on_from(run.folder)
+    try:
+        yield
+    except KeyboardInterrupt:
+        _stop(run.session)
+        recorder.note(Interrupted(run.session.cell.clock))
+        how = "stopped" if isinstance(run.inputs.given, Problem) else "stopped with the tool up"
+        on = f"go on with: cleancli execute --resume {again}"
+        if run.inputs.robot is not None:
+            on = "a run with a robot of your own is begun anew"
+        raise RunStopped(f"{how}; {on}", again) from None
+    except OSError as error:
+        _stop(run.session)
+        error.add_note(f"go on later with `cleancli execute --resume {again}`")
+        raise
+    except BaseException:  # a mistake of this program, or of a driver: the robot must not go on with it
+        _stop(run.session)
+        raise
 
 
 def _stop(session: Session) -> None:
@@ -172,9 +177,14 @@ def _teacher(inputs: Inputs, person: Teacher | None) -> Teacher | None:
     return person
 
 
-def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str) -> RunResult:
+def _result(
+    run: OpenedRun,
+    ended: Ended,
+    truth: Mapping[str, object],
+    situation: Situation | None,
+    evidence: Evidence,
+) -> RunResult:
     record: dict[str, Any] = json.loads((run.folder / RUN).read_text(encoding="utf-8"))
-    filmed = run.video and run.session.picture is not None
     return RunResult(
         run.folder,
         ended.clean,
@@ -182,9 +192,10 @@ def _result(run: OpenedRun, ended: Ended, truth: Mapping[str, object], told: str
         ended.actions,
         ended.spent.by_kind(),
         dict(truth),
-        told,
-        filmed,
+        told_in_the_end(run.inputs, situation),
+        run.video and run.session.picture is not None,
         record,
-        short_horizon=short_horizon(run.inputs, ended.clean, ended.reason),
-        hopeless=hopeless(run.inputs, ended.clean),
+        evidence,
+        short_horizon(run.inputs, ended.clean, ended.reason),
+        hopeless(run.inputs, ended.clean),
     )

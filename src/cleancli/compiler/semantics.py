@@ -44,7 +44,7 @@ def successors(task: Task, assignment: GroundState, action: int) -> tuple[tuple[
     probability: dict[GroundState, float] = {}
     for outcome in rule.outcomes:
         if outcome.probability > 0:
-            after = _changed(assignment, outcome.effects)
+            after = changed(assignment, outcome.effects)
             probability[after] = probability.get(after, 0.0) + float(outcome.probability)
     return tuple((p, after) for after, p in probability.items())
 
@@ -58,7 +58,7 @@ def sample(
         return None, assignment
     cumulated = [float(p) for p in itertools.accumulate(outcome.probability for outcome in rule.outcomes)]
     drawn = int(np.searchsorted(cumulated, rng.random(), side="right"))
-    return drawn, _changed(assignment, rule.outcomes[drawn].effects)
+    return drawn, changed(assignment, rule.outcomes[drawn].effects)
 
 
 def decreasing(task: Task, assignment: GroundState) -> float:
@@ -148,7 +148,7 @@ def idle_earliness(steps: int) -> int:
     return max(steps, 0) * (max(steps, 0) + 1) // 2
 
 
-def _changed(assignment: GroundState, effects: Sequence[tuple[int, int]]) -> GroundState:
+def changed(assignment: GroundState, effects: Sequence[tuple[int, int]]) -> GroundState:
     """The state with what an outcome sets."""
     values = list(assignment)
     for variable, value in effects:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cleancli.compiler.semantics import reaches_goal
+from cleancli.compiler.semantics import changed, reaches_goal
 from cleancli.compiler.task import GroundState, Task, holds
 
 WORK = 200_000
@@ -70,12 +70,6 @@ def longer_horizon(task: Task) -> int:
 
 
 def _after(task: Task, state: GroundState) -> Iterator[GroundState]:
-    """The states that may follow by any action."""
-    for rule in task.rules:
-        if holds(rule.condition, state):
-            for outcome in rule.outcomes:
-                if outcome.probability and outcome.effects:
-                    values = list(state)
-                    for variable, value in outcome.effects:
-                        values[variable] = value
-                    yield tuple(values)
+    """The states that may follow by any action, but for this one."""
+    outcomes = (each for rule in task.rules if holds(rule.condition, state) for each in rule.outcomes)
+    return (changed(state, each.effects) for each in outcomes if each.probability and each.effects)

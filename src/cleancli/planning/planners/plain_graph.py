@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, TypeVar
 
-from cleancli.compiler.semantics import idle_earliness, idle_worth, payment
+from cleancli.compiler.semantics import changed, idle_earliness, idle_worth, payment
 from cleancli.compiler.task import GroundCondition, GroundRule, GroundState, Task, asked, holds
 from cleancli.planning.preference import preferred
 
@@ -175,13 +175,10 @@ def _choice(
     decreasing, _, ahead = graph.paid[graph.numbers[state]]
     reward, progress, after = -rule.cost, rule.cost - rule.cost, dict[int, N]()
     for probability, cost, effects in rule.outcomes:
-        values = list(state)
-        for variable, value in effects:
-            values[variable] = value
-        changed = tuple(values)
-        successor = graph.numbers.setdefault(changed, graph.number)
+        following = changed(state, effects)
+        successor = graph.numbers.setdefault(following, graph.number)
         if successor == len(graph.paid):
-            graph.paid.append(paying(changed))
+            graph.paid.append(paying(following))
         left, standing, still = graph.paid[successor]
         reward += probability * (decreasing - left + standing - cost)
         progress += probability * (ahead - still + standing)
