@@ -16,7 +16,8 @@ import msgspec
 from msgspec import Meta
 
 from cleancli import __version__
-from cleancli.api.run_inputs import Inputs, World
+from cleancli.api.inputs import LoadedDomain
+from cleancli.api.run_inputs import Inputs
 from cleancli.execution.setup import MOST, EpisodeOptions, Job
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.files.untrusted import decoded
@@ -198,10 +199,13 @@ def _inputs(run: Run, options: EpisodeOptions, job: Job) -> Inputs:
     return Inputs(domain, problem, sources, options, job, world=world, teacher=teacher)
 
 
-def _rules(run: Run, files: Sequence[InputFile]) -> World | None:
+def _rules(run: Run, files: Sequence[InputFile]) -> LoadedDomain | None:
     """Those that these copies hold, if there are any."""
     texts = tuple(text_of(run, file) for file in files)
-    return World(domain_of(texts), texts) if texts else None
+    if not texts:
+        return None
+    domain = domain_of(texts)
+    return LoadedDomain(domain.name, domain, texts)
 
 
 def _calibration(run: Run) -> bytes:

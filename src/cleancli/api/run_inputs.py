@@ -22,14 +22,6 @@ from cleancli.world.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class World:
-    """Rules of a symbolic world, and their texts."""
-
-    domain: Domain
-    sources: tuple[Source, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Inputs:
     """What goes into a run; `sources` are the texts of the domain and of what is `given`, which come last.
     `evidence`: what earlier runs have seen, to learn from. `world` has the rules by which the symbolic world
@@ -43,10 +35,10 @@ class Inputs:
     options: EpisodeOptions
     job: Job | None
     evidence: Evidence = NO_EVIDENCE
-    world: World | None = None
+    world: LoadedDomain | None = None
     robot: Robot | None = None
     experience: tuple[Transition, ...] = ()
-    teacher: World | None = None
+    teacher: LoadedDomain | None = None
 
 
 def inputs_of(
@@ -85,9 +77,9 @@ def inputs_of(
         given.sources,
         replace(asked, seed=chosen, by_time=by_time, known=usual if known is None else known),
         None if job is None else Job(job),
-        world=None if world is None else World(world.model, world.sources),
+        world=world,
         robot=robot,
-        teacher=None if teacher is None else World(teacher.model, teacher.sources),
+        teacher=teacher,
     )
 
 
@@ -138,7 +130,7 @@ def refuse_impossible(inputs: Inputs) -> None:
     if inputs.world is not None:
         _check_world(inputs, inputs.world)
     if inputs.teacher is not None and isinstance(given, Problem):
-        refuse_unlike(inputs.domain, inputs.teacher.domain, given, inputs.sources, inputs.teacher.sources)
+        refuse_unlike(inputs.domain, inputs.teacher.model, given, inputs.sources, inputs.teacher.sources)
     if isinstance(given, Scene) and options.is_taught:
         raise BadOption("a teacher is for problems: nobody shows a robot at a table what to do yet")
     if isinstance(given, Problem) and inputs.robot is not None:
@@ -147,8 +139,8 @@ def refuse_impossible(inputs: Inputs) -> None:
         raise BadOption(f"--job dustpan takes a second arm, which {given.robot} has not")
 
 
-def _check_world(inputs: Inputs, world: World) -> None:
+def _check_world(inputs: Inputs, world: LoadedDomain) -> None:
     """Raises BadOption where a table is the world, and Refused (E901) where the rules are of other things."""
     if isinstance(inputs.given, Scene):
         raise BadOption("--world is for problems: what happens on the table of a scene is physics")
-    refuse_unlike(inputs.domain, world.domain, inputs.given, inputs.sources, world.sources)
+    refuse_unlike(inputs.domain, world.model, inputs.given, inputs.sources, world.sources)

@@ -135,7 +135,7 @@ def hopeless(inputs: Inputs, done: bool) -> bool:
     given = inputs.given
     if done or not isinstance(given, Problem):
         return False
-    world = inputs.domain if inputs.world is None else inputs.world.domain
+    world = inputs.domain if inputs.world is None else inputs.world.model
     return is_hopeless(world, given)
 
 

@@ -44,7 +44,7 @@ def open_session(inputs: Inputs, saved: SavedWorld | None = None) -> Session:
             elif isinstance(given, Scene):
                 session = table_session(inputs.domain, given, options, job, saved)
             else:
-                acting = inputs.domain if inputs.world is None else inputs.world.domain
+                acting = inputs.domain if inputs.world is None else inputs.world.model
                 session = symbolic_session(inputs.domain, given, options, saved, acting)
             setup = replace(session.setup, evidence=inputs.evidence, experience=inputs.experience)
             return replace(session, setup=setup)

@@ -171,7 +171,7 @@ def _teacher(inputs: Inputs, person: Teacher | None) -> Teacher | None:
     if not inputs.options.is_taught:
         return None
     if inputs.teacher is not None:
-        return of_rules(inputs.teacher.domain, inputs.options.samples)
+        return of_rules(inputs.teacher.model, inputs.options.samples)
     if person is None:
         raise BadOption("a person is asked by `cleancli execute` alone: name a file of rules as the teacher")
     return person
