@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cleancli.array_types import Bools
+from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
@@ -30,8 +31,8 @@ def doors() -> Domain:
 
 def pushed(is_locked: bool, opens: bool, is_open: bool = False) -> Transition:
     facts = (("locked", is_locked), ("open", is_open))
-    before = {(name, ("a",)): True for name, holds in facts if holds}
-    after = before | {("open", ("a",)): True} if opens else before
+    before: Values = {(name, ("a",)): True for name, holds in facts if holds}
+    after: Values = {**before, ("open", ("a",)): True} if opens else before
     return Transition("push", ("a",), DOOR, before, after)
 
 

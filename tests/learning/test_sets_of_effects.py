@@ -62,7 +62,7 @@ def _outcome(parameters: tuple[Variable, ...], domain: Domain, rng: np.random.Ge
             kinds.append(Shift("height", (first,), 1))
         inner = kinds[int(rng.integers(len(kinds)))]
         guard = Literal("on", (other, parameters[0]), frozenset({True}))
-        found.append(ForAll((other,), (guard,), (inner,)) if every else inner)  # type: ignore[arg-type]
+        found.append(ForAll((other,), (guard,), (inner,)) if every else inner)
     return frozenset(found)
 
 

@@ -6,9 +6,11 @@ facts of the domain that has come back as those of state.dat are.
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
@@ -42,11 +44,14 @@ class Returned:
         held by turns in the problem's state, and nothing says so of others."""
         words = self.made.words
         functions = words.names.functions
-        held = Counter((functions[atom[0]].name, atom[1:]) for atom in world if atom[0] in functions)
-        for function in functions.values():
+        held: Counter[Fluent] = Counter(
+            (functions[atom[0]].name, atom[1:]) for atom in world if atom[0] in functions
+        )
+        arity = {symbol.name: symbol.arity for symbol in self.made.library.symbols}
+        for member, function in functions.items():
             least = 0 if len(function.values) > len(function.value_of) else 1
-            counts = [held[function.name, number] for number in self.made.words.names.objects]
-            if any(not least <= count <= 1 for count in counts):
+            every = product(words.names.objects, repeat=arity[member])
+            if any(not least <= held[function.name, terms] <= 1 for terms in every):
                 return None
         atoms = tuple(Atom(atom[0], atom[1:], "=", True, Span("", 0, 0)) for atom in world)
         library = replace(self.made.library, facts=atoms)
@@ -72,24 +77,25 @@ def disagreements(
         before = back.values(step.before)
         if before is None:
             continue
-        wanted: Counter[Facts | None] = Counter()
-        for after, chance in [each for likely in step.wanted for each in likely.items()] or [
-            (step.before, 1)
-        ]:
+        wanted: defaultdict[Facts | None, float] = defaultdict(float)
+        likely = [each for draws in step.wanted for each in draws.items()] or [(step.before, Fraction(1))]
+        for after, chance in likely:
             wanted[_facts(back.values(after))] += float(chance)
         found = _found(rules, back, step, before)
         keys = wanted.keys() | found.keys()
         if any(abs(wanted[key] - found[key]) > ACCURACY for key in keys):
-            yield f"{step.action}{step.names} in {sorted(step.before)}: {found} and not {wanted}"
+            yield f"{step.action}{step.names} in {sorted(step.before)}: {dict(found)} and not {dict(wanted)}"
 
 
-def _found(rules: LiftedRules, back: Returned, step: Step, before: Values) -> Counter[Facts | None]:
+def _found(
+    rules: LiftedRules, back: Returned, step: Step, before: Values
+) -> defaultdict[Facts | None, float]:
     """What follows, and how likely, in the domain that has come back."""
     words = back.made.words.names
     action = words.symbols[back.files.actions[step.action]]
     arguments = tuple(words.objects[number] for number in back.files.terms(step.names))
     here = Transition(action, arguments, back.problem.objects, before, before)
-    found: Counter[Facts | None] = Counter()
+    found: defaultdict[Facts | None, float] = defaultdict(float)
     for moved, chance in foretold(rules, here).items():
         found[_facts({**before, **dict(moved)})] += chance
     return found

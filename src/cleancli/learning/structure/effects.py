@@ -199,13 +199,13 @@ class _Said:
 
     variable: Variable
     typed: Bools
-    literals: Sequence[_Told]
+    literals: Sequence[tuple[Literal, Bools]]
 
 
 def _said_of(arrays: Arrays, known: Named, variable: Variable) -> _Said:
     """What may be said of a variable where all that a literal names is defined."""
     index, typed = ranging(arrays, index_of_terms(known), (variable,))
-    told: list[_Told] = []
+    told: list[tuple[Literal, Bools]] = []
     for literal in literals(arrays.domain, (*known.columns, variable), variable):
         is_defined = defined(literal, known)
         if is_defined.any():
