@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 
 import pytest
 
 from cleancli.cli.main import run
 from cleancli.remote import conformance as steps
+from cleancli.remote.client import Client
 from cleancli.remote.conformance import HELLO, MOVING_STEPS, STILL_STEPS, conformance
 from cleancli.world.robot import Status
 from support.broken_drivers import BROKEN, FAULTS, broken
@@ -89,6 +91,22 @@ def test_a_robot_that_is_not_to_move_does_not(capsys: pytest.CaptureFixture[str]
         assert run(["robot", "check", str(server.address), "--still"]) == 0
     assert capsys.readouterr().out.splitlines() == [f"{step}: yes" for step in (HELLO, *STILL_STEPS)]
     assert (toy.tool[0], toy.tool[1]) == before[:2]
+
+
+def test_a_robot_that_another_client_controls_is_not_checked(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its driver has no fault."""
+    with served(Toy()) as server, Client(server.address):
+        assert run(["robot", "check", str(server.address)]) == 6
+        out, err = capsys.readouterr()
+        assert (out, "another client has control" in err) == ("", True)
+
+
+def test_a_workspace_that_begins_higher_is_moved_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its driver refuses what is below."""
+    monkeypatch.setattr(steps, "MOVING_STEPS", {"carries a motion out": MOVING_STEPS["carries a motion out"]})
+    high = replace(TOY.limits, low=(-0.5, -0.4, 0.15))
+    with served(Toy(), limits=high) as server:
+        assert {each.fault for each in conformance(server.address)} == {""}
 
 
 def test_a_robot_that_has_tripped_is_not_checked(capsys: pytest.CaptureFixture[str]) -> None:

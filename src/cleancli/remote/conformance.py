@@ -60,15 +60,18 @@ class Fault(Exception):
 
 def conformance(address: Address, moves: bool = True) -> Iterator[Finding]:
     """Each step of the check as it is done; those that move the robot only where it `moves`. Where `hello` is
-    answered wrongly there are no others. Raises RobotError where nobody answers, or the robot has tripped."""
+    answered wrongly there are no others. Raises RobotError where nobody answers, the robot has tripped, or
+    another client has control."""
     try:
         with Client(address, control=False) as client:
             trip = client.state.trip
+        if trip:
+            raise RobotError(f"the robot has tripped: {trip}; re-arm it first")
+        with Client(address):
+            pass
     except Broken as error:
         yield Finding(HELLO, error.fault, str(error))
         return
-    if trip:
-        raise RobotError(f"the robot has tripped: {trip}; re-arm it first")
     yield Finding(HELLO)
     for step, check in (STILL_STEPS | MOVING_STEPS if moves else STILL_STEPS).items():
         yield _tried(step, check, address)
@@ -279,9 +282,9 @@ def _begun(client: Client, lasting: float = 0.0) -> tuple[ToolPath, int]:
 
 
 def _middle(limits: Limits) -> tuple[float, float, float]:
-    """Of the workspace, 10 cm above the surface or as high as may be."""
+    """Of the workspace, 10 cm above the surface, or as near to that as may be."""
     x, y = ((low + high) / 2 for low, high in zip(limits.low[:2], limits.high[:2], strict=True))
-    return x, y, min(0.1, limits.high[2])
+    return x, y, min(max(0.1, limits.low[2]), limits.high[2])
 
 
 def _path(*points: tuple[float, float, float], speed: float) -> ToolPath:
