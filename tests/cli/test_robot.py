@@ -100,8 +100,10 @@ def test_a_table_is_served_on_where_nobody_reads_what_it_says() -> None:
 @pytest.mark.needs_pybullet
 def test_a_port_that_is_taken_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     with served(Toy()) as server:
-        assert run(["robot", "serve", "two_groups", "--port", str(server.address.port)]) == 5
-    assert "in use" in capsys.readouterr().err
+        port = server.address.port
+        assert run(["robot", "serve", "two_groups", "--port", str(port)]) == 5
+    told = f"error: port {port} is in use; say another one by `--port`, or 0 for one that is free\n"
+    assert capsys.readouterr().err == told
 
 
 def test_a_person_re_arms(capsys: pytest.CaptureFixture[str]) -> None:

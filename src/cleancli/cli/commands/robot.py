@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from contextlib import closing, suppress
 from dataclasses import asdict
@@ -76,11 +77,21 @@ def serve(scene: str, robot: str | None, port: int, real_time: bool, lease: floa
         PybulletTable(setting, derived(setting.seed if seed is None else seed, Stream.WORLD))
     ) as table:
         driver = SimulatedDriver(table, real_time)
-        with closing(Server(driver, description(setting, lease), Address("127.0.0.1", port), echo)) as server:
+        try:
+            listening = Server(driver, description(setting, lease), Address("127.0.0.1", port), echo)
+        except OSError as error:
+            raise OSError(_no_port(port, error)) from None
+        with closing(listening) as server:
             how = "in real time" if real_time else "in lockstep"
             echo(f"the {setting.robot} of {setting.name} listens at {server.address}, {how}; Ctrl-C ends it")
             with suppress(KeyboardInterrupt):
                 server.serve()
+
+
+def _no_port(port: int, error: OSError) -> str:
+    """Why there is nothing to listen at, and what to do."""
+    why = "is in use" if error.errno == errno.EADDRINUSE else f"cannot be had: {error.strerror}"
+    return f"port {port} {why}; say another one by `--port`, or 0 for one that is free"
 
 
 @command.command("rearm", short_help="Let a robot that has tripped move again.")
