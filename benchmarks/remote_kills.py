@@ -9,7 +9,7 @@ Each kill is a line of FILE as soon as it is over; those that FILE holds are not
 is told to standard error. Exits with 1 if the tool moves on for too long, or a kill is not told or not
 survived.
 
-Fifty kills of each kind take about 25 minutes, of which 7 are CPU; `--quick` (one each of the first three
+Fifty kills of each kind take about 17 minutes, most of it waiting; `--quick` (one each of the first three
 kinds) takes about 5 seconds of CPU.
 """
 
