@@ -161,6 +161,11 @@ def test_a_member_that_no_rule_asks_for_comes_where_another_goes() -> None:
     third = SIZES + "\nhugePot 1 primitive binary"
     more = CHOICE + rule("smallPot(X)", "1 -smallPot(X) hugePot(X)")
     assert functions(third, more, "bigPot(1)") == {"pot": ("bigPot", "smallPot", "hugePot")}
+    # Another that comes there, too, holds together with some of them.
+    wet = third + "\nwet 1 primitive binary"
+    more = CHOICE.replace("smallPot(X)\n 0.5 <noise>", "smallPot(X) wet(X)\n 0.5 <noise>")
+    more += rule("smallPot(X)", "1 -smallPot(X) hugePot(X) wet(X)") + rule("wet(X)", "1 -wet(X)")
+    assert functions(wet, more, "bigPot(1)") == {"pot": ("bigPot", "smallPot", "hugePot")}
 
 
 def test_predicates_without_arguments_become_a_function_too() -> None:

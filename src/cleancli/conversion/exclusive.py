@@ -24,12 +24,12 @@ class Group:
 
 def groups_of(library: Library, constants: Sequence[str]) -> tuple[Group, ...]:
     """The groups that rules of one action choose by, none with a member of another."""
-    rivals, replaced = _rivals(library), _replaced(library)
+    rivals, replaced, together = _rivals(library), _replaced(library), _together(library)
     possible = _possible(library)
     groups: list[Group] = []
     taken: set[str] = set()
     for name in possible:
-        for near in ({other for one, other in rivals if one == name}, _reached(name, replaced)):
+        for near in ({other for one, other in rivals if one == name}, _grown(name, replaced, together)):
             candidates = [each for each in possible if each == name or each in near]
             members = _largest([each for each in candidates if each not in taken], library)
             if name in members and not rivals.isdisjoint(permutations(members, 2)):
@@ -77,13 +77,34 @@ def _replaced(library: Library) -> set[tuple[str, str]]:
     return found
 
 
-def _reached(name: str, pairs: Collection[tuple[str, str]]) -> set[str]:
-    """What pairs lead to, one after the other."""
-    found, waiting = set[str](), [name]
-    while waiting:
-        here = waiting.pop()
-        waiting += [other for one, other in pairs if one == here and other not in found]
-        found.update(other for one, other in pairs if one == here)
+def _together(library: Library) -> set[tuple[str, str]]:
+    """Pairs of predicates that hold of the same terms at first, or after an outcome, both ways round."""
+    states = [library.facts]
+    for rule in library.rules:
+        for result in rule.results:
+            gone = {(each.symbol, each.terms) for each in result.effects if each.value is False}
+            stays = [each for each in rule.context if (each.symbol, each.terms) not in gone]
+            states.append((*stays, *result.effects))
+    found: set[tuple[str, str]] = set()
+    for state in states:
+        held: dict[tuple[str, ...], set[str]] = {}
+        for atom in state:
+            if atom.value is True:
+                held.setdefault(atom.terms, set()).add(atom.symbol)
+        found.update(pair for names in held.values() for pair in permutations(names, 2))
+    return found
+
+
+def _grown(
+    name: str, replaced: Collection[tuple[str, str]], together: Collection[tuple[str, str]]
+) -> list[str]:
+    """A predicate with those that come and go in its place one after the other, of which no two are known to
+    hold together."""
+    found = [name]
+    for here in found:  # which grows
+        for other in sorted(two for one, two in replaced if one == here and two not in found):
+            if all((other, each) not in together for each in found):
+                found.append(other)
     return found
 
 
