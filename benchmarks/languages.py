@@ -112,6 +112,9 @@ def in_libprada(given: Given, states: int, rng: np.random.Generator, counts: Cou
     return f"{name}, back from libPRADA: {found}" if found else ""
 
 
+COMPARED = {"ppddl": in_ppddl, "libprada": in_libprada}
+
+
 def _refusal(language: str, refused: Refused) -> str:
     """The reasons for which something was refused, each once: warnings are none."""
     mistakes = [each for each in refused.diagnostics if each.level is Level.ERROR]
@@ -172,6 +175,7 @@ def main() -> int:
     parser.add_argument("domains", type=int, nargs="?", default=500, help="how many are drawn")
     parser.add_argument("--states", type=int, default=200, help="random states of each")
     parser.add_argument("--seed", type=int, default=0, help="of the first domain that is drawn")
+    parser.add_argument("--only", choices=tuple(COMPARED), help="one language alone")
     parser.add_argument("--rddl", type=int, metavar="N", help="draw so many transitions in RDDL instead")
     options = parser.parse_args()
     if options.rddl is not None:
@@ -182,7 +186,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for given in chain(files(rng), drawn(options.domains, options.seed, Path(folder))):
             counts["domains"] += 1
-            for compared in (in_ppddl, in_libprada):
+            for compared in COMPARED.values() if options.only is None else (COMPARED[options.only],):
                 if wrong := compared(given, options.states, rng, counts):
                     print(wrong)
                     return 1
