@@ -196,6 +196,17 @@ def test_a_group_is_called_by_what_its_members_share() -> None:
 # ---- rules
 
 
+def test_comments_and_a_byte_order_mark_change_nothing() -> None:
+    def remarked(text: str) -> str:
+        first, *lines = text.splitlines()
+        return "\ufeff" + "\n".join([first, "// rules = 7", *(f"{line}  # {line}" for line in lines), "#"])
+
+    plain = converted(texts())
+    made = converted({name: remarked(text) for name, text in texts().items()})
+    assert made.problem == plain.problem
+    assert re.sub("line:? [0-9]+", "", made.domain) == re.sub("line:? [0-9]+", "", plain.domain)
+
+
 def test_names_that_mean_something_in_the_language_get_an_underscore() -> None:
     words = ["when", "prior", "rule", "types", "domain", "s", "x", "seen", "fixed", "horizon"]
     symbols = "\n".join(f"{word} 1 primitive binary" for word in words)

@@ -38,16 +38,11 @@ def read(rules: Source, state: Source, symbols: Source) -> Library:
 
 
 def _symbols(source: Source, found: list[Diagnostic]) -> Iterator[Declaration]:
-    start = 0
-    for line in source.text.splitlines(keepends=True):
-        end = start + len(line.rstrip())
-        scanner = scanner_of(source, start, end, "line")
-        if scanner.next is not None:
-            try:
-                yield _declaration(scanner)
-            except Unreadable as unreadable:
-                found.append(unreadable.diagnostic)
-        start += len(line)
+    for scanner in lines_of(source):
+        try:
+            yield _declaration(scanner)
+        except Unreadable as unreadable:
+            found.append(unreadable.diagnostic)
 
 
 def _declaration(scanner: Scanner) -> Declaration:
@@ -167,8 +162,7 @@ def read_reward(source: Source) -> tuple[Atom, ...]:
     kind: Token | None = None
     end = Span(source.path, len(source.text.rstrip()), len(source.text.rstrip()))
     try:
-        for start, stop in lines_of(source):
-            scanner = scanner_of(source, start, stop, "line")
+        for scanner in lines_of(source):
             if kind is None:
                 kind = scanner.take("number", "0 for a literal, or 1 for several")
                 if kind.text not in ("0", "1"):

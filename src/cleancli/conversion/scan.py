@@ -11,13 +11,11 @@ from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 
 # Numbers are bounded, so that none takes long to compute with; longer ones are two tokens, and misplaced.
 _TOKEN = re.compile(
-    r"(?P<number>[0-9]{1,18}(?:\.[0-9]{0,60})?(?:[eE][-+]?[0-9]{1,2})?)"
+    r"(?P<comment>(?://|#(?!\s*rules\s*=))[^\r\n]*|\ufeff)"
+    r"|(?P<number>[0-9]{1,18}(?:\.[0-9]{0,60})?(?:[eE][-+]?[0-9]{1,2})?)"
     r"|(?P<word>[A-Za-z_][A-Za-z0-9_]*)|(?P<arrow><--)|(?P<result><[A-Za-z-]+>)|(?P<empty>--)"
     r"|(?P<relation><=|>=|!=|<|>|=)|(?P<sign>[-():,#])|(?P<other>\S)"
 )
-
-
-_COMMENTS = ("#", "//")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,26 +36,14 @@ class Unreadable(Exception):
 
 
 def tokens_of(source: Source, start: int = 0, end: int | None = None) -> list[Token]:
-    """The tokens of a part of a text; characters that nothing begins with are tokens too."""
+    """The tokens of a part of a text; characters that nothing begins with are tokens too. Comments are none,
+    nor is a byte order mark."""
     stop = len(source.text) if end is None else end
     return [
         Token(found.group(), str(found.lastgroup), Span(source.path, found.start(), found.end()))
         for found in _TOKEN.finditer(source.text, start, stop)
+        if found.lastgroup != "comment"
     ]
-
-
-def lines_of(source: Source) -> Iterator[tuple[int, int]]:
-    """Where the lines begin and end that are neither empty nor comments."""
-    start = 0
-    for line in source.text.splitlines(keepends=True):
-        if line.strip() and not line.lstrip().startswith(_COMMENTS):
-            yield start, start + len(line.rstrip())
-        start += len(line)
-
-
-def scanner_of(source: Source, start: int, end: int, part: str) -> Scanner:
-    """A scanner of the tokens from one place of a text to another, which are a `part` of it."""
-    return Scanner(tokens_of(source, start, end), Span(source.path, end, end), part)
 
 
 class Scanner:
@@ -150,3 +136,18 @@ class Scanner:
 
 
 _OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
+
+
+def scanner_of(source: Source, start: int, end: int, part: str) -> Scanner:
+    """A scanner of the tokens from one place of a text to another, which are a `part` of it."""
+    return Scanner(tokens_of(source, start, end), Span(source.path, end, end), part)
+
+
+def lines_of(source: Source) -> Iterator[Scanner]:
+    """A scanner of each line that has tokens."""
+    start = 0
+    for line in source.text.splitlines(keepends=True):
+        scanner = scanner_of(source, start, start + len(line.rstrip()), "line")
+        if scanner.next is not None:
+            yield scanner
+        start += len(line)

@@ -17,7 +17,7 @@ from cleancli.conversion.experience.vocabulary import Meaning, Vocabulary, meani
 from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.names import OBJECT, fresh
 from cleancli.conversion.records import Atom
-from cleancli.conversion.scan import Unreadable, lines_of, scanner_of
+from cleancli.conversion.scan import Unreadable, lines_of
 from cleancli.conversion.symbols import facts
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
@@ -112,9 +112,9 @@ def _alone(state: tuple[Atom, ...]) -> Diagnostic:
 
 def _lines(source: Source, found: list[Diagnostic]) -> Iterator[tuple[Atom, ...]]:
     """The literals of each line that has some."""
-    for start, end in lines_of(source):
+    for scanner in lines_of(source):
         try:
-            yield scanner_of(source, start, end, "line").all_atoms()
+            yield scanner.all_atoms()
         except Unreadable as unreadable:
             found.append(unreadable.diagnostic)
 
